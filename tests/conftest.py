@@ -1,4 +1,4 @@
-"""Use a fixed secret for hidden inputs in all tests, so that points are reproducible."""
+"""For all tests: hidden inputs come from a fixed secret, so that points are repeatable."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """
-Reserve ROS domains that no other test or notebook on this machine uses at the same time.
+ROS domains that no other test and no notebook on this machine uses at the same time.
 
-Two kinds of claims prevent conflicts, even between two checkouts: the course's own, which kernels
+Two kinds of claims keep them apart, also between two checkouts: the course's own, which kernels
 respect, and the TCP port of ROS's ``domain_coordinator``, which the tests of the ROS package use.
 """
 
@@ -20,7 +20,7 @@ def own_domain(until: ExitStack) -> int:
     """
     Return a domain that no other program has claimed.
 
-    :param until: releases the domain when it is closed
+    :param until: what gives it back when it is closed
     """
     found = _claimed(until, random.SystemRandom().sample(DOMAINS, len(DOMAINS)), most=1)
     if not found:
@@ -30,16 +30,16 @@ def own_domain(until: ExitStack) -> int:
 
 def other_domains(until: ExitStack) -> list[int]:
     """
-    Return all unclaimed domains, except for some that are left for tests that start later.
+    Return all domains that no other program has claimed, without some for tests that begin later.
 
-    :param until: releases the domains when it is closed
+    :param until: what gives them back when it is closed
     """
     chosen = random.SystemRandom().sample(DOMAINS, len(DOMAINS) - LEFT_TO_OTHERS)
     return _claimed(until, chosen, most=len(chosen))
 
 
 def _claimed(until: ExitStack, numbers: list[int], most: int) -> list[int]:
-    import domain_coordinator  # part of ROS, which may be missing where tests are only collected
+    import domain_coordinator  # of ROS, which is not there where tests are only collected
 
     found: list[int] = []
     for number in numbers:

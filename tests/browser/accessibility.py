@@ -1,4 +1,4 @@
-"""Run the accessibility checker axe on a page: https://github.com/dequelabs/axe-core."""
+"""What axe finds on a page: https://github.com/dequelabs/axe-core."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 def violations(page: Any, *ignored: str, of: str = 'html') -> list[tuple[str, str]]:
     """
-    Return the rules that a page violates, each with its first element.
+    Return the rules that a page breaks, each with its first element.
 
-    :param page: a page whose context has ``bypass_csp``, because axe is a script
-    :param ignored: rules to ignore
-    :param of: selector of the elements to check
+    :param page: of a context with ``bypass_csp``, because axe is a script
+    :param ignored: rules that do not count
+    :param of: selector of the elements that count
     """
     import axe_playwright_python
 

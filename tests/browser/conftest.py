@@ -1,7 +1,7 @@
 """
-Provide a course in a temporary folder, a JupyterLab server for it, and a headless Chromium.
+A course in a temporary folder, a JupyterLab server that serves it, and a headless Chromium.
 
-Only the fixtures import Playwright, so that the tests can be collected without it.
+Playwright is imported by the fixtures only: the other tests are collected without it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from tests.own_domain import own_domain
 ROOT = Path(__file__).resolve().parents[2]
 ASSIGNMENT = '07_temperature_monitor'
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
-# Without the network options, Chromium contacts Google's hosts at every start.
+# Without the network options Chromium looks up hosts of its maker at every start.
 ARGUMENTS = (
     *('--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run'),
     *('--disable-background-networking', '--disable-component-update', '--disable-sync'),
@@ -48,10 +48,10 @@ class Lab:
     """
     A running JupyterLab.
 
-    :param address: address of the server, with a slash at its end
-    :param token: token for the first request; afterwards a cookie is used
-    :param course: folder of the served course
-    :param log: file with the server's terminal output
+    :param address: of the server, with a slash at its end
+    :param token: to be given once, a cookie does the rest
+    :param course: the folder that it serves
+    :param log: file of what it writes to its terminal
     """
 
     address: str
@@ -60,13 +60,13 @@ class Lab:
     log: Path
 
     def url(self, path: str = '') -> str:
-        """Return the address at which JupyterLab opens only this file of the course."""
+        """Return the address at which JupyterLab opens a file of the course, and no other one."""
         return f'{self.address}lab/{f"tree/{path}" if path else ""}?token={self.token}&reset'
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo) -> Iterator[None]:
-    """Take a final screenshot of a failed test, and print where the screenshots are."""
+    """Add a last picture to those of a failed test, and say where they are."""
     report = yield
     used: dict[str, Any] = getattr(item, 'funcargs', {})
     if call.when == 'call' and report.failed and 'page' in used:
@@ -85,7 +85,7 @@ def shots(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope='session')
 def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a course without submissions, as instructors have it, and the solved lesson."""
+    """Return a course without submissions, as an instructor has it, and the solved lesson."""
     root = tmp_path_factory.mktemp('lab') / 'course'
     for folder in ('solutions', 'notebooks'):
         shutil.copytree(
@@ -100,20 +100,20 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from autograder.layout import Layout
 
     (root / 'autograder' / '_work').mkdir(parents=True)
-    enter_assignment(Layout(root), ASSIGNMENT)  # does the same as a release, in half the time
+    enter_assignment(Layout(root), ASSIGNMENT)  # what a release does, in half the time
     return root
 
 
 @pytest.fixture(scope='session')
 def lab(course: Path) -> Iterator[Lab]:
-    """Return a JupyterLab without the user's own settings and open files."""
+    """Return a JupyterLab that knows nothing of the user's own settings and open files."""
     with _running(course, course.parent) as running:
         yield running
 
 
 @pytest.fixture
 def students_lab(course: Path, tmp_path: Path) -> Iterator[Lab]:
-    """Return a JupyterLab with the settings of a students' copy."""
+    """Return a JupyterLab with the settings of a copy that students have."""
     places = Places.of('.venv', tmp_path)
     install_files.write_jupyter_settings(places)
     install_files.write_terminal(places)
@@ -126,14 +126,14 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
     """
     Run a JupyterLab.
 
-    :param home: folder for the files that it writes
-    :param config: folder with settings that take precedence over those of the environment
+    :param home: receives what it keeps
+    :param config: a folder of settings that come before those of the environment
     """
     settings = home / 'settings' / '@jupyterlab' / 'notebook-extension'
     settings.mkdir(parents=True)
-    # Render all cells of the page, not only the visible ones.
+    # All cells are in the page, not only those in sight.
     (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
-    # Under pytest, ipykernel does not capture C code's output, such as lines of ROS loggers.
+    # In a test, ipykernel leaves alone what C code prints, such as the lines of ROS loggers.
     inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}
     if config is not None:
         inherited['JUPYTER_CONFIG_PATH'] = str(config)
@@ -155,7 +155,7 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
                 'HOME': str(home),
                 'JUPYTER_RUNTIME_DIR': str(home / 'runtime'),
                 'JUPYTERLAB_SETTINGS_DIR': str(home / 'settings'),
-                # This kernel must not receive messages of other kernels on this machine.
+                # Another kernel on this machine must not be heard.
                 'ROS_DOMAIN_ID': str(own_domain(until)),
             },
             stdin=subprocess.DEVNULL,
@@ -165,7 +165,7 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
     try:
         yield Lab(_address(server, home / 'runtime', log), token, course, log)
     finally:
-        server.terminate()  # ends its kernels, too
+        server.terminate()  # ends its kernels too
         try:
             server.wait(20)
         except subprocess.TimeoutExpired:
@@ -175,14 +175,14 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
 
 
 def _free_port() -> int:
-    """Return a port that is free now; if it is taken later, Jupyter tries others."""
+    """Return a port that is free now; if it is taken meanwhile, Jupyter tries others."""
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return probe.getsockname()[1]
 
 
 def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
-    """Wait until the server answers, and return its address."""
+    """Wait until the server answers, and return the address that it has chosen."""
     deadline = time.monotonic() + START_S
     while time.monotonic() < deadline and server.poll() is None:
         for described in runtime.glob('jpserver-*.json'):
@@ -191,14 +191,14 @@ def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
                 with urlopen(f'{address}api'):
                     return address
             except (OSError, ValueError):
-                pass  # the file is incomplete, or the server is not listening yet
+                pass  # half written, or not listening yet
         time.sleep(POLL_S)
     raise AssertionError(f'JupyterLab did not start:\n{log.read_text()[-3000:]}')
 
 
 @pytest.fixture(scope='session')
 def browser() -> Iterator[Any]:
-    """Return the system's Chromium, headless."""
+    """Return a headless Chromium of the system."""
     found = next(filter(None, map(shutil.which, BROWSERS)), None)
     assert found, f'No browser ({", ".join(BROWSERS)}). Try: sudo apt-get install -y chromium'
     from playwright.sync_api import sync_playwright
@@ -211,7 +211,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def page(browser: Any, shots: Path) -> Iterator[Any]:
-    """Return an empty page; exceptions of its scripts are in ``page.errors``."""
+    """Return an empty page; what its scripts raise is in ``page.errors``."""
     context = browser.new_context(viewport={'width': 1360, 'height': 900})
     opened = context.new_page()
     opened.errors = []

@@ -1,4 +1,4 @@
-"""Operate a page of JupyterLab: open a lesson, run it, find its cells."""
+"""What the tests do on a page of JupyterLab: open a lesson, run it, find its cells."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from conftest import Lab
 
 OPEN_MS = 60_000
 CELL_MS = 120_000
-"""The longest wait for one event, such as the first build on a busy machine [ms]."""
+"""The longest wait for one thing to happen: the first build on a busy machine."""
 
 TROUBLE = '[data-mime-type$="jupyter.error"], [data-mime-type$="jupyter.stderr"]'
-"""Selector of the outputs with errors or stderr, shown in pink boxes."""
+"""Pink boxes."""
 WITHOUT_WORDS = """() => {
     const said = ids => (ids ?? '').split(' ')
         .map(id => document.getElementById(id)?.textContent ?? '').join('').trim();
@@ -27,7 +27,7 @@ WITHOUT_WORDS = """() => {
         ...inside('th').filter(one => !one.textContent.trim() || !one.hasAttribute('scope')),
     ].map(one => one.outerHTML.slice(0, 300));
 }"""
-"""Finds pictures without a name, and table headers without text or direction, in outputs."""
+"""Pictures without a name, headers without words or direction, in what the cells show."""
 LAST_OR_TROUBLE = r"""trouble => document.querySelector(trouble) !== null
     || /^\[\d+\]:$/.test(
         [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].at(-1).textContent)"""
@@ -38,7 +38,7 @@ def open_notebook(lab: Lab, page: Any, path: str) -> None:
     """
     Open a notebook in an empty JupyterLab and wait for its cells and its kernel.
 
-    :param path: path inside the course
+    :param path: inside the course
     """
     from playwright.sync_api import expect
 
@@ -46,13 +46,13 @@ def open_notebook(lab: Lab, page: Any, path: str) -> None:
     code = sum(cell['cell_type'] == 'code' for cell in cells)
     page.goto(lab.url(path))
     expect(page.locator('.jp-CodeCell')).to_have_count(code, timeout=OPEN_MS)
-    # Without a kernel, Run All Cells silently does nothing.
+    # Without a kernel, Run All Cells does nothing and says nothing.
     ready = page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle')
     expect(ready).to_be_visible(timeout=OPEN_MS)
 
 
 def solved(lab: Lab, assignment: str) -> str:
-    """Return the path of a lesson's solved notebook inside the course."""
+    """Return where the solved notebook of a lesson is, inside the course."""
     (found,) = (lab.course / 'solutions' / assignment).glob('*.ipynb')
     return str(Path(found).relative_to(lab.course))
 
@@ -65,7 +65,7 @@ def choose(page: Any, *labels: str) -> None:
 
 
 def cell_with(page: Any, *words: str) -> Any:
-    """Return the code cell whose source contains these words."""
+    """Return the code cell whose source has these words."""
     found = page.locator('.jp-CodeCell')
     for word in words:
         found = found.filter(has=page.locator('.jp-InputArea', has_text=word))
@@ -74,14 +74,14 @@ def cell_with(page: Any, *words: str) -> Any:
 
 
 def wait_until_run(cell: Any) -> None:
-    """Wait until a cell has finished."""
+    """Wait until a cell has come to its end."""
     from playwright.sync_api import expect
 
     expect(cell.locator('.jp-InputPrompt')).to_have_text(HAS_RUN, timeout=CELL_MS)
 
 
 def run_all(page: Any) -> None:
-    """Run all cells, and check that none of them fails or writes to stderr."""
+    """Run all cells, and see that none of them fails or writes to stderr."""
     choose(page, 'Run', 'Run All Cells')
     page.wait_for_function(LAST_OR_TROUBLE, arg=TROUBLE, timeout=CELL_MS)
     assert page.locator(TROUBLE).all_inner_texts() == []

@@ -1,4 +1,4 @@
-"""Test the book in a browser: accessible, usable on a phone, and without other hosts."""
+"""The book in a browser: readable by everyone, on a phone too, and from no other host."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 
 REQUIREMENTS = ROOT / 'environment' / 'requirements-book.txt'
 OF_THE_THEME = ('landmark-unique',)
-"""Furo has two sidebars without names."""
+"""Furo has two nameless sidebars."""
 NARROW, WIDE = 400, 1400
 WIDER_THAN_THE_PAGE = 'document.documentElement.scrollWidth > window.innerWidth'
 
 
 @pytest.fixture(scope='session')
 def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the HTML built by `make book`, or the existing book that BOOK names."""
+    """Return the HTML of a book that `make book` would make; BOOK names one that is there."""
     if there := os.environ.get('BOOK'):
         return Path(there)
     folder = tmp_path_factory.mktemp('book')
@@ -46,7 +46,7 @@ def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def address(book: Path) -> Iterator[str]:
-    """Return the address of a server for the book."""
+    """Return the address of a server with the book."""
 
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_: Any) -> None:
@@ -62,7 +62,7 @@ def address(book: Path) -> Iterator[str]:
 def test_every_page_is_accessible_and_loads_nothing_from_elsewhere(
     book: Path, address: str, browser: Any, shots: Path, scheme: str
 ) -> None:
-    """Both a wide page and a phone are tested."""
+    """On a wide page and on a phone."""
     context = browser.new_context(bypass_csp=True, color_scheme=scheme)
     page, asked = context.new_page(), []
     page.on('request', lambda request: asked.append(request.url))
@@ -84,7 +84,7 @@ def test_every_page_is_accessible_and_loads_nothing_from_elsewhere(
 
 
 def test_search_finds_a_word_of_a_lesson(address: str, page: Any) -> None:
-    """The search needs no server."""
+    """Without a server that searches."""
     from playwright.sync_api import expect
 
     page.goto(f'{address}/search.html?q=parleur')
@@ -93,7 +93,7 @@ def test_search_finds_a_word_of_a_lesson(address: str, page: Any) -> None:
 
 
 def test_picture_opens_its_data(address: str, page: Any) -> None:
-    """The table can be opened with the keyboard."""
+    """By the keyboard."""
     page.goto(f'{address}/00_quick_tour/quick_tour.html')
     data = page.locator('details', has_text='Data of this picture').first
     data.locator('summary').press('Enter')

@@ -1,4 +1,4 @@
-"""Test the pages of a class in a browser, on a phone and on a wide screen."""
+"""The pages of a class in a browser: readable on a telephone and on a wide screen."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ TIMELINE = {
     'end': 10.0,
     'rows': [{'label': 'a', 'what': 'observed', 'count': 2, 'times': [2.0, 4.0]}],
 }
-# Finds cells whose longest word does not fit on one line.
+# Cells with words whose longest word does not fit on one line of the cell.
 BROKEN = """() => [...document.querySelectorAll('th, td, .name')]
     .filter(cell => cell.getBoundingClientRect().width > 0)
     .filter(cell => {
@@ -69,8 +69,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_page_is_readable_without_a_mouse(
     pages: Path, browser: Any, shots: Path, page_name: str, width: int
 ) -> None:
-    """No word is broken, nothing overflows, and axe finds no violation."""
-    # The pages' policy forbids every script, including axe.
+    """No word is broken, nothing sticks out, and axe finds nothing."""
+    # The policy of the pages forbids every script, that of axe too.
     context = browser.new_context(viewport={'width': width, 'height': 900}, bypass_csp=True)
     page = context.new_page()
     page.goto((pages / f'{page_name}.html').as_uri())

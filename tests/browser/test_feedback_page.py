@@ -1,4 +1,4 @@
-"""Test the feedback page of students in a browser: readable, accessible, without requests."""
+"""The page that students get back, in a browser: readable, complete for everybody, and quiet."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ WITHOUT_WORDS = """() => [...document.querySelectorAll('svg')]
 
 
 def failing(name: str) -> CheckResult:
-    """Return a failed check with a student's text."""
+    """Return a check that failed, with words of a student in it."""
     return CheckResult(
         name,
         f'It does {name}.',
@@ -80,7 +80,7 @@ def failing(name: str) -> CheckResult:
 
 @pytest.fixture(scope='module')
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a feedback page as nbgrader generates it for this course."""
+    """Return a page of feedback as nbgrader writes it for this course."""
     from autograder.gradebook.grade_cells import _score, _told
     from autograder.gradebook.nbgrader_plugin import FeedbackExporter
     from autograder.gradebook.settings import load_config
@@ -123,7 +123,7 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_feedback_page_fits_and_asks_for_nothing(
     feedback: Path, browser: Any, shots: Path, width: int, scheme: str
 ) -> None:
-    """Nothing overflows, nothing is loaded, and no script runs."""
+    """No part sticks out, nothing is loaded, no script of anybody runs."""
     context = browser.new_context(viewport={'width': width, 'height': 900}, color_scheme=scheme)
     page = context.new_page()
     asked: list[str] = []
@@ -146,8 +146,8 @@ def test_a_feedback_page_fits_and_asks_for_nothing(
 
 @pytest.mark.parametrize('width', [1280, 360])
 def test_axe_finds_nothing_on_a_feedback_page(feedback: Path, browser: Any, width: int) -> None:
-    """Scrollable elements have a name and can get focus, and ids are unique."""
-    # The page forbids every script, including axe.
+    """What scrolls has a name and can be focused, and no id is repeated."""
+    # The page forbids every script, that of axe too.
     context = browser.new_context(viewport={'width': width, 'height': 900}, bypass_csp=True)
     page = context.new_page()
     page.goto(feedback.as_uri())
@@ -160,7 +160,7 @@ def test_axe_finds_nothing_on_a_feedback_page(feedback: Path, browser: Any, widt
 
 
 def test_everything_has_a_name(feedback: Path, page: Any) -> None:
-    """Pictures have descriptions, and a reader can jump to checks and to the lesson."""
+    """Pictures say in words what they show; a reader can jump to checks and lesson."""
     from playwright.sync_api import expect
 
     page.goto(feedback.as_uri())

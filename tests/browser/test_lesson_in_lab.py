@@ -1,5 +1,5 @@
 """
-Test a lesson and the grader in JupyterLab, with a headless Chromium.
+The lesson and the grader as people meet them: JupyterLab in a headless Chromium.
 
     make test-browser                        # installs Playwright, looks for a Chromium
     make test-browser ARGS='-k formgrader'
@@ -36,7 +36,7 @@ CHECKS = (
 )
 WRAPPING = """() => [...new Set([...document.querySelectorAll('.jp-OutputArea-output pre')]
     .map(output => getComputedStyle(output).wordBreak))]"""
-"""Returns how lines of output are broken; JupyterLab's default is break-all."""
+"""How lines of output are broken; JupyterLab's own way is break-all."""
 RUNS_AND_SHOWS = """
 ([cell, words, trouble]) => document.querySelector(trouble) !== null
     || cell.querySelector('.jp-InputPrompt').textContent.includes('*')
@@ -45,7 +45,7 @@ RUNS_AND_SHOWS = """
 
 
 def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shots: Path) -> None:
-    """Every cell runs, readings appear while their cell runs, and the tables show full points."""
+    """Every cell runs, readings appear while their cell is busy, and the tables are green."""
     from playwright.sync_api import expect
 
     open_notebook(lab, page, f'lesson/{NOTEBOOK}')
@@ -61,7 +61,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     live.screenshot(path=shots / 'live.png')
     wait_until_run(page.locator('.jp-CodeCell').last)
 
-    # Each line is under the cell that caused it, even if cells run in quick succession.
+    # Each line is under the cell that caused it, even when cells run in quick succession.
     for fed, warnings in (('feed([(29.9', 2), ('feed([(300.0', 1)):
         output = cell_with(page, fed).locator('.jp-Cell-outputArea')
         assert output.inner_text().count('[WARN] [temperature_subscriber]') == warnings
@@ -82,11 +82,11 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     assert page.evaluate(WRAPPING) == ['normal']
     assert page.locator(TROUBLE).all_inner_texts() == []
     assert page.errors == []
-    assert 'without encryption' not in lab.log.read_text()  # a warning of kernels
+    assert 'without encryption' not in lab.log.read_text()  # as kernels warn learners
 
 
 def hand_in(lab: Lab, student: str, **changes: str) -> None:
-    """Submit the solution, with words replaced and without the written answer."""
+    """Hand in the solution with some words replaced and the written question unanswered."""
     notebook = json.loads((lab.course / 'lesson' / NOTEBOOK).read_text(encoding='utf-8'))
     for cell in notebook['cells']:
         source = ''.join(cell['source'])
@@ -101,7 +101,7 @@ def hand_in(lab: Lab, student: str, **changes: str) -> None:
 
 
 def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, shots: Path) -> None:
-    """A publisher of two readings per second loses only the three points for its rate."""
+    """A publisher of two readings a second loses the three points for its rate, and no more."""
     from playwright.sync_api import expect
 
     hand_in(lab, 'two_hertz', **{'PERIOD_S = 1.0': 'PERIOD_S = 0.5'})
@@ -128,7 +128,7 @@ def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, sho
 def test_formgrader_shows_a_submission_and_makes_feedback(
     lab: Lab, page: Any, shots: Path
 ) -> None:
-    """An instructor reads a submission and generates the feedback."""
+    """The instructor's evening after grading: read what was handed in, and give it back."""
     from playwright.sync_api import expect
 
     student = 'to_be_marked'
@@ -156,7 +156,7 @@ def test_formgrader_shows_a_submission_and_makes_feedback(
 
 
 def test_check_notices_an_edited_cell_that_was_not_run(lab: Lab, page: Any, shots: Path) -> None:
-    """JupyterLab saves the edited notebook soon; the judged file is older."""
+    """JupyterLab saves the notebook soon, and the file that is judged is older."""
     from playwright.sync_api import expect
 
     folder = lab.course / 'edited'

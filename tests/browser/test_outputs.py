@@ -1,4 +1,4 @@
-"""Test that outputs of cells in JupyterLab are accessible, on a light and on a dark page."""
+"""What cells show in JupyterLab can be read by everyone, on a light and on a dark page."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DARK = 'body[data-jp-theme-light="false"]'
 
 
 def test_outputs_of_a_lesson_are_accessible(lab: Lab, browser: Any, shots: Path) -> None:
-    """The outputs include pictures with their data, questions and log lines."""
+    """Pictures with their data, questions and lines of logs."""
     context = browser.new_context(bypass_csp=True, viewport={'width': 1360, 'height': 900})
     page = context.new_page()
     open_notebook(lab, page, solved(lab, '00_quick_tour'))

@@ -1,5 +1,5 @@
 """
-Test the page that `make lab` opens, and the links of a lesson.
+The page that `make lab` opens, and the links of a lesson.
 
     make test-browser ARGS='-k start_here'
 """
@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 def test_lab_opens_start_here_and_its_links_lead_to_lessons(
     lab: Lab, page: Any, shots: Any
 ) -> None:
-    """A student sees the map, runs its cell and follows two links."""
+    """A student without an address sees the map, runs its cell and follows two links."""
     from playwright.sync_api import expect
 
     page.goto(f'{lab.address}?token={lab.token}')

@@ -1,4 +1,4 @@
-"""Test what JupyterLab offers to students and to instructors, and its terminals."""
+"""What JupyterLab offers to students and to instructors, and its terminals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CREATE = '.jp-SideBar [title*="Create Assignment"], .jp-SideBar [data-id*="creat
 
 
 def offered(page):
-    """Return which parts of nbgrader are visible: entries of its menu, a panel, a button."""
+    """Return what nbgrader offers: entries of its menu, a panel, a button."""
     page.locator('.lm-MenuBar-itemLabel', has_text='Nbgrader').click()
     labels = page.locator('.lm-Menu-itemLabel')
     labels.filter(has_text='Assignment List').wait_for(timeout=OPEN_MS)
@@ -27,7 +27,7 @@ def offered(page):
 
 
 def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots):
-    """Only the list of assignments is left, for a course that has an exchange."""
+    """What is left is the list of assignments, for a course that has an exchange."""
     open_notebook(students_lab, page, LESSON)
     page.screenshot(path=shots / 'students.png')
 
@@ -35,7 +35,7 @@ def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots)
 
 
 def test_instructors_see_all_of_it(lab, page, shots):
-    """Instructors grade the written question in Formgrader."""
+    """Formgrader is where the written question is graded."""
     open_notebook(lab, page, LESSON)
     page.screenshot(path=shots / 'instructors.png')
 
@@ -44,13 +44,13 @@ def test_instructors_see_all_of_it(lab, page, shots):
 
 
 def test_a_terminal_knows_the_course(lab, page, shots):
-    """A terminal opens in a lesson's folder, and finds ros2 and the goals of the Makefile."""
+    """It finds ros2 and the goals of the Makefile where it opens, which is a lesson's folder."""
     open_notebook(lab, page, LESSON)
     choose(page, 'File', 'New Launcher')
     page.locator('.jp-LauncherCard', has_text='Terminal').click()
     screen = page.locator('.jp-Terminal .xterm-screen')
     screen.click(timeout=OPEN_MS)
-    # The program rejects its first parameter and ends, so nothing stays in the background.
+    # The program ends at its first parameter, which is refused: nothing stays in the background.
     for line in (
         'basename "$PWD" > said.txt',
         'ros2 pkg executables temp_monitor_pkg >> said.txt',

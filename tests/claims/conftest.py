@@ -1,8 +1,8 @@
 """
-Provide real nodes in an isolated ROS environment for the tests of claims.
+What the claims are tried with: real nodes in a ROS world of their own.
 
-``world`` is a private context on a domain that no other test process uses; its nodes are
-destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condition, with a limit.
+``world`` is a private context on a domain that no other test process uses; nodes made with it are
+destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condition, with a bound.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from rclpy.node import Node
 
 from tests.own_domain import own_domain
 
-_until = ExitStack()  # closed at the end of this process
+_until = ExitStack()  # the end of this process
 DOMAIN, ANOTHER_DOMAIN = own_domain(_until), own_domain(_until)
 
 
 class World:
-    """A context, an executor and their nodes."""
+    """A context, an executor and the nodes in it."""
 
     another_domain = ANOTHER_DOMAIN
 
@@ -34,7 +34,7 @@ class World:
         self.nodes: list[Node] = []
 
     def node(self, name: str = 'subject', cls: type[Node] = Node, **options: object) -> Node:
-        """Create a node and add it to the executor."""
+        """Make a node and let the executor serve it."""
         node = cls(name, context=self.context, **options)
         self.nodes.append(node)
         self.executor.add_node(node)
@@ -43,14 +43,14 @@ class World:
     def spin_until(
         self, condition: Callable[[], object], timeout: float = 60.0, what: str = 'a condition'
     ) -> None:
-        """Run callbacks until a condition holds; fail after a limit that no claim depends on."""
+        """Serve callbacks until something holds; fail after a bound that no claim depends on."""
         deadline = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, f'waited {timeout:g} s for {what}'
             self.executor.spin_once(timeout_sec=0.02)
 
     def drain(self) -> None:
-        """Run all callbacks that are ready now."""
+        """Serve what is ready, and nothing that is still to come."""
         for _ in range(200):
             self.executor.spin_once(timeout_sec=0)
 
@@ -64,7 +64,7 @@ class World:
 
 @pytest.fixture
 def world() -> Iterator[World]:
-    """Return an isolated ROS environment for one test."""
+    """Return a ROS world of this test alone."""
     made = World()
     yield made
     made.close()
@@ -72,7 +72,7 @@ def world() -> Iterator[World]:
 
 @pytest.fixture
 def other_world() -> Iterator[World]:
-    """Return a second participant in the same domain, like another process."""
+    """Return a second participant in the same domain, as another process would be."""
     made = World()
     yield made
     made.close()

@@ -41,14 +41,14 @@ Places = Mapping[str, Sequence[str]]
 
 
 def claims(name: str) -> dict[str, dict[str, Any]]:
-    """Return the claims of one file, by id."""
+    """Return the claims of one of the two files, by id."""
     found = yaml.safe_load((HERE / name).read_text(encoding='utf-8'))
     assert isinstance(found, dict)
     return found
 
 
 def cells() -> dict[str, list[str]]:
-    """Return the cells that teach each claim, as ``lesson/notebook.ipynb#cell-id``."""
+    """Return where each claim is taught, as ``lesson/notebook.ipynb#cell-id``."""
     found = defaultdict(list)
     for path in lesson_files(ROOT / 'solutions'):
         for cell in json.loads(path.read_text(encoding='utf-8'))['cells']:
@@ -75,7 +75,7 @@ def _marks(test: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
 
 
 def problems(taught: Places, proven: Places) -> Iterator[str]:
-    """Yield the problems, one line each; a claim may be untested only with a reason."""
+    """Yield what is missing, one line each; a claim may go untested only with a reason."""
     points, corrections = claims('points.yaml'), claims('corrections.yaml')
     known = points.keys() | corrections.keys()
     for claim, point in points.items():
@@ -94,7 +94,7 @@ def problems(taught: Places, proven: Places) -> Iterator[str]:
 
 
 def table(taught: Places, proven: Places) -> str:
-    """Return the text of docs/coverage.md."""
+    """Return the page."""
     points, corrections = claims('points.yaml'), claims('corrections.yaml')
     tested = sum(claim in proven for claim in points)
     lines = [
@@ -135,7 +135,7 @@ def _listed(places: Sequence[str] | None) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the table, or compare it with the existing one."""
+    """Write the table, or compare it."""
     taught, proven = cells(), tests()
     text = table(taught, proven)
     found = list(problems(taught, proven))

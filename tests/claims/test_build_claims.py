@@ -1,4 +1,4 @@
-"""Test the course's claims about packages that define messages, with colcon and CMake."""
+"""What the course says about packages that define messages, tried with colcon and CMake."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def build(folder: Path, files: dict[str, str]) -> subprocess.CompletedProcess[st
 
 
 def configure(folder: Path, rules: str, group: str = GROUP) -> str:
-    """Return the error of CMake for a package with these rules, and fail if there is none."""
+    """Return what CMake says of a package with these rules; it must refuse them."""
     built = build(
         folder,
         {
@@ -70,7 +70,7 @@ GENERATE = 'rosidl_generate_interfaces(${PROJECT_NAME} "msg/Num.msg")'
 
 @claim('M1', 'C1', 'C25')
 def test_python_package_builds_and_has_no_messages(tmp_path):
-    """ament_python silently ignores the message file, and the import fails."""
+    """ament_python takes the message file without a word; the import fails."""
     manifest = MANIFEST.format(group=GROUP).replace(
         '<build_type>ament_cmake<', '<build_type>ament_python<'
     )
@@ -99,13 +99,13 @@ def test_python_package_builds_and_has_no_messages(tmp_path):
 
 @claim('M4', 'C4')
 def test_without_the_group_cmake_stops(tmp_path):
-    """CMake's error names the line that is missing from package.xml."""
+    """The message of CMake names the line that is missing from package.xml."""
     assert 'member_of_group' in configure(tmp_path, GENERATE, group='')
 
 
 @claim('M6', 'C2')
 def test_first_argument_is_the_name_of_the_project(tmp_path):
-    """A different name can be built, but Python then does not find the libraries."""
+    """A different name builds, but Python then fails to find its libraries."""
     built = build(
         tmp_path,
         {
@@ -138,7 +138,7 @@ def test_first_argument_is_the_name_of_the_project(tmp_path):
 
 @claim('M3')
 def test_module_of_the_same_name_cannot_be_installed_twice(tmp_path):
-    """Messages need a Python module with the package's name; a second one collides."""
+    """Messages bring a Python module of the package's name; a second one collides."""
     said = configure(tmp_path, f'{GENERATE}\nament_python_install_package(${{PROJECT_NAME}})')
 
     assert 'another target with the same name already exists' in ' '.join(said.split())
@@ -146,7 +146,7 @@ def test_module_of_the_same_name_cannot_be_installed_twice(tmp_path):
 
 @claim('M5', 'C2')
 def test_package_of_a_used_type_is_a_dependency(tmp_path):
-    """A Time field without DEPENDENCIES builtin_interfaces makes the generators fail."""
+    """A Time without DEPENDENCIES builtin_interfaces does not get through the generators."""
     built = build(
         tmp_path,
         {

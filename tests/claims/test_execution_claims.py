@@ -1,4 +1,4 @@
-"""Test the course's claims about executors, timers, callbacks and clocks with rclpy."""
+"""What the course says about executors, timers, callbacks and clocks, tried on the real rclpy."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ pytestmark = pytest.mark.ros
 
 
 def in_thread(work):
-    """Run a function in a daemon thread, so that a failing claim cannot block the tests."""
+    """Start a daemon thread, so that a claim that fails cannot hang the tests."""
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
     return thread
 
 
 def to_the_end(executor):
-    """Return a function that spins until the executor is shut down."""
+    """Return what spins until the executor is shut down."""
 
     def spin():
-        # rclpy 7.1.6 may destroy the guard condition while the next wait is being set up.
+        # rclpy 7.1.6 takes the guard condition away while the next wait may just be set up.
         with suppress(AttributeError, rclpy_implementation.InvalidHandle):
             executor.spin()
 
@@ -52,7 +52,7 @@ def to_the_end(executor):
 
 @claim('X1', 'X8')
 def test_spin_blocks_until_its_executor_is_shut_down(world):
-    """The spinning thread is busy until another thread shuts the executor down."""
+    """The thread that spins is busy with it until somebody ends it."""
     executor = SingleThreadedExecutor(context=world.context)
     ticked = threading.Event()
     world.executor.remove_node(node := world.node())
@@ -69,7 +69,7 @@ def test_spin_blocks_until_its_executor_is_shut_down(world):
 
 @claim('X8')
 def test_shutdown_of_the_context_raises_where_somebody_spins(world):
-    """A program can catch the exception by its name."""
+    """The exception has a name that a program can expect."""
     raised = []
     spinning = threading.Event()
     node = world.node()
@@ -88,7 +88,7 @@ def test_shutdown_of_the_context_raises_where_somebody_spins(world):
 
     thread = in_thread(spin)
     assert spinning.wait(SOON_S)
-    thread.join(0.5)  # the executor waits; between two waits, spin would just return
+    thread.join(0.5)  # nothing is left to do, so it waits; between two waits, spin just returns
     world.context.shutdown()
     thread.join(SOON_S)
 
@@ -97,21 +97,21 @@ def test_shutdown_of_the_context_raises_where_somebody_spins(world):
 
 @claim('X2')
 def test_spin_once_without_time_does_not_wait(world):
-    """Without work it returns immediately, otherwise it runs one callback."""
+    """With nothing to do it returns at once, and with something it does one thing."""
     node, ticks = world.node(), []
     timer = node.create_timer(3600.0, lambda: ticks.append(1))
     world.drain()
     began = time.monotonic()
     world.executor.spin_once(timeout_sec=0)
 
-    assert time.monotonic() - began < 60  # the timeout is an hour
+    assert time.monotonic() - began < 60  # against an hour
     assert ticks == []
     assert not timer.is_canceled()
 
 
 @claim('X3')
 def test_waiting_for_one_message_is_bounded(world):
-    """wait_for_message returns the message, or reports that none arrived."""
+    """wait_for_message returns what came, or tells that nothing did."""
     node = world.node()
     world.executor.remove_node(node)
 
@@ -120,7 +120,7 @@ def test_waiting_for_one_message_is_bounded(world):
 
 @claim('X3')
 def test_spinning_until_a_future_is_done(world):
-    """The call returns when the result is available."""
+    """It returns when the answer is there."""
     node = world.node()
     node.create_service(GetParameters, 'ping', lambda _, response: response)
     future = node.create_client(GetParameters, 'ping').call_async(GetParameters.Request())
@@ -131,7 +131,7 @@ def test_spinning_until_a_future_is_done(world):
 
 @claim('X4')
 def test_messages_wait_until_somebody_spins(world):
-    """A message that was sent to a matched subscription is not received before spinning."""
+    """Connected and sent is not yet received."""
     node, heard = world.node(), []
     publisher = node.create_publisher(String, 'chatter', 10)
     node.create_subscription(String, 'chatter', heard.append, 10)
@@ -144,7 +144,7 @@ def test_messages_wait_until_somebody_spins(world):
 
 @claim('X5')
 def test_spin_once_takes_the_node_away_from_its_executor(world):
-    """After rclpy.spin_once, the other executor no longer serves the node."""
+    """After rclpy.spin_once the other executor serves nobody."""
     import rclpy
 
     node = world.node()
@@ -169,7 +169,7 @@ def test_exception_in_a_callback_leaves_spin(world):
 
 
 def most_at_once(world, *groups) -> int:
-    """Return the largest number of concurrent calls on four threads, with a timer per group."""
+    """Return how many calls ran at once on four threads, of a timer in each group."""
     node, now, most, lock = world.node(), [], [0], threading.Lock()
     world.executor.remove_node(node)
     done = threading.Event()
@@ -198,13 +198,13 @@ def most_at_once(world, *groups) -> int:
 
 
 class Meeting:
-    """A meeting point that reports whether a number of threads arrived."""
+    """Tells whether so many threads were there at once."""
 
     def __init__(self, count):
         self.barrier = threading.Barrier(count)
 
     def wait(self, seconds):
-        """Wait for the other threads, up to a time limit."""
+        """Wait for the others, at most so long."""
         try:
             self.barrier.wait(seconds)
         except threading.BrokenBarrierError:
@@ -215,7 +215,7 @@ class Meeting:
 
 @claim('X9')
 def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
-    """Four threads make no difference for the default group."""
+    """Four threads change nothing for the default group."""
     everybody = ReentrantCallbackGroup()
 
     assert most_at_once(world, None, None) == 1
@@ -224,7 +224,7 @@ def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
 
 @claim('X22')
 def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
-    """Each group runs one call at a time, independently of other groups."""
+    """One group lets one call run at a time, and does not wait for another group."""
     shared, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
 
     assert most_at_once(world, shared, other) == 2
@@ -233,14 +233,14 @@ def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
 
 @claim('X22')
 def test_callback_overlaps_with_itself_in_a_reentrant_group_only(world):
-    """A timer with a period shorter than its callback starts it again before the end."""
+    """A timer that ticks faster than its callback ends meets itself."""
     assert most_at_once(world, ReentrantCallbackGroup()) >= 2
     assert most_at_once(world, MutuallyExclusiveCallbackGroup()) == 1
 
 
 @claim('X23')
 def test_executor_has_as_many_threads_as_there_are_processors(world):
-    """On one CPU, an executor without a given number of threads runs one callback at a time."""
+    """On one processor, an executor without a number of threads runs one callback at a time."""
     executor = MultiThreadedExecutor(context=world.context)
 
     assert executor._executor._max_workers == len(os.sched_getaffinity(0))
@@ -249,7 +249,7 @@ def test_executor_has_as_many_threads_as_there_are_processors(world):
 
 @claim('X10')
 def test_entity_keeps_its_callback_group_alive(world):
-    """No other reference is needed, and the group does not keep the entity alive."""
+    """Nobody else has to; and the group does not keep the entity."""
     node, group = world.node(), ReentrantCallbackGroup()
     timer = node.create_timer(60.0, lambda: None, callback_group=group)
     kept, members = weakref.ref(group), group.entities
@@ -268,7 +268,7 @@ def test_entity_keeps_its_callback_group_alive(world):
 
 @claim('X11')
 def test_synchronous_call_in_a_callback_never_returns(world):
-    """The response needs the thread that is waiting for it; call_async needs no thread."""
+    """The answer needs the thread that waits for it; call_async needs none."""
     node = world.node()
     node.create_service(GetParameters, 'ping', lambda _, response: response)
     client = node.create_client(GetParameters, 'ping')
@@ -281,19 +281,19 @@ def test_synchronous_call_in_a_callback_never_returns(world):
 
     timer = node.create_timer(0.01, call)
     world.spin_until(lambda: answers, what='the end of the synchronous call')
-    assert answers == [None]  # the result after a timeout
+    assert answers == [None]  # which is how a time-out is told
     world.spin_until(lambda: futures[0].done(), what='the answer to the other call')
 
 
 @claim('X12')
 def test_one_callback_stops_all_others(world):
-    """While one callback runs, its executor does nothing else."""
+    """While one is at work nothing else happens in its executor."""
     node, ticks, seen = world.node(), [], []
     node.create_timer(0.01, lambda: ticks.append(1))
 
     def long_work():
         before = len(ticks)
-        time.sleep(0.1)  # the claim: ten periods of the other timer
+        time.sleep(0.1)  # ten periods of the other timer: the claim itself
         seen.append(len(ticks) - before)
 
     node.create_timer(0.02, long_work)
@@ -303,7 +303,7 @@ def test_one_callback_stops_all_others(world):
 
 
 def clock_at(world, nanoseconds):
-    """Publish a simulated time and wait until the node's clock has it."""
+    """Publish a simulated time and wait until the node shows it."""
     world.ticker.publish(Clock(clock=Time(nanoseconds=nanoseconds).to_msg()))
     world.spin_until(
         lambda: world.subject.get_clock().now().nanoseconds == nanoseconds, what='the clock'
@@ -313,7 +313,7 @@ def clock_at(world, nanoseconds):
 
 @pytest.fixture
 def simulated(world):
-    """Return an environment with a node in simulated time, controlled by clock_at."""
+    """Return a world with a node in simulated time, stepped by clock_at."""
     world.subject = world.node(
         'subject', parameter_overrides=[Parameter('use_sim_time', value=True)]
     )
@@ -324,7 +324,7 @@ def simulated(world):
 
 @claim('X13', 'X14')
 def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
-    """After 0.5 s there is no tick, after 1 s one, and after a jump of 10 s at most two."""
+    """Half a second brings nothing, a second one tick, and a jump of ten at most two."""
     clock_at(simulated, 1)
     ticks = []
     simulated.subject.create_timer(1.0, lambda: ticks.append(1))
@@ -338,7 +338,7 @@ def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
 
 @claim('X16')
 def test_without_a_clock_simulated_time_stands_at_zero(simulated):
-    """Without /clock, the time is zero and a timer with a period of 0.01 s never fires."""
+    """No /clock, no time, and a timer of a hundredth of a second stands still."""
     ticks = []
     simulated.subject.create_timer(0.01, lambda: ticks.append(1))
     witness = []
@@ -351,7 +351,7 @@ def test_without_a_clock_simulated_time_stands_at_zero(simulated):
 
 @claim('X17')
 def test_timers_are_stopped_and_started(world):
-    """A timer is created stopped, then started, cancelled and reset."""
+    """Created stopped, started, cancelled and reset."""
     node, ticks = world.node(), []
     timer = node.create_timer(0.01, lambda: ticks.append(1), autostart=False)
     assert timer.is_canceled()
@@ -369,7 +369,7 @@ def test_timers_are_stopped_and_started(world):
 
 @claim('X18')
 def test_rate_in_a_callback_never_wakes(world):
-    """It waits for a timer whose callback needs the thread that it blocks."""
+    """It waits for a timer that only the thread it blocks could serve."""
     node = world.node()
     rate = node.create_rate(100.0)
     woken = threading.Event()
@@ -385,14 +385,14 @@ def test_rate_in_a_callback_never_wakes(world):
     thread = in_thread(to_the_end(world.executor))
     entered.wait(0.5)
     assert not woken.wait(0.5)  # fifty periods
-    world.executor.shutdown(timeout_sec=0)  # shut down first, or the next tick finds no rate
+    world.executor.shutdown(timeout_sec=0)  # first, or its next tick finds no rate
     rate.destroy()
     thread.join(SOON_S)
 
 
 @claim('X19')
 def test_callback_takes_message_and_info(world):
-    """The second parameter contains the times of sending and receiving."""
+    """The second parameter carries the moments of sending and receiving."""
     node, heard = world.node(), []
     node.create_subscription(String, 'chatter', lambda m, info: heard.append((m, info)), 10)
     node.create_publisher(String, 'chatter', 10).publish(String(data='x'))
@@ -406,7 +406,7 @@ def test_callback_takes_message_and_info(world):
 
 @claim('X20')
 def test_time_of_the_clock_becomes_a_stamp_and_back(world):
-    """The difference of two times is a duration; times of different clocks cannot be compared."""
+    """A difference of two times is a duration; clocks of two kinds do not mix."""
     now = world.node().get_clock().now()
     stamp = now.to_msg()
 
@@ -416,7 +416,7 @@ def test_time_of_the_clock_becomes_a_stamp_and_back(world):
 
 @claim('X21')
 def test_callbacks_run_where_somebody_spins(world):
-    """A callback runs in the thread of its executor."""
+    """The thread of a callback is the thread of the executor."""
     where = []
     world.node().create_timer(0.01, lambda: where.append(threading.get_ident()))
     thread = in_thread(lambda: world.spin_until(lambda: where, what='a tick'))
@@ -428,7 +428,7 @@ def test_callbacks_run_where_somebody_spins(world):
 
 @claim('J8')
 def test_variables_of_a_child_shell_end_with_it():
-    """A variable set in a line after ! is lost when its shell ends."""
+    """What a line after ! sets is gone when its shell has ended."""
     said = subprocess.run(
         ['sh', '-c', 'export TASTE=sweet; echo $TASTE'], capture_output=True, text=True, check=True
     )

@@ -1,4 +1,4 @@
-"""Test the course's claims about logging, parameters and testing with rclpy."""
+"""What the course says about logging, parameters and testing, tried on the real rclpy."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.ros
 
 @pytest.fixture
 def rosout(world):
-    """Return the messages on /rosout of the environment, as they arrive."""
+    """Return what is logged on /rosout of the world, as it comes."""
     heard = []
     profile = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     world.node('ear').create_subscription(Log, '/rosout', heard.append, profile)
@@ -38,7 +38,7 @@ def rosout(world):
 
 @claim('P1')
 def test_severities_and_the_default(world):
-    """Severities are ten apart; INFO is the lowest that is shown."""
+    """Ten apart; INFO is the first that is shown."""
     assert [level.value for level in LoggingSeverity][1:] == [10, 20, 30, 40, 50]
     log = world.node('quiet').get_logger()
 
@@ -50,7 +50,7 @@ def test_severities_and_the_default(world):
 
 @claim('P2', 'P6')
 def test_what_is_logged_is_published_and_debug_is_not(world, rosout):
-    """The line after the suppressed one arrives."""
+    """The line after the silent one arrives."""
     log = world.node('talker').get_logger()
     log.debug('not even sent')
     log.info('sent')
@@ -61,7 +61,7 @@ def test_what_is_logged_is_published_and_debug_is_not(world, rosout):
 
 @claim('P2')
 def test_what_is_logged_is_kept_in_a_file(tmp_path):
-    """ROS_LOG_DIR sets the folder."""
+    """ROS_LOG_DIR says where."""
     text = 'import rclpy\nrclpy.init(args=[])\nrclpy.create_node("a").get_logger().info("kept")\n'
     subprocess.run(
         [sys.executable, '-c', text],
@@ -75,7 +75,7 @@ def test_what_is_logged_is_kept_in_a_file(tmp_path):
 
 @claim('P3', 'C20')
 def test_warning_is_the_method(world, rosout):
-    """The method warning() logs at level WARN."""
+    """It has the level WARN."""
     world.node('talker').get_logger().warning('hot')
     world.spin_until(lambda: any(e.msg == 'hot' for e in rosout), what='the warning')
 
@@ -84,7 +84,7 @@ def test_warning_is_the_method(world, rosout):
 
 @claim('P4')
 def test_log_takes_one_text(world):
-    """The method accepts no format arguments and no other type."""
+    """No arguments to fill in, and no other type."""
     log = world.node().get_logger()
 
     with pytest.raises(TypeError):
@@ -95,7 +95,7 @@ def test_log_takes_one_text(world):
 
 @claim('P5', 'P9')
 def test_call_site_can_be_limited(world, rosout):
-    """Options are: once, all but the first, and at most once per time interval."""
+    """Once of ten times, all but the first, and one a long while."""
     log = world.node('talker').get_logger()
     for number in range(10):
         log.info(f'once {number}', once=True)
@@ -123,7 +123,7 @@ def test_call_site_keeps_its_severity(world):
 
 @claim('P7', 'C30')
 def test_parameter_has_one_declaration_and_one_type(world):
-    """A second declaration, no declaration, and another type are rejected."""
+    """Twice, not at all, and another type are refused."""
     node = world.node(parameter_overrides=[Parameter('threshold', value=28.5)])
     with pytest.raises(ParameterNotDeclaredException):
         node.get_parameter('threshold')
@@ -139,7 +139,7 @@ def test_parameter_has_one_declaration_and_one_type(world):
 
 @claim('P7')
 def test_parameter_is_validated_in_a_callback(world):
-    """A rejection keeps the old value and returns its reason."""
+    """A refusal keeps the old value and gives its reason."""
     node = world.node()
     node.declare_parameter('threshold', 30.0)
     node.add_on_set_parameters_callback(
@@ -155,10 +155,7 @@ def test_parameter_is_validated_in_a_callback(world):
 
 @claim('P12')
 def test_nan_passes_a_test_of_what_is_below_or_above(world):
-    """
-    A node with such a condition accepts NaN and never warns again; a descriptor's range rejects
-    it.
-    """
+    """The node that asks so takes NaN, and warns no more; a range in a descriptor refuses it."""
     node, limit = world.node(), 'limit_c'
     node.declare_parameter(limit, 30.0)
     node.add_on_set_parameters_callback(
@@ -177,7 +174,7 @@ def test_nan_passes_a_test_of_what_is_below_or_above(world):
 
 @claim('P13')
 def test_callback_of_parameters_is_asked_after_the_type(world):
-    """The callback sees declarations and all parameters, but never a value of the wrong type."""
+    """It sees declarations and every parameter, but never a value of the wrong type."""
     node, asked = world.node(), []
 
     def note(parameters):
@@ -197,7 +194,7 @@ def test_callback_of_parameters_is_asked_after_the_type(world):
 @claim('P13')
 @pytest.mark.filterwarnings('ignore:Callback returned an invalid type')
 def test_callback_of_parameters_must_return_a_result(world):
-    """Without a result, the change is rejected and rclpy gives the reason."""
+    """Without one the change is refused, and rclpy gives the reason."""
     node = world.node()
     node.declare_parameter('limit_c', 30.0)
     node.add_on_set_parameters_callback(lambda parameters: None)
@@ -209,10 +206,10 @@ def test_callback_of_parameters_must_return_a_result(world):
 
 @claim('P8', 'C16', 'C32')
 def test_edges_of_a_threshold():
-    """30.0 is not above 30.0, NaN never is, and a slow random walk rarely exceeds 30."""
+    """30.0 is not above 30.0, NaN never is, and a slow random walk rarely crosses 30."""
     assert not 30.0 > 30.0
     assert not math.nan > 30.0
-    # Steps of at most 0.5 from 20: a walk can exceed 30 in two minutes, but most do not.
+    # Steps of at most 0.5 from 20: two minutes can cross 30, and nearly all walks do not.
     import random
 
     warm = sum(crosses(random.Random(seed), seconds=120) for seed in range(500))
@@ -231,7 +228,7 @@ def crosses(draw, seconds: int) -> bool:
 
 @claim('P10')
 def test_only_what_is_published_after_the_match_arrives(world):
-    """A test that publishes too early tests nothing, and waiting for the match needs a limit."""
+    """A test that publishes at once tests nothing, and the wait for it has to end."""
     heard, bench = [], world.node('bench')
     publisher = bench.create_publisher(String, 'readings', 10)
     publisher.publish(String(data='too early'))
@@ -248,7 +245,7 @@ def test_only_what_is_published_after_the_match_arrives(world):
 
 @claim('E12')
 def test_world_of_a_test_is_its_own(world, other_world):
-    """Two contexts on the test's domain discover each other, but no node of the next domain."""
+    """Two contexts on the domain of the test see each other, and nobody of the next domain."""
     stranger = Context()
     stranger.init(args=[], domain_id=world.another_domain)
     outside = Node('outside_of_this_test', context=stranger)
@@ -262,7 +259,7 @@ def test_world_of_a_test_is_its_own(world, other_world):
 
 @claim('P11')
 def test_logic_is_tried_without_ros():
-    """The decision of the course's monitor is a function of numbers and strings."""
+    """The decision of the course's monitor is a function of three numbers and texts."""
     text = (
         "import sys\nfrom temp_monitor_pkg.threshold import *\nassert 'rclpy' not in sys.modules\n"
     )
@@ -271,7 +268,7 @@ def test_logic_is_tried_without_ros():
 
 @pytest.fixture
 def warned(world, rosout):
-    """Return a function that sends numbers to a monitor and returns those with a warning."""
+    """Return a function that sends numbers to a monitor and returns those it warns of."""
 
     def warned_of(numbers, is_hot, last=99.0):
         name = f'monitor_{len(world.nodes)}'
@@ -298,7 +295,7 @@ def warned(world, rosout):
 
 @claim('P14')
 def test_right_and_wrong_node_differ_at_the_limit_only(warned):
-    """A monitor that compares with >= is right for all other values."""
+    """One that compares with >= does everything else as it should."""
     right, wrong = (lambda value: value > 30.0), (lambda value: value >= 30.0)
 
     assert warned([29.9, 30.1, -40.0], right) == warned([29.9, 30.1, -40.0], wrong)
@@ -308,5 +305,5 @@ def test_right_and_wrong_node_differ_at_the_limit_only(warned):
 
 @claim('P15')
 def test_answer_to_a_later_message_comes_after_that_to_an_earlier_one(warned):
-    """After the later answer, a test need not wait for the earlier one."""
+    """So who has the later one need not wait for the earlier one any more."""
     assert warned([31.0, 20.0, 32.0], lambda value: value > 30.0) == [31.0, 32.0, 99.0]

@@ -1,4 +1,4 @@
-"""Test the course's claims about messages with ROS's parser, generators and classes."""
+"""What the course says about messages, tried on the real parser, generators and classes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from temp_monitor_pkg.msg import Num, Temperature
 
 claim = pytest.mark.claim
 pytestmark = pytest.mark.ros
-# The parser has its own exceptions for most rules, and uses Python's for the rest.
+# The parser has an exception of its own for most rules, and Python's for the rest.
 REFUSALS = (
     NameError,
     NotImplementedError,
@@ -47,13 +47,13 @@ def parse(text):
 
 
 def through_the_wire(message):
-    """Return the message that a subscription receives when this one is published."""
+    """Return what arrives when this is published."""
     return deserialize_message(serialize_message(message), type(message))
 
 
 @claim('M8', 'C3')
 def test_types_of_other_packages_are_written_with_one_slash():
-    """Dots and three parts are rejected; a bare name refers to the same package."""
+    """Dots and three parts are refused, a bare name means the own package."""
     assert Type('builtin_interfaces/Time').pkg_name == 'builtin_interfaces'
     assert Type('Time', context_package_name='lab').pkg_name == 'lab'
     for wrong in ('builtin_interfaces.msg.Time', 'builtin_interfaces/msg/Time'):
@@ -64,7 +64,7 @@ def test_types_of_other_packages_are_written_with_one_slash():
 @claim('M9')
 @pytest.mark.parametrize('name', ['float', 'double', 'int', 'str', 'boolean'])
 def test_names_without_a_size_are_refused(name):
-    """They are parsed as messages of the same package, whose names begin with a capital letter."""
+    """They read as messages of the own package, whose names begin with a capital."""
     with pytest.raises(REFUSALS):
         parse(f'{name} value')
 
@@ -72,7 +72,7 @@ def test_names_without_a_size_are_refused(name):
 @claim('M9')
 @pytest.mark.parametrize('name', ['float32', 'float64', 'int8', 'uint64', 'bool', 'byte', 'char'])
 def test_names_with_a_size_are_primitive(name):
-    """The types string and wstring are primitive, too."""
+    """And so are string and wstring."""
     assert parse(f'{name} value').fields[0].type.is_primitive_type()
     assert parse('string a\nwstring b').fields[1].type.is_primitive_type()
 
@@ -90,7 +90,7 @@ def test_names_follow_their_rules():
 
 @claim('M11')
 def test_field_occurs_once_and_keywords_pass():
-    """The parser does not check for Python keywords."""
+    """The parser does not know Python."""
     with pytest.raises(REFUSALS):
         parse('int32 a\nint32 a')
     assert keyword.iskeyword('class')
@@ -101,7 +101,7 @@ def test_field_occurs_once_and_keywords_pass():
 
 @claim('M12')
 def test_primitive_fields_have_defaults_and_nested_ones_do_not():
-    """A constant has an equals sign, a default value a space."""
+    """A constant has an equals sign, a default a space."""
     parsed = parse('string unit "Celsius"\nfloat64 t 20.0\nint32 LIMIT=30')
 
     assert [field.default_value for field in parsed.fields] == ['Celsius', 20.0]
@@ -112,7 +112,7 @@ def test_primitive_fields_have_defaults_and_nested_ones_do_not():
 
 @claim('M13')
 def test_arrays_and_strings_have_bounds():
-    """Arrays are unbounded, fixed or bounded; strings may be bounded."""
+    """Unbounded, fixed, bounded; and a bounded string."""
     types = [f.type for f in parse('int32[] a\nint32[3] b\nint32[<=5] c\nstring<=10 d').fields]
 
     assert [t.is_array for t in types] == [True, True, True, False]
@@ -126,7 +126,7 @@ def test_arrays_and_strings_have_bounds():
 
 @claim('M14')
 def test_comments_are_kept_with_their_field():
-    """A comment after a field is its documentation."""
+    """The comment after a field is its documentation."""
     (field,) = parse('float64 value  # in degrees Celsius').fields
 
     assert 'in degrees Celsius' in field.annotations['comment']
@@ -134,7 +134,7 @@ def test_comments_are_kept_with_their_field():
 
 @claim('M15', 'C31')
 def test_whole_number_in_a_float_field_is_garbage_without_checks():
-    """With checks it is rejected; without them, the value changes or the process crashes."""
+    """With checks it is refused; without them it is another number, or the process ends."""
     with pytest.raises(AssertionError):
         Float64(check_fields=True).data = 25
     text = """
@@ -146,7 +146,7 @@ print(deserialize_message(serialize_message(unchecked), Float64).data)
 """
     run = subprocess.run([sys.executable, '-c', text], capture_output=True, text=True, check=False)
 
-    if run.returncode:  # types from apt are not release builds
+    if run.returncode:  # types from apt, which are not built for release
         assert 'PyFloat_Check(field)' in run.stderr
     else:
         assert abs(float(run.stdout)) < 1e-300
@@ -154,7 +154,7 @@ print(deserialize_message(serialize_message(unchecked), Float64).data)
 
 @claim('M15')
 def test_checks_are_off_unless_they_are_asked_for():
-    """Checks are off in a plain Jazzy; this course sets a variable."""
+    """A plain Jazzy says nothing; this course sets a variable."""
     text = 'from std_msgs.msg import Float64\nFloat64().data = 25\n'
     for value, code in (('', 0), ('1', 1)):
         run = subprocess.run(
@@ -168,7 +168,7 @@ def test_checks_are_off_unless_they_are_asked_for():
 
 @claim('M16')
 def test_of_numpy_only_float64_is_a_float():
-    """Other NumPy types are rejected if checks are on."""
+    """The other kinds of numbers are refused when checks are on."""
     message = Float64(check_fields=True)
     message.data = numpy.float64(21.5)
     assert through_the_wire(message).data == 21.5
@@ -179,7 +179,7 @@ def test_of_numpy_only_float64_is_a_float():
 
 @claim('M17')
 def test_unknown_attributes_are_refused_and_unknown_keywords_only_with_checks():
-    """Without checks, a misspelt keyword is ignored silently."""
+    """A typo in a keyword is silent where checks are off."""
     with pytest.raises(AttributeError):
         String().date = 'typo'
     with pytest.raises(AssertionError):
@@ -189,14 +189,14 @@ def test_unknown_attributes_are_refused_and_unknown_keywords_only_with_checks():
 
 @claim('M18')
 def test_classes_describe_themselves():
-    """The class gives the names and types of its fields."""
+    """Names and types of the fields, without an object."""
     assert Num.get_fields_and_field_types()['num'] == 'int64'
     assert len(Temperature.SLOT_TYPES) == len(Temperature.get_fields_and_field_types())
 
 
 @claim('M19')
 def test_message_may_change_after_it_was_published(world):
-    """Publishing copies the message; a list that repeats one object repeats its last value."""
+    """What was sent is a copy; a list of one object has one value."""
     node, heard = world.node(), []
     node.create_subscription(Int32, 'numbers', heard.append, 10)
     publisher, message = node.create_publisher(Int32, 'numbers', 10), Int32(data=1)
@@ -214,7 +214,7 @@ def test_message_may_change_after_it_was_published(world):
 
 @claim('M20', 'C17')
 def test_stamp_is_printed_with_nine_digits():
-    """Without leading zeros, 1.005 s would look like 1.5 s."""
+    """1.005 s read without leading zeros looks like a second and a half."""
     stamp = Time(sec=1, nanosec=5_000_000)
 
     assert f'{stamp.sec}.{stamp.nanosec}' == '1.5000000'
@@ -223,7 +223,7 @@ def test_stamp_is_printed_with_nine_digits():
 
 @claim('M21', 'C19', 'C26')
 def test_standard_primitives_carry_no_meaning():
-    """A Float64 has a number, but no unit and no time; a Temperature has both."""
+    """A Float64 has a number, and neither unit nor time; a Temperature has both."""
     assert set(Float64.get_fields_and_field_types()) == {'data'}
     assert {'unit', 'timestamp'} <= set(Temperature.get_fields_and_field_types())
 
@@ -239,7 +239,7 @@ def test_same_number_means_different_things_in_two_units():
 
 @claim('M13')
 def test_numeric_arrays_are_arrays():
-    """A numeric array field is an array.array, not a list."""
+    """A field of numbers is an array.array, not a list."""
     from rcl_interfaces.msg import ParameterValue
 
     assert isinstance(ParameterValue().integer_array_value, array)
@@ -248,7 +248,7 @@ def test_numeric_arrays_are_arrays():
 
 @claim('C21')
 def test_unused_import_is_what_linters_of_a_package_refuse():
-    """F401 is one of ament_flake8's rules; any linter with this rule finds it."""
+    """F401 is among the rules of ament_flake8; any linter that knows the rule finds it."""
     text = 'from std_msgs.msg import String\n\nprint("no text message here")\n'
     said = subprocess.run(
         [sys.executable, '-m', 'ruff', 'check', '--isolated', '--select', 'F401', '-'],

@@ -1,4 +1,4 @@
-"""Test the course's claims about nodes, the graph and the life of a node with rclpy."""
+"""What the course says about nodes, the graph and the life of a node, tried on the real rclpy."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_one_process_holds_many_nodes(world):
 
 @claim('N3')
 def test_names_of_class_file_and_node_differ(world):
-    """The name of a node does not depend on its class or its file."""
+    """Nothing ties the name of a node to its class or its file."""
 
     class Thermometer(Node):
         pass
@@ -51,14 +51,14 @@ def test_full_name_is_namespace_and_name(world):
 @claim('N5')
 @pytest.mark.parametrize('name', ['', '1st', 'two words', 'a-b', 'a/b', 'ä'])
 def test_bad_node_names_are_refused(world, name):
-    """A name consists of letters, digits and underscores and does not begin with a digit."""
+    """A name is letters, digits and underscores, and no digit comes first."""
     with pytest.raises(InvalidNodeNameException):
         Node(name, context=world.context)
 
 
 @claim('N6')
 def test_two_nodes_may_have_one_name(world):
-    """A second node of the same name is created without an error."""
+    """A second node of the same name is made like any other."""
     first, _ = world.node('twin'), world.node('twin')
 
     assert first.get_node_names().count('twin') == 2
@@ -66,7 +66,7 @@ def test_two_nodes_may_have_one_name(world):
 
 @claim('N7')
 def test_bare_node_has_topics_and_services(world):
-    """Every node has them by default."""
+    """Nobody asked for them, and they are there."""
     node = world.node('bare')
     topics = dict(node.get_publisher_names_and_types_by_node('bare', '/'))
     services = dict(node.get_service_names_and_types_by_node('bare', '/'))
@@ -78,7 +78,7 @@ def test_bare_node_has_topics_and_services(world):
 
 @claim('N8')
 def test_names_are_remapped_from_outside(world):
-    """Command line arguments also work in a notebook."""
+    """The arguments of a command line work inside a notebook too."""
     node = world.node('plain', cli_args=['--ros-args', '-r', '__node:=other', '-r', '__ns:=/lab'])
 
     assert node.get_fully_qualified_name() == '/lab/other'
@@ -86,7 +86,7 @@ def test_names_are_remapped_from_outside(world):
 
 @claim('N9')
 def test_graph_tells_endpoints_and_their_qos(world):
-    """An endpoint's node, type, type hash and QoS are visible; its depth is not."""
+    """Node, type, type hash and QoS of an endpoint are there; its depth is not."""
     node = world.node('talker')
     node.create_publisher(String, 'chatter', 7)
 
@@ -101,7 +101,7 @@ def test_graph_tells_endpoints_and_their_qos(world):
 
 @claim('N10')
 def test_questions_have_twins_on_the_command_line():
-    """All verbs that the lessons mention exist."""
+    """The verbs that the lessons name exist."""
     for command in (
         'node list',
         'node info',
@@ -123,14 +123,14 @@ def test_questions_have_twins_on_the_command_line():
 
 @claim('E1')
 def test_node_before_init_is_refused():
-    """A node needs an initialised context."""
+    """A node needs a context that was initialised."""
     with pytest.raises(NotInitializedException):
         Node('too_early', context=Context())
 
 
 @claim('C5')
 def test_name_that_was_not_imported_fails_where_it_is_used(world):
-    """The class can be defined; the error occurs in its __init__."""
+    """The class is defined without complaint; its __init__ fails."""
 
     class Talker(Node):
         def __init__(self, **options):
@@ -143,14 +143,14 @@ def test_name_that_was_not_imported_fails_where_it_is_used(world):
 
 @claim('C28')
 def test_code_without_indentation_is_no_python():
-    """A text format may lose the indentation that Python needs."""
+    """What a text format loses, Python misses."""
     with pytest.raises(IndentationError):
         compile('class Talker(Node):\ndef __init__(self):\npass\n', 'listing', 'exec')
 
 
 @claim('C14')
 def test_lines_with_self_need_a_class():
-    """A line outside its method has no self."""
+    """A line taken out of its method has no self."""
     with pytest.raises(NameError, match='self'):
         exec("self.create_publisher(String, 'chatter', 10)", {'String': String})  # noqa: S102
 
@@ -164,7 +164,7 @@ def test_init_takes_keywords_only():
 
 @claim('E3')
 def test_neither_init_nor_node_is_a_context_manager(world):
-    """Newer versions support it; in Jazzy it fails."""
+    """What newer versions allow fails in Jazzy."""
     context = Context()
 
     assert rclpy.init(args=[], context=context) is None
@@ -174,7 +174,7 @@ def test_neither_init_nor_node_is_a_context_manager(world):
 
 @claim('E4')
 def test_second_init_is_refused():
-    """A context can be initialised only once."""
+    """A context is initialised once."""
     context = Context()
     context.init()
     try:
@@ -186,7 +186,7 @@ def test_second_init_is_refused():
 
 @claim('E5', 'E6', 'E13')
 def test_default_context_can_be_initialised_again():
-    """rclpy.ok shows the state, and without signal handlers a notebook keeps its own."""
+    """rclpy.ok tells when, and without its signal handlers a notebook keeps its own."""
     for _ in range(2):
         assert not rclpy.ok()
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -196,7 +196,7 @@ def test_default_context_can_be_initialised_again():
 
 @claim('E7')
 def test_second_shutdown_raises_and_try_shutdown_does_not():
-    """try_shutdown may be called any number of times."""
+    """The polite one may be called as often as one likes."""
     context = Context()
     context.init()
     context.try_shutdown()
@@ -242,15 +242,14 @@ finally:
 
 
 def end_by(signal_number: int, text: str) -> tuple[int, str]:
-    """Run a program, send it a signal when it is running, and return its exit code and stderr."""
+    """Run a program, send it a signal once it is up, and return its exit code and stderr."""
     process = subprocess.Popen(
         [sys.executable, '-c', text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     assert process.stdout is not None
     while process.stdout.readline().strip() != 'up':
         assert process.poll() is None
-    # In one of forty runs, rclpy 7.1.6 misses a signal: its executor wakes before the context is
-    # shut down, and waits again. So send the signal again, as a user would.
+    # rclpy 7.1.6 can overlook a signal: its executor wakes before the context is shut down, and
     # waits again (one in forty runs here). So send the signal again, as a user would.
     for _ in range(4):
         process.send_signal(signal_number)
@@ -265,7 +264,7 @@ def end_by(signal_number: int, text: str) -> tuple[int, str]:
 
 @claim('E8')
 def test_shutdown_in_finally_turns_an_interrupt_into_an_error():
-    """The interrupt has already shut the context down."""
+    """The interrupt has shut the context down before."""
     code, stderr = end_by(signal.SIGINT, OFTEN_SEEN)
 
     assert code == 1
@@ -275,13 +274,13 @@ def test_shutdown_in_finally_turns_an_interrupt_into_an_error():
 @claim('E9')
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_clean_main_ends_well_for_both_signals(number):
-    """The main function catches two exceptions and uses try_shutdown."""
+    """Two exceptions, and the shutdown that does not mind."""
     assert end_by(number, CLEAN) == (0, '')
 
 
 @claim('E10')
 def test_destroyed_node_leaves_dead_handles(world):
-    """Entities are destroyed with their node; destroying it twice does no harm."""
+    """Entities go with their node; saying it twice does no harm."""
     node = Node('short_lived', context=world.context)
     publisher = node.create_publisher(String, 'chatter', 10)
     node.destroy_node()
@@ -293,7 +292,7 @@ def test_destroyed_node_leaves_dead_handles(world):
 
 @claim('E11')
 def test_entities_live_without_a_variable(world):
-    """A subscription and a timer without references still work after a garbage collection."""
+    """A subscription and a timer that nobody keeps work after a garbage collection."""
     node, heard, ticks = world.node(), [], []
     node.create_subscription(String, 'chatter', heard.append, 10)
     node.create_timer(0.01, lambda: ticks.append(1))
@@ -306,7 +305,7 @@ def test_entities_live_without_a_variable(world):
 
 @claim('E12')
 def test_contexts_with_other_domains_are_other_worlds(world):
-    """A node of the same domain is discovered, a node of another domain is not."""
+    """A node of the same domain is found, one of another domain is not."""
     here = world.node('here')
     neighbour, stranger = Context(), Context()
     neighbour.init(args=[], domain_id=world.context.get_domain_id())
@@ -323,7 +322,7 @@ def test_contexts_with_other_domains_are_other_worlds(world):
 
 @claim('E12')
 def test_context_works_in_a_with_statement():
-    """The context is initialised at the beginning and shut down at the end."""
+    """It is initialised at the beginning and shut down at the end."""
     with Context() as context:
         assert context.ok()
 

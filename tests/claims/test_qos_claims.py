@@ -1,4 +1,4 @@
-"""Test the course's claims about quality of service with real endpoints and real events."""
+"""What the course says about quality of service, tried with real endpoints and real events."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ LATCHED = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def numbers(publisher, upto):
-    """Publish the numbers from 0 up to a limit."""
+    """Publish 0, 1, ... below a number."""
     for number in range(upto):
         publisher.publish(Int32(data=number))
 
 
 @claim('Q1')
 def test_ten_stands_for_a_whole_profile(world):
-    """The profile is keep last 10, reliable, volatile."""
+    """Keep last 10, reliable, volatile."""
     profile = world.node().create_publisher(String, 'a', 10).qos_profile
 
     assert (profile.history, profile.depth) == (HistoryPolicy.KEEP_LAST, 10)
@@ -53,7 +53,7 @@ def test_ten_stands_for_a_whole_profile(world):
 
 @claim('Q2')
 def test_profile_needs_a_depth(world):
-    """No depth, keep last without a depth, and a negative depth are rejected."""
+    """Nothing is refused, keep last without a depth too, and so is a negative one."""
     for options in ({}, {'history': HistoryPolicy.KEEP_LAST}):
         with pytest.raises(InvalidQoSProfileException):
             QoSProfile(**options)
@@ -63,7 +63,7 @@ def test_profile_needs_a_depth(world):
 
 @claim('Q3')
 def test_presets():
-    """The presets for sensor data and parameters differ in more than their names."""
+    """Sensor data and parameters differ in more than their names."""
     assert qos_profile_sensor_data.reliability == ReliabilityPolicy.BEST_EFFORT
     assert qos_profile_sensor_data.depth == 5
     assert qos_profile_parameters.depth == 1000
@@ -71,7 +71,7 @@ def test_presets():
 
 @claim('Q4', 'Q6', 'C13')
 def test_offer_must_be_as_strong_as_the_request():
-    """A weak offer with a strong request is an ERROR with a reason; the reverse is compatible."""
+    """Weak offer and strong request is an ERROR with a reason; the other way round is fine."""
     verdict, reason = qos_check_compatible(BEST_EFFORT, QoSProfile(depth=10))
     assert verdict == QoSCompatibility.ERROR
     assert 'reliab' in reason.lower()
@@ -86,7 +86,7 @@ def test_offer_must_be_as_strong_as_the_request():
 
 @claim('Q5', 'C13')
 def test_depth_history_and_lifespan_do_not_matter_for_matching(world):
-    """Profiles that differ only in these three policies match."""
+    """Profiles that differ in these three match."""
     node = world.node()
     publisher = node.create_publisher(
         String, 'a', QoSProfile(depth=1, lifespan=Duration(seconds=1))
@@ -100,7 +100,7 @@ def test_depth_history_and_lifespan_do_not_matter_for_matching(world):
 
 @claim('Q7', 'Q8', 'Q18', 'C15')
 def test_incompatible_pair_exists_and_is_not_matched(world):
-    """Both are in the graph but not matched, and an event names the policy after spinning."""
+    """It is in the graph, not connected, and an event names the policy once somebody spins."""
     node, events = world.node(), []
     publisher = node.create_publisher(
         String,
@@ -117,7 +117,7 @@ def test_incompatible_pair_exists_and_is_not_matched(world):
     )
     assert node.count_subscribers('/a') == 1
     assert publisher.get_subscription_count() == 0
-    assert events == []  # no executor has run yet
+    assert events == []  # nobody has spun
     world.spin_until(lambda: len(events) == 2, what='an event on each side')
     for event in events:
         assert (event.total_count, event.total_count_change) == (1, 1)
@@ -126,7 +126,7 @@ def test_incompatible_pair_exists_and_is_not_matched(world):
 
 @claim('Q7')
 def test_incompatible_pair_warns_on_both_sides_by_itself(world, capfd):
-    """Without event callbacks, both sides log a line that names the policy."""
+    """Without callbacks of ours two lines are logged, and both name the policy."""
     node = world.node()
     node.create_publisher(String, 'a', BEST_EFFORT)
     node.create_subscription(String, 'a', lambda _: None, 10)
@@ -142,7 +142,7 @@ def test_incompatible_pair_warns_on_both_sides_by_itself(world, capfd):
 
 @claim('Q9', 'C11')
 def test_reliable_burst_into_a_full_queue(world):
-    """Of a hundred messages, a subscription of depth ten that was not spun gets the last ten."""
+    """A hundred messages for a subscription of depth ten that nobody spins: the last ten."""
     node, heard = world.node(), []
     publisher = node.create_publisher(Int32, 'a', 10)
     node.create_subscription(Int32, 'a', lambda m: heard.append(m.data), 10)
@@ -154,7 +154,7 @@ def test_reliable_burst_into_a_full_queue(world):
 
 @claim('Q10')
 def test_depth_three_keeps_three(world):
-    """Of ten messages, 7, 8 and 9 are kept."""
+    """7, 8 and 9 of ten."""
     node, heard = world.node(), []
     publisher = node.create_publisher(Int32, 'a', 10)
     node.create_subscription(Int32, 'a', lambda m: heard.append(m.data), 3)
@@ -166,7 +166,7 @@ def test_depth_three_keeps_three(world):
 
 @claim('Q11', 'C12')
 def test_late_joiners_need_transient_local_on_both_sides(world):
-    """A volatile subscription matches, but gets no earlier messages."""
+    """Its depth serves who asks; a volatile subscription matches and gets nothing of the past."""
     node, latched, volatile = world.node(), [], []
     publisher = node.create_publisher(Int32, 'map', LATCHED)
     numbers(publisher, 10)
@@ -181,7 +181,7 @@ def test_late_joiners_need_transient_local_on_both_sides(world):
 
 @claim('Q11', 'C12')
 def test_past_ends_with_its_publisher(world):
-    """A later subscription only gets the message of the second publisher."""
+    """A second publisher's message is all that a later subscription gets."""
     node, heard = world.node(), []
     first = node.create_publisher(Int32, 'map', LATCHED)
     first.publish(Int32(data=1))
@@ -195,7 +195,7 @@ def test_past_ends_with_its_publisher(world):
 
 @claim('Q12')
 def test_missed_deadline_is_reported_on_both_sides(world):
-    """Without messages, each side counts the missed periods."""
+    """Nothing is published, and each side counts the periods."""
     node, offered, requested = world.node(), [], []
     profile = QoSProfile(depth=1, deadline=Duration(seconds=0.05))
     publisher = node.create_publisher(
@@ -219,7 +219,7 @@ def test_missed_deadline_is_reported_on_both_sides(world):
 
 @claim('Q13')
 def test_manual_liveliness_is_lost_and_regained(world):
-    """A publisher that does not assert its liveliness counts as lost until it does."""
+    """Who does not assert itself counts as gone, until it does."""
     node, changes = world.node(), []
     profile = QoSProfile(
         depth=1,
@@ -239,7 +239,7 @@ def test_manual_liveliness_is_lost_and_regained(world):
         publisher.assert_liveliness()
         return changes and changes[-1].alive_count == 1
 
-    # Repeat it, because a busy machine may report loss and return as one change.
+    # Again and again, because a busy machine may see loss and return as one change.
     world.spin_until(alive, what='a sign of life')
     world.spin_until(lambda: changes[-1].not_alive_count == 1, what='its loss')
     world.spin_until(alive, what='its return')
@@ -247,7 +247,7 @@ def test_manual_liveliness_is_lost_and_regained(world):
 
 @claim('Q14')
 def test_old_messages_expire(world):
-    """A late subscription gets only messages within the lifespan."""
+    """A late joiner gets what is within the lifespan, and not what is older."""
     node, heard, ticks = world.node(), [], []
     mortal = QoSProfile(
         depth=10,
@@ -268,7 +268,7 @@ def test_old_messages_expire(world):
 
 @claim('Q15')
 def test_matched_events_count_on_both_sides(world):
-    """The count increases when a subscription appears and decreases when it disappears."""
+    """Plus one when a subscription comes, minus one when it goes."""
     node, matched = world.node(), []
     node.create_publisher(
         String, 'a', 10, event_callbacks=PublisherEventCallbacks(matched=matched.append)
@@ -283,7 +283,7 @@ def test_matched_events_count_on_both_sides(world):
 
 @claim('Q16', 'Q17')
 def test_events_depend_on_the_middleware(world):
-    """Each event type is either supported or rejected by name; message lost is supported here."""
+    """Each kind is either accepted or refused by name; message lost is accepted here."""
     node, refused = world.node(), []
     kinds = {
         'deadline': lambda _: None,
@@ -311,7 +311,7 @@ def test_events_depend_on_the_middleware(world):
 
 @claim('Q19')
 def test_parameters_override_qos(world):
-    """A node that allows overrides takes its depth from a parameter."""
+    """A node that allows it takes its depth from a parameter."""
     node = world.node(
         parameter_overrides=[Parameter('qos_overrides./a.publisher.depth', value=42)]
     )
@@ -324,7 +324,7 @@ def test_parameters_override_qos(world):
 
 @claim('Q21')
 def test_profile_of_rosout(world):
-    """A late subscription gets the lines of the last ten seconds."""
+    """A late reader gets what was logged in the last ten seconds."""
     node = world.node('logger')
     (info,) = node.get_publishers_info_by_topic('/rosout')
 

@@ -1,4 +1,4 @@
-"""Run programs on a virtual clock, without a sandbox."""
+"""Programs on a virtual clock, without a sandbox."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import pytest
 
 from autograder.clock.virtual_clock import virtual_clock
 
-LIMIT_S = 120.0  # real time; a program takes a fraction of a second
+LIMIT_S = 120.0  # of real time; a program takes a fraction of a second
 
 
 class OnClock:
-    """Runs Python programs at the same time on one virtual clock."""
+    """Runs Python programs, each in a place of one virtual clock."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -51,5 +51,5 @@ class OnClock:
 
 @pytest.fixture
 def on_clock(tmp_path: Path) -> OnClock:
-    """Return a runner with a separate clock."""
+    """Run programs on a clock of their own."""
     return OnClock(tmp_path)

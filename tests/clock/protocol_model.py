@@ -1,10 +1,10 @@
 """
-Model the driver's protocol, and search every order of its steps.
+A model of the driver's protocol, and a search over every order of its steps.
 
-The driver and each process execute one atomic step at a time: a read or write of a word, or a
-system call. A real word counts its changes. The model stores only what the driver compares:
-whether the word has changed since the first look. A message is in its mailbox as soon as the send
-has returned, as on the loopback interface.
+The driver and each process take one atomic step at a time: one read or write of a word, or one
+system call. A real word counts its changes. The model keeps only what the driver compares: whether
+the word has changed since the first look. A message is in its mailbox as soon as the send has
+returned, as on the loopback interface.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 NEVER = 10**9
-Operation = tuple[Any, ...]  # its kind and its operands
+Operation = tuple[Any, ...]  # its kind and what it names
 BUSY, IDLE, CLAIMED = 'BUSY', 'IDLE', 'CLAIMED'
 UNBORN, ALIVE, ENDED = 'unborn', 'alive', 'ended'
 
@@ -32,35 +32,33 @@ RULES = (
     'let go at the end, not when the socket closes',
     'one in-flight set per process',
 )
-"""The rules of the protocol. The search can disable any of them."""
+"""The rules of the protocol. The search can break any of them."""
 
 UNDER_LOCK = ('register', 'deadline', 'idle', 'report')
 WAITING = (*UNDER_LOCK, 'asleep', 'busy')
-"""The steps of a waiting thread, up to the one that marks its process BUSY again."""
+"""The steps of a thread that waits, up to the one that marks its process BUSY again."""
 LOOKING = ('deregister', 'look')
-"""
-Its next steps. If its mailbox is empty, the thread waits again without having computed anything.
-"""
+"""Its next steps. If its mailbox is empty, the thread waits again and has computed nothing."""
 STEPS_OF_WAIT = len(WAITING) + len(LOOKING)
 
 
 class Process(NamedTuple):
-    """A process with a thread and a helper thread, and the driver's data about it."""
+    """A process with one thread and one helper thread, and what the driver knows of it."""
 
     life: str
-    known: bool  # the driver has registered it
-    at: int = 0  # index of the next step in its program
+    known: bool  # the driver has taken it on
+    at: int = 0  # the next step of its program
     word: str = BUSY
     deadline: int = NEVER
     wake: bool = False  # the eventfd that its helper thread reads
-    report: bool = False  # the eventfd that it writes when it becomes IDLE
-    adopts: tuple[int, ...] = ()  # the children in unread ADOPT messages
+    report: bool = False  # the eventfd that it writes when it is IDLE
+    adopts: tuple[int, ...] = ()  # the children of unread ADOPTs
     closed: bool = False  # its socket
-    unchanged: bool = False  # its word has not changed since the first look
+    unchanged: bool = False  # its word, since the first look
 
 
 class State(NamedTuple):
-    """The state of all processes and the driver at one moment."""
+    """One moment of a run."""
 
     processes: tuple[Process, ...]
     mail: tuple[int, ...]  # unread messages of each mailbox
@@ -69,13 +67,13 @@ class State(NamedTuple):
     now: int = 0
 
     def put(self, place: int, **changes: Any) -> State:
-        """Return the state with a changed process."""
+        """Return the state after one process has changed."""
         changed = list(self.processes)
         changed[place] = changed[place]._replace(**changes)
         return self._replace(processes=tuple(changed))
 
     def post(self, mailbox: int, number: int) -> State:
-        """Return the state after adding messages to a mailbox, or removing them."""
+        """Return the state after messages have come into a mailbox, or left it."""
         mail = list(self.mail)
         mail[mailbox] += number
         return self._replace(mail=tuple(mail))
@@ -86,17 +84,17 @@ class State(NamedTuple):
 
 
 class ViolationError(Exception):
-    """Raised if the driver advances the time too early, or if a run can never end."""
+    """The driver moved the time too early, or a run can never end."""
 
 
 class Model:
     """
-    All possible steps of one scenario.
+    The steps of one scenario.
 
     :param scripts: the operations of each process: ('compute',), ('send', mailbox),
         ('wait', mailbox, deadline), ('sleep', deadline), ('fork', process)
-    :param begin: number of processes at the start; the others are forked
-    :param broken: rules that this model violates
+    :param begin: how many processes exist at the start; others are forked
+    :param broken: the rules that this model breaks
     """
 
     def __init__(
@@ -153,7 +151,7 @@ class Model:
         return [(step, mailbox, deadline) for step in order]
 
     def steps(self, state: State) -> Iterator[State]:
-        """Yield all possible next states."""
+        """Yield every state that can come next."""
         for place, process in enumerate(state.processes):
             if process.life == ALIVE:
                 yield from self._thread(state, place, process)
@@ -168,7 +166,7 @@ class Model:
         after = state.put(place, at=process.at + 1)
         key = (place if 'one in-flight set per process' not in self.broken else -1, *rest[:1])
         match kind:
-            case 'hello' if not process.known:  # waits for the driver's answer
+            case 'hello' if not process.known:  # it waits for the driver's answer
                 return
             case 'asleep' if rest[0] is None or not state.mail[rest[0]]:
                 return
@@ -213,7 +211,7 @@ class Model:
         return state.put(place, at=process.at - STEPS_OF_WAIT + 1)
 
     def _helper(self, state: State, place: int, process: Process) -> Iterator[State]:
-        """Handle a claim: wake the thread if it is waiting and due."""
+        """Serve a claim: wake the thread if it waits and is due."""
         kind, *rest = self.programs[place][process.at]
         after = state.put(place, wake=False)
         if kind in UNDER_LOCK:
@@ -295,7 +293,7 @@ class Model:
         )
 
     def _handle(self, state: State) -> State:
-        """Handle one event of each descriptor; the end of a process comes after its socket's."""
+        """Handle one event of each descriptor: a process that has ended comes after its socket."""
         for place in [i for i, process in enumerate(state.processes) if process.known]:
             process = state.processes[place]
             is_over = self._is_over(process)
@@ -306,10 +304,10 @@ class Model:
             state = state.put(place, report=False, adopts=left, known=not is_over)
         return state
 
-    # -- invariants --
+    # -- what must hold --
 
     def _check(self, state: State, moved_to: int) -> None:
-        """Raise a violation if the time must not advance to a later time now."""
+        """Raise a violation if the time must not move from now on to a later time."""
         if moved_to <= state.now:
             return
         for place, process in enumerate(state.processes):
@@ -338,10 +336,10 @@ class Model:
 
 def explore(model: Model) -> int:
     """
-    Visit all reachable states of a model.
+    Visit every state that a model can reach.
 
-    :returns: number of states
-    :raises ViolationError: if the time advances too early, a run stops before its end, or a state
+    :returns: how many states there are
+    :raises ViolationError: if the time moves too early, a run stops before its end, or a state
         cannot lead to an end
     """
     before: dict[State, list[State]] = {model.first: []}

@@ -1,4 +1,4 @@
-"""Test that datagrams are sent when all processes wait: none is lost, and there are no races."""
+"""Datagrams leave when everything waits: none is lost, and no two programs race."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ tell(len(numbers), numbers == sorted(numbers))
 
 @pytest.fixture
 def port() -> int:
-    """Provide an unused port."""
+    """Provide a port that nobody uses."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
         found.bind(('127.0.0.1', 0))
         return int(found.getsockname()[1])
@@ -43,17 +43,17 @@ another_port = port
 
 
 def reader(port: int, body: str) -> str:
-    """Return the code of a program that may call ``heard``."""
+    """Return a program that may call ``heard``."""
     return BEGIN + READER.format(port=port) + body
 
 
 def writer(port: int, body: str) -> str:
-    """Return the code of a program that may call ``say``."""
+    """Return a program that may call ``say``."""
     return BEGIN + WRITER.format(port=port) + body
 
 
 def test_none_of_more_than_a_buffer_holds_is_lost(on_clock, port):
-    """In real time, a slightly late reader would lose most of them."""
+    """In real life a reader that is a little late loses most of them."""
     body = 'for number in range(5000): say(f"{number} " + "x" * 1000)'
     _, told = on_clock(writer(port, body), reader(port, NUMBERS))
 
@@ -71,14 +71,14 @@ def test_none_of_more_than_a_buffer_holds_is_lost(on_clock, port):
     ],
 )
 def test_what_was_sent_before_an_end_arrives(on_clock, end, port):
-    """The end of a process or its socket neither removes nor duplicates sent datagrams."""
+    """The end of a process or of its socket takes nothing back, and doubles nothing."""
     _, told = on_clock(writer(port, f'say("1"); {end}'), reader(port, NUMBERS))
 
     assert told == [[11, 1, True]]
 
 
 def test_sender_is_over_before_its_readers_begin(on_clock, port, another_port):
-    """A fast answer arrives only when the sender waits."""
+    """A reader that answers at once is not heard before the sender waits."""
     sender = (
         READER.format(port=port)
         + 'reader.setblocking(False)\n'
@@ -103,7 +103,7 @@ tell(early, len(reader.recv(10)))
 
 
 def test_reader_of_a_portion_finds_all_of_it(on_clock, port):
-    """On any machine, the reader wakes only after the last datagram has arrived."""
+    """However busy the machine is, the first datagram does not wake its reader before the last."""
     drain = """
 counts = []
 while heard():

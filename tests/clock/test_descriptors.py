@@ -1,4 +1,4 @@
-"""Test descriptors shared by threads or processes, and cases that could hide a message."""
+"""Descriptors that several threads or processes use, and what could hide a message in flight."""
 
 from __future__ import annotations
 
@@ -128,14 +128,14 @@ tell(os.waitpid(pid.value, 0)[1])
 
 @pytest.mark.parametrize('name', CASES)
 def test_time_is_right_although(on_clock, name):
-    """Each of these cases was wrong in an earlier version."""
+    """Each of these was wrong once."""
     text, expected = CASES[name]
     assert on_clock(BEGIN + text) == [expected]
 
 
 @contextmanager
 def started(file: Path, clock: VirtualClock) -> Iterator[subprocess.Popen[str]]:
-    """Start a Python program as the only one on a clock."""
+    """Start a Python program in the one place of a clock."""
     with subprocess.Popen(
         [sys.executable, '-I', str(file)],
         env={**os.environ, **clock.variables(0)},
@@ -149,7 +149,7 @@ def started(file: Path, clock: VirtualClock) -> Iterator[subprocess.Popen[str]]:
 
 
 def test_children_of_a_parent_that_ends_at_once_have_places(tmp_path):
-    """The driver reads the last reports of a process before it releases the process."""
+    """The driver reads what a process said last before it lets the process go."""
     file = tmp_path / 'parent.py'
     file.write_text(
         'import os, sys, time\n'
@@ -195,7 +195,7 @@ os._exit(0)
 
 
 def test_time_waits_for_a_child_that_was_quicker_than_the_driver(tmp_path):
-    """Its first report arrives before it is registered, and its socket closes before it ends."""
+    """Its first word came before its place was made, and its socket closes before it ends."""
     file = tmp_path / 'parent.py'
     file.write_text(CHILD_THAT_LEAVES)
     with virtual_clock(1) as clock, started(file, clock) as parent:
@@ -205,7 +205,7 @@ def test_time_waits_for_a_child_that_was_quicker_than_the_driver(tmp_path):
         parent.stdin.close()
         child = int(parent.stdout.readline())
         while b') S ' not in Path(f'/proc/{child}/stat').read_bytes():
-            pass  # waits for the driver's answer
+            pass  # it waits for the driver's answer
         os.kill(clock.driver.pid, signal.SIGCONT)
 
         assert parent.stdout.read() == '0.0\n'

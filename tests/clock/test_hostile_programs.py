@@ -1,8 +1,8 @@
 """
-Test programs that attack the clock, each next to an honest program that records its times.
+Programs that fight the clock, each beside an honest program that records its times.
 
-The time either continues, or stands still until the hostile program is killed. In both cases, the
-honest program's times are exact.
+Time goes on, or it stands still until the hostile program is killed. The honest program's times
+are exact in both cases.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ import pytest
 
 from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 
-LIMIT_S = 60.0  # real time, for actions that take a fraction of a second
-STILL_S = 0.4  # real time; if time advances, the honest program needs a hundredth of it
+LIMIT_S = 60.0  # of real time, for what takes a fraction of a second
+STILL_S = 0.4  # of real time; the honest program needs a hundredth of it when time moves
 
 HONEST = """
 import json, time
@@ -105,7 +105,7 @@ time.sleep(10)
 """,
         GOES_ON,
     ),
-    # Attacks on the shared time page.
+    # The time page.
     'writes of the time': (
         """
 here = address('time')
@@ -137,7 +137,7 @@ attacks()
 """,
         GOES_ON,
     ),
-    # Attacks on the program's own page.
+    # Its own page.
     'IDLE while it computes': (
         'rewrite_page(IDLE, NEVER); attacks(); report(); compute()',
         GOES_ON,
@@ -162,13 +162,13 @@ time.sleep(10)
 """,
         EITHER,
     ),
-    # Attacks on reports and sockets.
+    # Reports and sockets.
     'a flood of reports': ('attacks()\nwhile True: report()', STILL),
     'a flood of reports as IDLE': (
         'rewrite_page(IDLE, NEVER); attacks()\nwhile True: report()',
         EITHER,
     ),
-    # Its own reports are lost, but the other program's next report has the same effect.
+    # Its own reports are lost, but the next report of the other program does as well.
     'an eventfd that is full': (
         'os.eventfd_write(idle, 2**64 - 2); attacks(); time.sleep(1)',
         EITHER,
@@ -201,7 +201,7 @@ time.sleep(10)
         'for fd in range(3, 1024): libc.syscall(CLOSE, fd)\nattacks(); time.sleep(10)',
         EITHER,
     ),
-    # Waits that the library cannot intercept.
+    # Waits that the library does not see.
     'a raw sleep': ('attacks(); sleep_unseen(10)', STILL),
     'a raw sleep in a thread': (
         'threading.Thread(target=sleep_unseen, args=(10,)).start(); attacks(); time.sleep(10)',
@@ -227,7 +227,7 @@ time.sleep(10)
 
 
 class Pair:
-    """A hostile program next to an honest one, which the clock serves first."""
+    """A hostile program beside an honest one, which the clock serves first."""
 
     def __init__(self, clock: VirtualClock, folder: Path, text: str) -> None:
         self.clock = clock
@@ -247,13 +247,13 @@ class Pair:
         )
 
     def wait_for_attack(self) -> bool:
-        """Return whether the hostile program has reported the start of its attack."""
+        """Return whether the hostile program has said that it attacks."""
         stream = self.hostile.stdout
         assert stream is not None
         return bool(select.select([stream], [], [], LIMIT_S)[0]) and bool(stream.readline())
 
     def times(self, limit_s: float) -> list[float] | None:
-        """Return the honest program's times, None if it has not ended within a real time limit."""
+        """Return the honest program's times, None if it has not ended within a real time."""
         try:
             said, _ = self.honest.communicate(timeout=limit_s)
         except subprocess.TimeoutExpired:
@@ -262,7 +262,7 @@ class Pair:
 
 
 def end(process: subprocess.Popen[str]) -> None:
-    """Kill a program and its children, if they are still running."""
+    """Kill a program and its children, if any still run."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
@@ -272,7 +272,7 @@ def end(process: subprocess.Popen[str]) -> None:
 
 @pytest.fixture(scope='module')
 def sleeper(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a static program that sleeps and cannot load the library."""
+    """Return a static program that sleeps, which no library can be loaded into."""
     folder = tmp_path_factory.mktemp('sleeper')
     source = folder / 'sleeper.c'
     source.write_text('#include <unistd.h>\nint main(void) { sleep(10); }\n', encoding='utf-8')
@@ -284,7 +284,7 @@ def sleeper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize('name', PROGRAMS)
 def test_honest_program_keeps_exact_times_beside(name, tmp_path, request):
-    """A hostile program can at most stop the time; the honest program's times are never wrong."""
+    """A hostile program stops the time at most; it never makes the honest times wrong."""
     text, outcome = PROGRAMS[name]
     if 'SLEEPER' in text:
         text = f'SLEEPER = {str(request.getfixturevalue("sleeper"))!r}\n{text}'

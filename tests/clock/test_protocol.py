@@ -1,4 +1,4 @@
-"""Test that the driver's protocol is correct in every order of steps and needs all its rules."""
+"""The driver's protocol holds in every order of steps, and each of its rules is needed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from tests.clock.protocol_model import explore, Model, NEVER, Operation, RULES, ViolationError
 
 SCENARIOS: dict[str, tuple[list[list[Operation]], int]] = {
-    # Scripts of the processes, and the number of processes at the start.
+    # Scripts of the processes, and how many of them exist at the start.
     'a message and its answer': (
         [
             [('sleep', 1), ('send', 1), ('wait', 0, 3), ('compute',)],
@@ -50,7 +50,7 @@ SCENARIOS: dict[str, tuple[list[list[Operation]], int]] = {
 
 @pytest.mark.parametrize('name', SCENARIOS)
 def test_time_moves_only_while_everything_waits_and_every_run_ends(name):
-    """The driver never advances the time too early, and every run reaches its end."""
+    """The driver never moves the time too early, and every run reaches its end."""
     scripts, begin = SCENARIOS[name]
 
     assert explore(Model(scripts, begin)) > 100
@@ -58,7 +58,7 @@ def test_time_moves_only_while_everything_waits_and_every_run_ends(name):
 
 @pytest.mark.parametrize('rule', RULES)
 def test_protocol_without_one_rule_is_refuted(rule):
-    """The search finds a violation as soon as one rule is disabled."""
+    """The search finds a violation as soon as one rule is broken."""
 
     def is_refuted(name: str) -> bool:
         scripts, begin = SCENARIOS[name]

@@ -1,7 +1,7 @@
 """
-Test with ThreadSanitizer that the library has no races in programs with many threads.
+ThreadSanitizer finds no race in the library while programs of many threads use it.
 
-The report contains places such as ``clock.so+0x6858``; ``addr2line -e`` gives the line.
+The report names places such as ``clock.so+0x6858``; ``addr2line -e`` tells the line.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import pytest
 from autograder.clock import virtual_clock as clocks
 from environment.clock import commands, COMPILER
 
-LIMIT_S = 120.0  # real time; a pair of programs takes a fraction of a second
+LIMIT_S = 120.0  # of real time; a pair of programs takes a fraction of a second
 SANITIZED = '-fsanitize=thread'
-# Symbolising places calls functions of the library, some of them with its lock held.
+# Finding the names of places calls functions of the library, some with its lock held.
 OPTIONS = {'TSAN_OPTIONS': 'symbolize=0 atexit_sleep_ms=0 die_after_fork=0'}
 STYLES = (
     'sleeps',
@@ -37,7 +37,7 @@ STYLES = (
 
 @pytest.fixture(scope='module')
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with library, driver and programs, all built with the sanitizer."""
+    """Return a folder with the library, the driver and the programs, all with the sanitizer."""
     folder = tmp_path_factory.mktemp('races')
     source, races = Path(__file__).with_name('races.c'), folder / 'races'
     program = [*COMPILER, SANITIZED, '-pthread', str(source), '-o', str(races)]
@@ -57,7 +57,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize('style', STYLES)
 def test_two_processes_of_many_threads_show_no_race(style, folder, monkeypatch):
-    """All times are exact, too."""
+    """All times are exact as well."""
     monkeypatch.setattr(clocks, 'FOLDER', folder)
     sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
     for each in sockets:

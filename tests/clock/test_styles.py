@@ -1,7 +1,7 @@
 """
-Test forty ways to keep time: each message arrives at its exact nanosecond.
+Programs keep time in forty ways: each message comes at its exact nanosecond.
 
-The programs of ``time_styles.py`` run in the grader's sandbox together with its probe.
+The programs of ``time_styles.py`` run in the grader's real sandbox, with its probe beside them.
 """
 
 from __future__ import annotations
@@ -34,36 +34,36 @@ ASKED = Scenario(
 
 
 def recording(body: str, scenario: Scenario, sandbox: Sandbox) -> Recording:
-    """Run a program of one style."""
+    """Run a program of a style."""
     inside = ''.join(f'    {line}\n' for line in body.splitlines())
     return observe('style', scenario.to_json(), {'style.py': BEGIN + inside}, sandbox)[0]
 
 
 def numbers(found: Recording) -> list[tuple[int, int]]:
-    """Return the times [ns] and numbers received on the topic n."""
+    """Return what came on the topic n: when [ns], and which number."""
     return [(one['clock_ns'], one['data']['data']) for one in found.messages('/n')]
 
 
 def numbers_at(seconds: Sequence[float], first: int = 1) -> list[tuple[int, int]]:
-    """Return the expected times and numbers."""
+    """Return numbers that come at some seconds."""
     return [(round(at * SECOND), n) for n, at in enumerate(seconds, start=first)]
 
 
 @pytest.mark.parametrize('style', STYLES)
 def test_style_is_exact(style: str) -> None:
-    """Every number arrives at the nanosecond given by the program's code."""
+    """Every number comes at the nanosecond that the program's text says."""
     body, seconds = STYLES[style]
     first = 2 if style == 'publish and sleep' else 1
 
     due = numbers_at(seconds, first)
-    # The sleep command of coreutils 9.7 (Debian 13) requests a nanosecond more than given.
+    # The sleep command of coreutils 9.7 (Debian 13) asks for a nanosecond more than it is told.
     longer = [(at + number, number) for at, number in due] if style in COMMANDS else due
     assert numbers(recording(body, WATCHED, strongest())) in (due, longer)
 
 
 @pytest.mark.parametrize('style', ANSWERING)
 def test_answers_come_at_the_instant_of_their_input(style: str) -> None:
-    """Bursts are included; a late answer is exactly as late as the program's code says."""
+    """Bursts included; late ones exactly as late as the program says, one after the other."""
     found = recording(ANSWERING[style], ASKED, strongest())
 
     due, free_ns = [], 0
@@ -78,7 +78,7 @@ def test_answers_come_at_the_instant_of_their_input(style: str) -> None:
 
 @pytest.mark.parametrize('mode', ['none', 'landlock'])
 def test_weaker_modes_are_as_exact(mode: str) -> None:
-    """In these modes the network is shared, but the clock is not."""
+    """The network is shared there; the clock is not."""
     body, seconds = STYLES['timer']
 
     assert numbers(recording(body, WATCHED, usable(mode))) == numbers_at(seconds)

@@ -1,4 +1,4 @@
-"""Test that waits, sleeps and polls of plain Python programs take exactly the given time."""
+"""Waits, sleeps and polls of plain Python programs take exactly the time that they name."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ thread.join()
 
 @pytest.mark.parametrize('name', PROGRAMS)
 def test_wait_takes_exactly_its_time(on_clock, name):
-    """Times are compared to the microsecond."""
+    """To the microsecond."""
     text, expected = PROGRAMS[name]
 
     [said] = on_clock(BEGIN + text)
@@ -202,7 +202,7 @@ def test_wait_takes_exactly_its_time(on_clock, name):
 
 
 def test_processes_of_multiprocessing_share_the_time(on_clock):
-    """A child uses its parent's clock."""
+    """A child is on its parent's clock."""
     text = """
 def work(numbers, length):
     time.sleep(length)
@@ -220,7 +220,7 @@ if __name__ == '__main__':
 
 
 def test_two_processes_hear_each_other_in_order(on_clock, tmp_path):
-    """A datagram is handled at the same virtual instant at which it was sent."""
+    """A datagram is handled at the instant at which it was sent."""
     speaker = f"""
 channel = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
 time.sleep(0.5)  # the other one is there
@@ -239,7 +239,7 @@ for number in range(50):
 
 
 def test_read_that_the_library_does_not_see_holds_the_time(on_clock):
-    """The probe waits like this for the grader, which is not on the clock."""
+    """The probe waits like this for the grader, who is not on the clock."""
     text = """
 reading, writing = os.pipe()
 subprocess.Popen(['env', '-i', 'sh', '-c', 'echo x >&%d' % writing], pass_fds=[writing])
@@ -252,7 +252,7 @@ os._exit(0)
 
 
 def test_time_page_refuses_to_be_written(on_clock):
-    """Even the file behind a mapping cannot be opened for writing."""
+    """Not even the file behind a mapping can be opened for writing."""
     text = """
 import mmap
 tried, refused = 0, 0
@@ -270,5 +270,5 @@ tell(tried, tried - refused)
 
 
 def test_closing_every_descriptor_keeps_the_clock(on_clock):
-    """Daemons close all descriptors at the start."""
+    """As a program does that becomes a daemon."""
     assert on_clock(BEGIN + 'os.closerange(3, 1000); time.sleep(2); tell()') == [[[2]]]

@@ -1,9 +1,9 @@
 """
-Define forty ways in which ROS programs keep time.
+Forty ways in which ROS programs keep time.
 
-``STYLES`` has the body of each program and the seconds at which its numbers arrive if its period
+``STYLES`` has the body of each program and the seconds at which its numbers come if its period
 ``P`` is one second.  The node's ``tick`` publishes the next number.  ``ANSWERING`` programs double
-each number that they receive.
+what they hear.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'node.tick()',
         EVERY_SECOND,
     ),
-    # Messages published at the start precede the discovery of the subscription.
+    # What is published at the start is published before the listener has been discovered.
     'publish and sleep': ('while True: node.tick(); time.sleep(P)', EVERY_SECOND),
     'threading.Timer': (
         'def later(): node.tick(); threading.Timer(P, later).start()\n'

@@ -1,8 +1,8 @@
 """
-Provide one hub for all tests.
+The hub of the tests, one for all of them.
 
-Its accounts are created before and removed after the tests.  ``HUB_TEST_FOLDER`` names a folder to
-keep together with its accounts, so that later preparations take seconds.
+The accounts are made for it and removed after it.  ``HUB_TEST_FOLDER`` names a folder that is kept
+with its accounts, so that preparing it takes seconds the next time.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Run a real hub with one instructor and two students, prepared as by ``make hub``."""
+"""A real hub with one instructor and two students, prepared and run as ``make hub`` does."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Hub:
     """
     A running hub.
 
-    :param settings: settings of the hub
+    :param settings: of the hub
     :param browser: a Chromium
     """
 
@@ -37,11 +37,11 @@ class Hub:
 
     @property
     def address(self) -> str:
-        """Address of the hub, with a slash at its end."""
+        """Where it listens, with a slash at its end."""
         return f'http://127.0.0.1:{self.settings.port}/'
 
     def log_in(self, user: str, password: str = '') -> Any:
-        """Enter a name and a password, and return the resulting page."""
+        """Type a name and a password, and return the page that follows."""
         page = self.browser.new_context(viewport={'width': 1360, 'height': 900}).new_page()
         page.set_default_timeout(PAGE_MS)
         page.goto(self.address)
@@ -51,19 +51,19 @@ class Hub:
         return page
 
     def lab_of(self, user: str) -> Any:
-        """Log a user in, and return the page with the user's JupyterLab."""
+        """Log a user in, and return the page with this user's JupyterLab."""
         page = self.log_in(user)
         page.locator('.jp-NotebookPanel').first.wait_for()
         return page
 
 
 def home_of(user: str) -> Path:
-    """Return a user's home folder."""
+    """Return a user's home."""
     return Path(pwd.getpwnam(user).pw_dir)
 
 
 def as_user(user: str, *command: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run a command as a user, in the user's home folder."""
+    """Run a command as one of the users, at home."""
     home = home_of(user)
     words = ['runuser', '-u', user, '--', 'env', f'HOME={home}', *map(str, command)]
     return subprocess.run(words, capture_output=True, text=True, cwd=home, timeout=120)
@@ -71,7 +71,7 @@ def as_user(user: str, *command: str | Path) -> subprocess.CompletedProcess[str]
 
 @contextmanager
 def running(folder: Path) -> Iterator[Settings]:
-    """Prepare and run a hub; stop it like Ctrl-C, and check that no process is left."""
+    """Prepare a hub in a folder, run it, stop it as Ctrl-C does, and see that nothing is left."""
     file = folder / 'hub.toml'
     file.write_text(
         f"folder = '{folder}'\nport = {_port_before_two_free()}\ninstructor = '{TEACHER}'\n"
@@ -91,7 +91,7 @@ def running(folder: Path) -> Iterator[Settings]:
         if hub.stdout:
             hub.stdout.close()
     left = [one for one in psutil.process_iter() if one.username() in (TEACHER, ANN, BOB)]
-    # A kernel ends by itself when its server has ended.
+    # A kernel ends by itself when its server is gone.
     assert psutil.wait_procs(left, timeout=STOPPED_S)[1] == []
     with socket.socket() as probe:
         assert probe.connect_ex(('127.0.0.1', settings.port)) != 0, 'the proxy is left'
@@ -103,7 +103,7 @@ def _wait_until_it_answers(settings: Settings, hub: subprocess.Popen[str]) -> No
 
 
 def _port_before_two_free() -> int:
-    """Return a free port whose next two ports are free, too."""
+    """Return a port that is free, as are the next two."""
     for port in range(18000, 19000, 3):
         with socket.socket() as one, socket.socket() as two, socket.socket() as three:
             try:

@@ -1,4 +1,4 @@
-"""Test a class on one machine: nbgrader's workflow by buttons, and what students cannot do."""
+"""A class on one machine: nbgrader's loop by its buttons, and what a student is refused."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MANAGE = 'user/{}/formgrader/manage_assignments'
 
 
 def press(hub: Hub, page, kind: str) -> str:
-    """Press a button in the lesson's row of formgrader, and return the message that follows."""
+    """Press a button of the lesson's row in formgrader, and return what it says then."""
     page.goto(hub.address + MANAGE.format(TEACHER))
     row = page.locator(f'tr:has-text("{LESSON}")').first
     row.locator(f'td.{kind} a').click()
@@ -30,7 +30,7 @@ def press(hub: Hub, page, kind: str) -> str:
 
 
 def assignments(page, kind: str):
-    """Return the lesson's row in one section of the student's list of assignments."""
+    """Open the student's list of assignments, and return the lesson's row in one of its parts."""
     page.goto(page.url.split('/lab')[0] + '/lab?reset')
     page.locator('.lm-MenuBar-itemLabel:text-is("Nbgrader")').click()
     page.locator('.lm-Menu-itemLabel:text-is("Assignment List")').click()
@@ -38,7 +38,7 @@ def assignments(page, kind: str):
 
 
 def test_the_whole_loop(hub: Hub, tmp_path: Path) -> None:
-    """The test clicks from the lesson's source to the feedback on a student's screen."""
+    """From the lesson's source to the feedback on a student's screen, by clicking."""
     teacher, ann = hub.lab_of(TEACHER), hub.lab_of(ANN)
     assert 'Success' in press(hub, teacher, 'assign')
     assert 'Success' in press(hub, teacher, 'release')
@@ -75,7 +75,7 @@ def test_the_whole_loop(hub: Hub, tmp_path: Path) -> None:
 
 
 def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
-    """Formgrader is not available, and ungraded lessons are present at once."""
+    """Formgrader does not exist there, and lessons that are not graded are at hand at once."""
     ann = hub.lab_of(ANN)
     assert ann.goto(hub.address + f'user/{ANN}/formgrader/').status == 404
     found = {path.name for path in (home_of(ANN) / 'course').iterdir()}
@@ -93,7 +93,7 @@ def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
     ],
 )
 def test_a_student_is_refused_by_the_hub(hub: Hub, path: str) -> None:
-    """Neither another user's server nor the hub's API accepts a student's request."""
+    """Neither another's server nor the hub's interface answers to a student."""
     hub.lab_of(ANN)
     bob = hub.lab_of(BOB)
     answer = bob.request.get(hub.address + path.format(other=ANN))
@@ -101,7 +101,7 @@ def test_a_student_is_refused_by_the_hub(hub: Hub, path: str) -> None:
 
 
 def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
-    """Students cannot read homes, hidden exams, the gradebook or the hub's secrets."""
+    """Homes, the hidden exams, the gradebook and the hub's secrets are closed to others."""
     clone = home_of(TEACHER) / 'course'
     hidden = clone / 'autograder' / 'exams' / 'hidden'
     assert hidden.is_dir()
@@ -114,7 +114,7 @@ def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
 
 
 def test_a_wrong_password_and_an_unknown_user_stay_outside(hub: Hub) -> None:
-    """The first password counts, and only for members of the class."""
+    """The first password counts, and only for those who are in the class."""
     hub.lab_of(ANN)
     for user, password in ((ANN, 'a guess of somebody'), ('root', 'a guess of somebody')):
         page = hub.log_in(user, password)
@@ -123,7 +123,7 @@ def test_a_wrong_password_and_an_unknown_user_stay_outside(hub: Hub) -> None:
 
 
 def test_no_message_leaves_a_kernel(hub: Hub) -> None:
-    """Each kernel has a separate network, and a terminal of its user can join it."""
+    """Each kernel has a network of its own, and a terminal of its user can join it."""
     networks = {}
     for user in (ANN, BOB):
         page = hub.lab_of(user)
@@ -137,7 +137,7 @@ def test_no_message_leaves_a_kernel(hub: Hub) -> None:
 
 
 def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
-    """The server's processes are in the user's control group, with the configured limit."""
+    """The server's processes are in the user's control group, with the limit of the settings."""
     hub.lab_of(ANN)
     found = group_of(ANN)
     assert found, 'this system has no control group for memory'

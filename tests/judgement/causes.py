@@ -1,5 +1,5 @@
 """
-Write docs/causes.md: the mistakes that the grader recognises, its texts, and their proofs.
+Write docs/causes.md: the mistakes that the grader recognises, what it says, and what proves it.
 
 ``python -m tests.judgement.causes`` reads the causes off the code and their proofs off the kept
 results of samples and mutants and off the unit tests; it runs nothing.  ``--check`` compares.
@@ -28,7 +28,7 @@ NAME = 'causes'
 ROOT = Layout.here().root
 LEAST = 40
 QUESTION = re.compile(r'q\d\d_')
-"""A wrong letter is explained by the question itself and is not a mistake in a program."""
+"""What explains a wrong letter is the question's own, and no mistake in a program."""
 
 HEAD = """# Causes
 
@@ -70,7 +70,7 @@ def in_the_code() -> tuple[Written, ...]:
 
 
 def _in_file(path: Path) -> Iterator[Written]:
-    """Yield the causes that a file creates with ``Cause``, ``Slip`` or ``cause_id=``."""
+    """Yield the causes that a file names and creates: ``Cause``, ``Slip``, ``cause_id=``."""
     for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
         if not isinstance(node, ast.Call):
             continue
@@ -86,7 +86,7 @@ def _in_file(path: Path) -> Iterator[Written]:
 
 
 def _names(node: ast.AST) -> list[str]:
-    """Return the possible cause ids in an expression, without those from tables."""
+    """Return the names that an expression can give a cause; those of tables are not in it."""
     either: list[ast.expr] = []
     if isinstance(node, ast.IfExp):
         either = [node.body, node.orelse]
@@ -99,7 +99,7 @@ def _names(node: ast.AST) -> list[str]:
 
 
 def template(node: ast.AST) -> str:
-    """Return the string that an expression builds, with … for inserted values."""
+    """Return the text that an expression makes, with … for what is put in."""
     if isinstance(node, ast.Constant):
         return str(node.value)
     if isinstance(node, ast.JoinedStr):
@@ -112,7 +112,7 @@ def template(node: ast.AST) -> str:
 
 
 def _in_tables() -> Iterator[Written]:
-    """Yield the causes whose ids come from tables."""
+    """Yield the causes whose names come from tables."""
     for kind in exceptions.KINDS:
         text, try_this = (
             re.sub(r'\\\d|\{\w+\}', '…', said) for said in (kind.text, kind.try_this)
@@ -135,7 +135,7 @@ def _in_tables() -> Iterator[Written]:
 
 @cache
 def proofs() -> Mapping[str, tuple[str, str, str]]:
-    """Return text, fix and proof of each cause that a stored result, a test or a rule shows."""
+    """Return text, repair and proof of each cause that a kept result, a test or a rule shows."""
     found: dict[str, tuple[str, str, str]] = {}
     for name, what in (('agreement', 'submission'), ('mutants', 'mutant')):
         for exam, result in load(name).items():
@@ -146,7 +146,7 @@ def proofs() -> Mapping[str, tuple[str, str, str]]:
         if one.cause_id not in found and one.cause_id in quoted:
             text, try_this = map(Names().fill, (one.text, one.try_this))
             found[one.cause_id] = text, try_this, f'test {quoted[one.cause_id]}'
-    # A slip needs no program: its rule gives the answers that it explains.
+    # A slip is a program of its own: its rule gives the answers that it explains.
     for name in catalog.names():
         for slip in (slip for asked in catalog.load(name).asks.values() for slip in asked.slips):
             found.setdefault(slip.cause_id, (slip.text, slip.try_this, f'slip of {name}'))
@@ -155,7 +155,7 @@ def proofs() -> Mapping[str, tuple[str, str, str]]:
 
 @cache
 def _quoted() -> Mapping[str, str]:
-    """Return the file of the first test that quotes a text, by text."""
+    """Return the file of the first test in which a text is quoted, by text."""
     found: dict[str, str] = {}
     folders = [ROOT / 'tests' / name for name in ('unit', 'pipeline', 'attacks')]
     for path in (path for folder in folders for path in sorted(folder.glob('test_*.py'))):
@@ -166,20 +166,20 @@ def _quoted() -> Mapping[str, str]:
 
 
 def proven(cause_id: str) -> list[str]:
-    """Return the proven causes with an id from the code; several, if a part is inserted."""
+    """Return the proven causes that are one of the code; several, if a part is put in."""
     pattern = re.escape(cause_id).replace(r'\*', r'\w+')
     return [name for name in proofs() if re.fullmatch(pattern, name)]
 
 
 def unproven() -> list[str]:
-    """Return the causes that nothing proves, with the file that creates each."""
+    """Return the causes of the code that nothing proves, with the file that makes each."""
     return sorted(
         {f'{one.cause_id} ({one.module})' for one in in_the_code() if not proven(one.cause_id)}
     )
 
 
 def page() -> str:
-    """Return the text of the page."""
+    """Return the whole page."""
     homes: dict[str, set[str]] = {}
     for one in in_the_code():
         for name in proven(one.cause_id):
@@ -194,12 +194,12 @@ def page() -> str:
 
 
 def _short(text: str) -> str:
-    """Return at most 240 characters of a text, because a compiler's line may be long."""
+    """Return at most 240 characters of a text; a line of a compiler may be long."""
     return text if len(text) <= 240 else f'{text[:236]} ...'
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the page, or compare it with the existing one."""
+    """Write the page, or compare it."""
     without: list[Any] = unproven()
     print(*without, sep='\n', end='\n' if without else '')
     return write_or_compare(NAME, page(), without, arguments)

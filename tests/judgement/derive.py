@@ -1,5 +1,5 @@
 """
-Derive the mutants: variants of a reference solution with one change, as data.
+The mutants: what differs from a reference solution in one place, as data.
 
 Most are made by operators over the references; ``mutants.yaml`` adds what would be contrived for
 an operator, and says why a mutant may survive.  Everything is derived in a fixed order from files
@@ -23,9 +23,9 @@ from tests.judgement.references import Exercise, exercises
 from tests.judgement.text_operators import BY_SUFFIX
 
 DATA = Path(__file__).with_name('mutants.yaml')
-SHOWN = 70  # maximum length of a quoted change in a mutant's name
+SHOWN = 70  # characters of a change in a name
 MOST = {'missing line': 4, 'text': 2, 'name': 2, 'missing log': 2, 'off by one': 2}
-"""Maximum number of one kind per function or non-Python file; 1 for the kinds in ONCE."""
+"""Of one kind in one function or file that is no Python; 1 of the kinds in ONCE."""
 ONCE = (
     'constant',
     'ends by itself',
@@ -44,10 +44,10 @@ ONCE = (
 @dataclass(frozen=True)
 class Mutant:
     """
-    A reference solution with one mistake.
+    A reference solution with one slip.
 
-    :param name: description of the change, unique in its exam
-    :param kind: category of the mistake
+    :param name: what is changed, unique in its exam
+    :param kind: what sort of slip it is
     :param files: all files that the exam judges
     """
 
@@ -59,15 +59,15 @@ class Mutant:
 
 @cache
 def written() -> Mapping[str, Any]:
-    """Return the manual entries of the file: ``by_hand``, ``leave`` and ``survivors``."""
+    """Return what is written by hand: ``by_hand``, ``leave`` and ``survivors``."""
     return dict(yaml.safe_load(DATA.read_text(encoding='utf-8')))
 
 
 def mutants_of(exercise: Exercise) -> list[Mutant]:
     """
-    Return the mutants of an exercise, without duplicates.
+    Return the mutants of an exercise, without equal ones.
 
-    :raises ValueError: if a manual change does not match its reference
+    :raises ValueError: if a change by hand does not fit its reference
     """
     seen = {_meaning(path, text) for path, text in exercise.files.items()}
     counts: dict[str, int] = {}
@@ -98,10 +98,10 @@ def all_mutants() -> list[Mutant]:
 
 
 def _changes(exercise: Exercise) -> Iterator[tuple[str, Change]]:
-    """Yield the changes found by operators and the manual ones, file by file."""
+    """Yield what operators find and what is written by hand, file by file."""
     leave = [one['what'] for one in written()['leave'] if one['exam'] == exercise.name]
     left = {what for group in leave for what in group}
-    # A node started in a namespace ignores its own; without a namespace, /x and x are one topic.
+    # A node that is started in a namespace loses its own; outside of one, /x and x are one topic.
     spaced = any('__ns:=' in word for word in exercise.exam.scenario.arguments)
     left.add('namespace' if spaced else 'absolute name')
     for path, source in exercise.files.items():
@@ -134,7 +134,7 @@ def _by_hand(exercise: Exercise) -> Iterator[tuple[str, Change]]:
 
 
 def _meaning(path: str, text: str) -> str | None:
-    """Return a normal form that equal mutants share, None if the file is not Python."""
+    """Return what two equal mutants have in common, None if it is no Python."""
     if not path.endswith('.py'):
         return f'{path}\0{text}'
     try:
@@ -145,12 +145,12 @@ def _meaning(path: str, text: str) -> str | None:
 
 
 def _name(path: str, change: Change, source: str) -> str:
-    """Describe in one line what was changed, and where."""
+    """Say in one line what was changed, and where."""
     where = f'{change.place}(): ' if change.place else ''
     if not path.endswith('.py'):
         where = f'{path}: '
     if path.startswith('answers/'):
-        return f'{path}: another letter'  # do not reveal the right letter
+        return f'{path}: another letter'  # which one is right is not told
     old, new = _one_line(source[change.start : change.end]), _one_line(change.text)
     if not old:
         return f'{where}`{new}` is added'

@@ -1,4 +1,4 @@
-"""Find the inputs drawn by hidden exams in texts."""
+"""What the hidden exams have drawn, and whether a text tells any of it."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from autograder.results import CheckResult
 
 NAMES = catalog.names()
 LEAST_DIGITS = 3
-"""Numbers with fewer digits occur in any sentence: periods, counts, line numbers."""
+"""Fewer are the numbers of any sentence: periods, counts, lines of a cell."""
 _NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?!\w)')
 _WORD = re.compile(r'\w{3,}')
 
 
 def texts_of(check: CheckResult) -> str:
-    """Return all texts of a check that a learner reads."""
+    """Return all that a learner is told about a check."""
     return '\n'.join((check.expected, check.observed, check.cause, check.try_this))
 
 
 def told_of(exam: Exam, text: str) -> list[str]:
-    """Return the drawn values, times and namespaces that occur in a text."""
+    """Return which of the drawn values and moments a text tells, and the namespace."""
     words = {word.casefold() for word in _WORD.findall(text.replace('/', ' '))}
     space = namespace_of(exam.scenario).strip('/')
     found = [space] if space and space in text.casefold() else []
@@ -35,7 +35,7 @@ def told_of(exam: Exam, text: str) -> list[str]:
     values, moments = list(_secret_numbers(exam)), list(_moments_s(exam))
     for number, token in numbers:
         decimals = len(token.partition('.')[2])
-        # With one decimal, almost any number is a time in a long run.
+        # To a tenth of a second, any number is a moment of a long run.
         secrets = [*values, *moments] if decimals > 1 else values
         if any(round(abs(secret), decimals) == number for secret in secrets):
             found.append(token)
@@ -57,7 +57,7 @@ def _words(exam: Exam) -> set[str]:
 
 
 def _secret_numbers(exam: Exam) -> Iterator[float]:
-    """Yield the numbers that an exam sends, except for those shown in every lesson."""
+    """Yield the numbers that an exam sends, except those that every lesson shows."""
     public = {float(word) for word in PUBLIC if word.isdigit()} | {30.01, 30.004, 29.99}
     yield from _numbers(exam) - _numbers(catalog.load(exam.name, hidden=False)) - public
 
@@ -67,7 +67,7 @@ def _numbers(exam: Exam) -> set[float]:
 
 
 def _moments_s(exam: Exam) -> Iterator[float]:
-    """Yield the times of steps on the drawn ROS clock [s]."""
+    """Yield the moments of the ROS clock that is drawn [s]."""
     if clock := exam.scenario.ros_clock:
         seconds = sum(step.seconds for step in exam.scenario.steps if isinstance(step, Advance))
         for number in range(round(seconds * clock.rate / clock.step_s)):
@@ -75,7 +75,7 @@ def _moments_s(exam: Exam) -> Iterator[float]:
 
 
 def sent_by(exam: Exam) -> Iterator[Any]:
-    """Yield each string and number that an exam sends or sets."""
+    """Yield each text and number that an exam sends or sets."""
     for step in exam.scenario.steps:
         if isinstance(step, Feed):
             yield from _leaves([message for message in step.messages])

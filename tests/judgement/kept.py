@@ -1,8 +1,8 @@
 """
-Store the results of runs from which the tables are generated, as JSON next to the code.
+What the tables are made from: results of runs, kept beside the code as JSON.
 
-``make check`` only compares a table, without a run.  So each result has the digest of its inputs;
-if they have changed, the table is out of date.
+A table is only compared in ``make check``, without a run.  So each result carries the digest of
+what it was made from; if that has changed, the table is out of date.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     """
     Judge files by exams in the real sandbox, two at a time.
 
-    Only submissions without a current recording are run.
+    Only runs without a current recording take place.
 
     :param work: exams, each with the files that it judges
     :returns: the results, in the order of ``work``
@@ -39,20 +39,20 @@ def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
         return examine(exam, files, sandbox=box, recordings=LAYOUT.recordings)
 
-    # Raise faults of the grader only at the end, so that the other results are kept.
+    # What fails on our side is told in the end, so that what was run until then is kept.
     with ThreadPoolExecutor(max_workers=JOBS) as pool:
         tasks = [pool.submit(one, *given) for given in work]
     return [task.result() for task in tasks]
 
 
 def load(name: str) -> dict[str, Any]:
-    """Return a stored result, empty if there is none."""
+    """Return a kept result, empty if there is none."""
     path = FOLDER / f'{name}.json'
     return dict(json.loads(path.read_text(encoding='utf-8'))) if path.is_file() else {}
 
 
 def save(name: str, data: Mapping[str, Any]) -> None:
-    """Store a result."""
+    """Keep a result."""
     text = json.dumps(data, indent=1, ensure_ascii=False)
     (FOLDER / f'{name}.json').write_text(f'{text}\n', encoding='utf-8')
 
@@ -61,8 +61,8 @@ def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Seque
     """
     Write a page, or with ``--check`` report whether it is up to date.
 
-    :param name: name of the page in ``docs/`` and of the module that generates it
-    :param late: descriptions of the results that are out of date
+    :param name: the name of the page in ``docs/`` and of the module that generates it
+    :param late: the results that were not made from the current files, as text
     :returns: the exit code
     """
     path = DOCS / f'{name}.md'
@@ -77,7 +77,7 @@ def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Seque
 
 
 def cell(text: str) -> str:
-    """Return a text escaped for a cell of a Markdown table."""
+    """Return a text in a form that is valid in a cell of a Markdown table."""
     return ' '.join(text.split()).replace('|', '&#124;')
 
 

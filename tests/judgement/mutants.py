@@ -19,7 +19,7 @@ from tests.judgement.references import digest, Exercise, exercises
 
 NAME = 'mutants'
 LEAST = 0.95
-"""The minimum share of an exam's mutants that the exam must find."""
+"""Of the mutants of an exam, what it has to find."""
 
 HEAD = """# Mutants
 
@@ -44,18 +44,18 @@ def verdict(result: ExamResult) -> list[str] | None:
 
 
 def survivors() -> dict[tuple[str, str], Mapping[str, Any]]:
-    """Return the explanations of surviving mutants, by exam and name."""
+    """Return what is written about survivors, by exam and name."""
     return {(one['exam'], one['name']): one for one in written()['survivors']}
 
 
 def digest_of(exercise: Exercise, mutants: Sequence[Mutant]) -> str:
-    """Return a digest of everything that determines the results of an exercise's mutants."""
+    """Return a digest of what the results of an exercise's mutants follow from."""
     return digest(exercise, *(f'{one.name}\0{sorted(one.files.items())}' for one in mutants))
 
 
 def run(chosen: Sequence[str]) -> None:
     """
-    Run mutants and store their results.
+    Run mutants and keep what came of them.
 
     :param chosen: names of exams
     """
@@ -88,7 +88,7 @@ def _line(exam: str, found: Mapping[str, object]) -> str:
 
 
 def mistakes(kept: Mapping[str, Any]) -> list[str]:
-    """Return problems of the stored results: too few found, or a survivor without explanation."""
+    """Return what is wrong with the kept results: too few found, or a survivor unexplained."""
     found = []
     known = survivors()
     for exam, result in kept.items():
@@ -103,7 +103,7 @@ def mistakes(kept: Mapping[str, Any]) -> list[str]:
 
 
 def _counted(exam: str, found: Mapping[str, object]) -> dict[str, object]:
-    """Return the mutants that are not equivalent to the reference."""
+    """Return the mutants that are no equivalent of the reference."""
     same = {name for (e, name), one in survivors().items() if e == exam and one.get('equivalent')}
     return {name: by for name, by in found.items() if name not in same}
 
@@ -114,7 +114,7 @@ def _rate(exam: str, found: Mapping[str, object]) -> float:
 
 
 def page(kept: Mapping[str, Any]) -> str:
-    """Return the text of the page."""
+    """Return the whole page."""
     count = sum(len(result['found']) for result in kept.values())
     rows = []
     for exam, result in kept.items():
@@ -145,7 +145,7 @@ def _section(exam: str, found: Mapping[str, Sequence[str] | None]) -> list[str]:
 
 
 def late(kept: Mapping[str, Any]) -> list[str]:
-    """Return the exams whose results are out of date."""
+    """Return the exams whose results were not made from the current files."""
     return [
         exercise.name
         for exercise in exercises()
@@ -154,7 +154,7 @@ def late(kept: Mapping[str, Any]) -> list[str]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run and write the page, or compare it with the existing one."""
+    """Run and write, or compare."""
     if '--check' not in arguments:
         run(arguments or late(load(NAME)))
     kept = load(NAME)

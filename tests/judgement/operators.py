@@ -1,9 +1,9 @@
 """
-Change a Python node in one place at a time, as learners' mistakes do.
+What can be changed in a Python node, in one place at a time: the slips of people who learn.
 
-An operator examines one node of the syntax tree and yields changes of its text; the rest of the
-file is unchanged, character by character.  How a program ends is taught but not graded, so
-``except`` and ``finally`` are not changed.
+An operator looks at one node of the syntax tree and yields changes of the text under it; the rest
+of the file stays as it is, letter by letter.  How a program ends is taught and not graded, so
+``except`` and ``finally`` are left alone.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ OTHER_TYPE = {'Float64': 'Float32', 'String': 'Char', 'Empty': 'Bool', 'Twist': 
 @dataclass(frozen=True)
 class Change:
     """
-    One change of a text.
+    One change to a text.
 
     :param kind: the kind of slip
     :param start: offset of the first character that is replaced
@@ -57,9 +57,9 @@ class Change:
 @dataclass(frozen=True)
 class Place:
     """
-    A node of the syntax tree with its context.
+    A node of the tree with what surrounds it.
 
-    :param parents: its ancestors, outermost first
+    :param parents: from the outermost to the one that holds it
     """
 
     node: ast.AST
@@ -68,7 +68,7 @@ class Place:
     offsets: tuple[int, ...]
 
     def span(self, node: ast.AST | None = None) -> tuple[int, int]:
-        """Return the start and end of a node's text; by default, of this node."""
+        """Return where a node's text begins and ends; this one's by default."""
         it = node or self.node
         return (
             self.offsets[it.lineno - 1] + it.col_offset,
@@ -76,23 +76,23 @@ class Place:
         )
 
     def text(self, node: ast.AST | None = None) -> str:
-        """Return the text of a node; by default, of this node."""
+        """Return the text of a node; of this one by default."""
         start, end = self.span(node)
         return self.source[start:end]
 
     @property
     def parent(self) -> ast.AST:
-        """Return the parent of this node."""
+        """Return the node that holds this one."""
         return self.parents[-1]
 
     @property
     def function(self) -> str:
-        """Return the name of the surrounding function, empty outside functions."""
+        """Return the name of the function around it, or nothing."""
         names = [node.name for node in self.parents if isinstance(node, ast.FunctionDef)]
         return names[-1] if names else ''
 
     def change(self, kind: str, text: str, node: ast.AST | None = None) -> Change:
-        """Return a change that replaces the text of a node."""
+        """Return the change that puts a text in the place of a node."""
         return Change(kind, *self.span(node), text, self.function)
 
 
@@ -115,7 +115,7 @@ def changes(source: str) -> Iterator[Change]:
 
 
 def _walk(node: ast.AST, parents: tuple[ast.AST, ...]) -> Iterator[tuple[ast.AST, tuple]]:
-    """Yield nodes with their ancestors, without docstrings and the ends of programs."""
+    """Yield nodes with their parents, without docstrings and the ends of programs."""
     if isinstance(node, ast.ExceptHandler):
         stops = {name for name in ast.walk(node) if isinstance(name, ast.Name)}
         if 'KeyboardInterrupt' in {name.id for name in stops}:
@@ -136,17 +136,14 @@ def _is_text(node: ast.AST) -> bool:
 
 
 def called(node: ast.AST) -> str:
-    """Return the last part of a called function's name, or an empty string."""
+    """Return the last name of what a call calls, or nothing."""
     if not isinstance(node, ast.Call):
         return ''
     return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
 
 
 def names(place: Place) -> Iterator[Change]:
-    """
-    Change names of nodes, topics, parameters and namespaces, and strings that are compared or
-    sent.
-    """
+    """Names of nodes, topics, parameters and namespaces, and texts that are compared or sent."""
     node, parent = place.node, place.parent
     if not _is_text(node) or isinstance(parent, (ast.JoinedStr, ast.FormattedValue)):
         return
@@ -169,7 +166,7 @@ def names(place: Place) -> Iterator[Change]:
 
 
 def slip(name: str) -> str:
-    """Return a name with two letters swapped."""
+    """Return a name with two letters in the wrong order."""
     for number in range(1, len(name) - 1):
         if name[number] != name[number + 1]:
             return name[:number] + name[number + 1] + name[number] + name[number + 2 :]
@@ -177,12 +174,12 @@ def slip(name: str) -> str:
 
 
 def numbers(place: Place) -> Iterator[Change]:
-    """Change periods, thresholds and counts."""
+    """Periods, thresholds and counts."""
     value = getattr(place.node, 'value', None)
     if not isinstance(place.node, ast.Constant) or type(value) not in (int, float):
         return
     if called(place.parent) in CREATE:
-        return  # a depth, see qos(): no check can observe it
+        return  # a depth, see qos(): nothing on the wire tells it
     if type(value) is int:
         yield place.change('off by one', str(value + 1))
     elif _is_period(place):
@@ -194,7 +191,7 @@ def numbers(place: Place) -> Iterator[Change]:
 
 
 def _is_period(place: Place) -> bool:
-    """Return whether a number is a period, given its name or the call to which it is passed."""
+    """Return whether a number is a period, judged by its name or by the call that takes it."""
     parent = place.parent
     if isinstance(parent, ast.Assign) and isinstance(parent.targets[0], ast.Name):
         return parent.targets[0].id.endswith('_S')
@@ -202,7 +199,7 @@ def _is_period(place: Place) -> bool:
 
 
 def comparisons(place: Place) -> Iterator[Change]:
-    """Change comparisons and logical operators."""
+    """Comparisons and what joins them."""
     node = place.node
     if isinstance(node, ast.Compare) and not place.text().startswith('__name__'):
         left, right = place.text(node.left), place.text(node.comparators[0])
@@ -222,7 +219,7 @@ def comparisons(place: Place) -> Iterator[Change]:
 
 
 def arithmetic(place: Place) -> Iterator[Change]:
-    """Change arithmetic operators."""
+    """Formulas."""
     node = place.node
     if isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = place.text(node.left), place.text(node.right)
@@ -232,14 +229,14 @@ def arithmetic(place: Place) -> Iterator[Change]:
 
 
 def qos(place: Place) -> Iterator[Change]:
-    """Change QoS policies, given as a number or as a profile."""
+    """Policies of quality of service; what a number gives, and what is written out."""
     node, parent = place.node, place.parent
     if isinstance(node, ast.Attribute) and node.attr in POLICIES:
         yield place.change('QoS policy', f'{place.text(node.value)}.{POLICIES[node.attr]}')
     elif isinstance(node, ast.keyword) and called(parent) == 'QoSProfile' and node.arg != 'depth':
         yield place.change('QoS policy', '')
     elif isinstance(node, ast.Constant) and called(parent) in CREATE and type(node.value) is int:
-        # A subscription that requests less receives the same messages, so this is not a mistake.
+        # A subscription that asks for less hears as much: that is no slip.
         if CREATE[called(parent)] == 'publisher':
             yield place.change('QoS policy', 'rclpy.qos.qos_profile_sensor_data')
         durability = 'durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL'
@@ -247,7 +244,7 @@ def qos(place: Place) -> Iterator[Change]:
 
 
 def logging(place: Place) -> Iterator[Change]:
-    """Change levels, loggers and texts of log lines, or use print instead of a logger."""
+    """Levels, print instead of a logger, another logger, and what a line says."""
     node, parent = place.node, place.parent
     if called(node) in LEVELS and isinstance(node, ast.Call):
         function = place.text(node.func).rpartition('.')[0]
@@ -258,7 +255,7 @@ def logging(place: Place) -> Iterator[Change]:
     elif place.text().endswith('get_logger()') and called(node) == 'get_logger':
         yield place.change('logger', "rclpy.logging.get_logger('mine')")
     elif isinstance(node, ast.FormattedValue) and isinstance(parent, ast.JoinedStr):
-        # Only later versions of Python give the right positions of the parts of an f-string.
+        # The places of parts of an f-string are right only in later versions of Python.
         written = ast.unparse(ast.Expression(ast.JoinedStr([node])))[2:-1]
         whole = place.text(parent)
         if whole.count(written) == 1:
@@ -266,7 +263,7 @@ def logging(place: Place) -> Iterator[Change]:
 
 
 def spinning(place: Place) -> Iterator[Change]:
-    """Change which node is spun, and for how long."""
+    """Who runs the callbacks, and for how long."""
     node = place.node
     if called(node) != 'spin' or not isinstance(node, ast.Call):
         return
@@ -279,7 +276,7 @@ def spinning(place: Place) -> Iterator[Change]:
 
 
 def removals(place: Place) -> Iterator[Change]:
-    """Remove a line."""
+    """A line that was never written."""
     node = place.node
     removable = (ast.Expr, ast.Assign, ast.AugAssign, ast.Return)
     if isinstance(node, ast.If) and '__main__' in place.text(node.test):
@@ -290,7 +287,7 @@ def removals(place: Place) -> Iterator[Change]:
 
 
 def _missing(text: str) -> str:
-    """Return the description of a removed line."""
+    """Return what is missing without a line."""
     for word, kind in (
         ('create_timer', 'missing timer'),
         ('create_publisher', 'missing publisher'),
@@ -335,7 +332,7 @@ def _is_field(node: ast.AST) -> bool:
 
 
 def endpoint_types(place: Place) -> Iterator[Change]:
-    """Change the message class of an endpoint, but not the messages."""
+    """The class of an endpoint; what is sent stays."""
     node = place.node
     if not isinstance(node, ast.Name) or called(place.parent) not in CREATE:
         return
@@ -344,13 +341,13 @@ def endpoint_types(place: Place) -> Iterator[Change]:
 
 
 def clocks(place: Place) -> Iterator[Change]:
-    """Change the clock."""
+    """Whose time it is."""
     if place.text() == 'self.get_clock()' and called(place.node):
         yield place.change('stamp', 'rclpy.clock.Clock()')
 
 
 def callbacks(place: Place) -> Iterator[Change]:
-    """Change callbacks: their calls, their results, and exceptions in them."""
+    """What goes wrong in, around and by the end of a callback."""
     node = place.node
     passed = called(place.parent).startswith('create_') and node in place.parent.args
     if passed and place.text().startswith('self.') and isinstance(node, ast.Attribute):

@@ -1,4 +1,4 @@
-"""Check properties of every judged submission: short texts, no secrets, no influence of style."""
+"""What holds for every judged submission, whatever was handed in: short, discreet, impartial."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.judgement.rewritten import blanked, commented, rewritten
 
 
 def unreadable(result: ExamResult) -> Iterator[str]:
-    """Yield the checks whose text is too long or too wide, or that fail without a text."""
+    """Yield the checks whose text is too long or too wide, or that fail without a word."""
     for check in result.checks:
         lines = check_lines(check, titles_of(result))
         silent = check.verdict is not Verdict.PASSED and len(lines) < 2
@@ -23,7 +23,7 @@ def unreadable(result: ExamResult) -> Iterator[str]:
 
 
 def telling(exam: Exam, result: ExamResult) -> Iterator[str]:
-    """Yield inputs revealed by failed checks: a student could hard-code them and resubmit."""
+    """Yield what failed checks tell of the inputs: a student could hard-code them and resubmit."""
     for check in result.failed:
         if told := told_of(exam, texts_of(check)):
             yield f'{check.check}: tells {told}'
@@ -31,7 +31,7 @@ def telling(exam: Exam, result: ExamResult) -> Iterator[str]:
 
 def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) -> Iterator[str]:
     """Yield checks whose points depend on the program's text, or whose cause on its style."""
-    # Drop line numbers, which refer to the text that was run.
+    # The lines that it names are those of the text that has run.
     events = [{**event, 'line': None} for event in recording.events]
     recording = Recording(recording.header, events)
     due, silent = (judged(exam, text, recording) for text in (files, blanked(files)))

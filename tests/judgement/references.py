@@ -1,8 +1,8 @@
 """
 The graded exercises of the course and the files of their reference solutions.
 
-An exercise is an exam with the answers that it judges.  Everything is derived from ``solutions/``
-and the exams, so a new exercise needs no entry here.
+An exercise is an exam with the answers that it judges; everything here is derived from
+``solutions/`` and from the exams, so a new exercise is examined without a word here.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SHARED = (
     *sorted((GRADER / 'judging').rglob('*.txt')),
     *sorted((GRADER / 'submission' / 'code').glob('*.py')),
 )
-"""Code that determines verdicts and causes, in addition to an exam's own modules."""
+"""What decides verdicts and causes, beside an exam's own modules."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Exercise:
 
     @property
     def name(self) -> str:
-        """The exam's name."""
+        """Return the exam's name."""
         return self.exam.name
 
 
@@ -60,7 +60,7 @@ def exercises() -> tuple[Exercise, ...]:
 
 
 def _files_of(exam: Exam) -> Iterator[tuple[str, str]]:
-    """Yield the answers in the reference solution that an exam judges."""
+    """Yield the answers of the reference solution that an exam judges."""
     for grade_id, file in _reference(exam.assignment).items():
         if grade_id in exam.cells:
             yield file
@@ -76,9 +76,9 @@ def _reference(assignment: str) -> dict[str, tuple[str, str]]:
 
 def digest(exercise: Exercise, *more: str) -> str:
     """
-    Return a digest of everything that determines a verdict, except for hidden inputs.
+    Return a digest of all that a verdict follows from, the inputs of the hidden exam apart.
 
-    :param more: additional texts for the digest
+    :param more: further texts that it depends on
     :returns: 16 hexadecimal digits
     """
     state = hashlib.sha256()
@@ -103,6 +103,6 @@ def _sources(exam: Exam) -> set[Path]:
 
 
 def _exams_used_by(module: object) -> list[str]:
-    """Return the other exam modules from which a module imports functions."""
+    """Return the other exam modules from which a module takes a function."""
     homes = {getattr(value, '__module__', '') for value in vars(module).values()}
     return [home for home in homes if str(home).startswith('autograder.exams.')]

@@ -1,8 +1,8 @@
 """
-Rewrite programs without changing their behaviour: comments, names, order and layout.
+Programs written in another way, that do the same: other comments, names, order and layout.
 
-A recording contains what a program did, so the same recording with a rewritten program must be
-judged in the same way.
+What a program did is in its recording, so the same recording with the text of another one has to
+be judged alike.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ MISLEADING = '  # self.destroy_node() print(self) create_timer spin_once( time.s
 
 
 def blanked(files: Mapping[str, str]) -> dict[str, str]:
-    """Return the files with empty Python files."""
+    """Return files whose Python says nothing."""
     return {name: '' if name.endswith('.py') else text for name, text in files.items()}
 
 
 def commented(files: Mapping[str, str]) -> dict[str, str]:
-    """Return the files with a misleading comment after each statement, on the same line."""
+    """Return files with a misleading comment behind each statement, on the same line."""
     return {
         name: _commented(text) if name.endswith('.py') else text for name, text in files.items()
     }
@@ -42,7 +42,7 @@ def _commented(text: str) -> str:
 
 
 def rewritten(files: Mapping[str, str]) -> dict[str, str]:
-    """Return the files without comments, with other local names, order and layout."""
+    """Return files without comments and docstrings, with other local names, order and layout."""
     return {
         name: _rewritten(text) if name.endswith('.py') else text for name, text in files.items()
     }
@@ -64,14 +64,14 @@ def _rewritten(text: str) -> str:
 
 
 def _says(first: list[ast.stmt]) -> bool:
-    """Return whether a statement is only a string, such as a docstring."""
+    """Return whether a statement is a text alone, as a docstring is."""
     return (
         bool(first) and isinstance(first[0], ast.Expr) and isinstance(first[0].value, ast.Constant)
     )
 
 
 def _rename_locals(function: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
-    """Rename the local variables of a function that no other function uses."""
+    """Give the names that a function makes for itself another name, where no other uses them."""
     inside = list(ast.walk(function))
     told = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda, ast.ListComp)
     if any(isinstance(one, (*told, ast.Global, ast.Nonlocal)) for one in inside[1:]):
@@ -85,7 +85,7 @@ def _rename_locals(function: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
 
 
 def _turn_methods_around(class_: ast.ClassDef) -> None:
-    """Reverse the order of a class's methods."""
+    """Put the methods of a class in the opposite order, in the places where methods are."""
     places = [
         place
         for place, one in enumerate(class_.body)

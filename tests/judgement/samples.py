@@ -1,5 +1,5 @@
 """
-Read the sample submissions by exercise, and the expected result of every check.
+The sample submissions by exercise: what each one tries, and what every check must report.
 
 ``expected.json`` of a submission lists the checks that fail, with their causes.  Every other check
 passes, unless it needs a check that does not pass.
@@ -29,10 +29,10 @@ REFERENCE = 'pass__reference'
 @dataclass(frozen=True)
 class Sample:
     """
-    One submission with the files of one exercise.
+    One submission, as one exercise sees it.
 
     :param own: whether it differs from the reference in this exercise
-    :param files: files that the exam judges, relative path to text
+    :param files: what the exam judges, relative path to text
     :param failed: the checks that must fail, with the ids of their causes
     """
 
@@ -51,7 +51,7 @@ class Sample:
 
 @cache
 def samples() -> tuple[Sample, ...]:
-    """Return every submission for every exercise, in the order of the course and by name."""
+    """Return every submission of every exercise, in the order of the course and by name."""
     assignments = dict.fromkeys(one.exam.assignment for one in exercises())
     return tuple(sample for assignment in assignments for sample in _of_lesson(assignment))
 
@@ -66,7 +66,7 @@ def _of_lesson(assignment: str) -> list[Sample]:
 
 
 def _of_submission(path: Path, assignment: str, release: Notebook) -> Iterator[Sample]:
-    """Yield the samples of one submission, one per exercise of the lesson."""
+    """Yield what each exercise of a lesson sees of a submission."""
     expected = expected_of(path)
     opened = open_submission(compose(LAYOUT, assignment, path), release, path.name)
     theirs = [one for one in exercises() if one.exam.assignment == assignment]
@@ -91,17 +91,17 @@ BY_THE_ONLY_NODE = (
     *('night_watch', 'milli_reader', 'map_server', 'sensor_watch'),
     *('managed_beacon', 'managed_pressure'),
 )
-"""The exams in which a wrong node name costs only the points of its own check."""
+"""The exams in which a wrong name of the node costs its own check alone."""
 
 
 def expected_verdicts(exam: Exam, failed: Mapping[str, str]) -> dict[str, tuple[str, str]]:
     """
-    Return the expected result of every check: its verdict, and the id of its cause if it fails.
+    Return what every check must say: its verdict, and the id of its cause if it fails.
 
     :param failed: the checks that must fail, with the ids of their causes
     """
     found: dict[str, tuple[str, str]] = {}
-    missing = 'missing_file' in failed.values()  # no program was run, so nothing else was judged
+    missing = 'missing_file' in failed.values()  # nothing was run, so nothing else was looked at
     only_named = exam.name in BY_THE_ONLY_NODE
     for check in exam.checks:
         if check.name in failed:
@@ -118,7 +118,7 @@ def expected_verdicts(exam: Exam, failed: Mapping[str, str]) -> dict[str, tuple[
 
 
 def verdicts_of(result: ExamResult) -> dict[str, tuple[str, str]]:
-    """Return the result of every check: its verdict, and the id of its cause."""
+    """Return what every check said: its verdict, and the id of its cause."""
     return {one.check: (one.verdict.value, one.cause_id) for one in result.checks}
 
 
@@ -134,7 +134,7 @@ def differences(sample: Sample, result: ExamResult) -> list[str]:
 
 
 def counted(found: Sequence[Sample], exercise: Exercise, right: bool) -> list[Sample]:
-    """Return the right or the wrong submissions of an exercise."""
+    """Return the submissions of an exercise that are right, or those that are wrong."""
     return [
         one
         for one in found

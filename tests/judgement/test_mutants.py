@@ -1,4 +1,4 @@
-"""Test that the exams find mutants of the references, and that the tables are correct."""
+"""Mutants of the references are found, and the tables say what really happens."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tests.judgement.derive import all_mutants, mutants_of, written
 from tests.judgement.references import exercises
 
 EVERY = 9
-"""One in so many mutants is run here; ``python -m tests.judgement.mutants`` runs all."""
+"""One mutant in so many is run here; all are run by ``python -m tests.judgement.mutants``."""
 
 
 def chosen():
-    """Return a selection of mutants that need no build: each exam, many kinds, about a minute."""
+    """Return a spread of mutants that need no build: each exam, many kinds, a minute or so."""
     found = []
     for exercise in exercises():
         cheap = [
@@ -30,7 +30,7 @@ def chosen():
 
 
 def test_mutants_are_many_and_differ():
-    """There are at least a hundred programs, some for every exam, without duplicates."""
+    """At least a hundred programs, in every exam; each name and each content once."""
     found = all_mutants()
     programs = [one for one in found if not any(path.startswith('answers/') for path in one.files)]
     contents = Counter(tuple(sorted(one.files.items())) for one in found)
@@ -42,7 +42,7 @@ def test_mutants_are_many_and_differ():
 
 
 def test_every_exam_finds_nearly_all_and_survivors_are_explained():
-    """The stored results are checked for each exam."""
+    """The kept results say so, for each exam that there is."""
     results = kept.load(mutants.NAME)
 
     assert set(results) == {one.name for one in exercises()}
@@ -51,19 +51,19 @@ def test_every_exam_finds_nearly_all_and_survivors_are_explained():
 
 
 def test_every_cause_is_proven():
-    """A submission, a mutant or a unit test shows every cause in the code."""
+    """What the code can say is shown by a submission, a mutant or a unit test."""
     assert causes.unproven() == []
 
 
 def test_mistakes_of_beginners_are_recognised():
-    """There are at least forty causes, not counting those of wrong letters."""
+    """At least forty, the explanations of wrong letters apart."""
     named = {name for one in causes.in_the_code() for name in causes.proven(one.cause_id)}
 
     assert len([name for name in named if not causes.QUESTION.match(name)]) >= causes.LEAST
 
 
 def test_the_tables_claim_no_disagreement():
-    """All samples have the expected verdicts and causes."""
+    """Our own corpus is judged as it should be, verdicts and causes."""
     results = kept.load(agreement.NAME)
 
     assert set(results) == {one.name for one in exercises()}
@@ -75,7 +75,7 @@ def test_the_tables_claim_no_disagreement():
 @pytest.mark.ros
 @pytest.mark.timeout(1200)
 def test_a_spread_of_mutants_meets_the_verdicts_of_the_table():
-    """A real run gives the same check and the same cause as in docs/mutants.md."""
+    """Run for real: the same check and the same cause as docs/mutants.md tells."""
     results = kept.load(mutants.NAME)
     work = chosen()
     wanted = {(exam.name, one.name): results[exam.name]['found'][one.name] for exam, one in work}

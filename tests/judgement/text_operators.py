@@ -1,8 +1,8 @@
 """
-Change the non-Python files of a package, and the letters of a quiz.
+What can be changed in the files of a package that are not Python, and in the letters of a quiz.
 
-As in :mod:`tests.judgement.operators`, each change is one mistake: a missing line, or a wrong
-type, name, bound, tag or command.
+As in :mod:`tests.judgement.operators`, each change is one slip: a line that is missing, a type, a
+name, a bound, a tag or a command.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _COMMAND = re.compile(r'^(\w+)\(([^()]*)\)', re.MULTILINE)
 
 
 def message_changes(source: str) -> Iterator[Change]:
-    """Yield changes of a message definition: constants, fields and their order."""
+    """Yield the changes of a message definition: constants, fields and their order."""
     lines = list(re.finditer(r'^[^\s#][^#\n]*?(?=\s*(?:#|$))', source, re.MULTILINE))
     for number, line in enumerate(lines):
         written = line[0]
@@ -57,7 +57,7 @@ def message_changes(source: str) -> Iterator[Change]:
 
 
 def manifest_changes(source: str) -> Iterator[Change]:
-    """Yield changes of a package.xml: a missing, misspelt or unclosed tag."""
+    """Yield the changes of a package.xml: a tag that is missing, misspelt or not closed."""
     for tag in _TAG.finditer(source):
         if tag[1] in ('version', 'description', 'license', 'maintainer'):
             continue
@@ -69,7 +69,7 @@ def manifest_changes(source: str) -> Iterator[Change]:
 
 
 def cmake_changes(source: str) -> Iterator[Change]:
-    """Yield changes of a CMakeLists.txt: a missing command or argument."""
+    """Yield the changes of a CMakeLists.txt: a command that is missing, or an argument."""
     for command in _COMMAND.finditer(source):
         if command[1] in ('install', 'cmake_minimum_required'):
             continue
@@ -85,7 +85,7 @@ def cmake_changes(source: str) -> Iterator[Change]:
 
 
 def settings_changes(source: str) -> Iterator[Change]:
-    """Yield changes of a setup.cfg or a YAML file: a missing line or a changed word."""
+    """Yield the changes of a setup.cfg or a YAML file: a line that is missing, or a word."""
     for line in re.finditer(r'^ *([^\s#].*)\n', source, re.MULTILINE):
         yield Change('missing line', line.start(), line.end(), '')
         for word in re.finditer(r'[a-z_]{3,}', line[1]):
@@ -94,7 +94,7 @@ def settings_changes(source: str) -> Iterator[Change]:
 
 
 def answer_changes(source: str) -> Iterator[Change]:
-    """Yield the replacement of a letter by the next one."""
+    """Yield the change of a letter to the next one."""
     found = re.search(r"'([a-d])'", source)
     if found:
         other = 'abcd'[('abcd'.index(found[1]) + 1) % 4]

@@ -1,11 +1,11 @@
 """
-Run cells in random order and interrupt the kernel at random times.
+Cells in any order, kernels interrupted at any moment.
 
-Each lesson runs in one kernel: random sequences of cells, some cells interrupted after a random
-time, and no cell running longer than ``ANY_ORDER_IMPATIENCE_S`` (default 4).  After each cell,
-the kernel responds, ROS is running, and the learner sees a helpful result.
-``ANY_ORDER_RUNS`` is the number of cells per lesson (default 8) and ``ANY_ORDER_SEED`` the seed,
-which is printed on failure.
+Each lesson runs in one kernel: stretches of it drawn at random, some cells interrupted after a
+random time, none left to run for longer than ``ANY_ORDER_IMPATIENCE_S`` (default 4).  After each
+cell the kernel answers, ROS is up, and the outcome is one that a learner can do something with.
+``ANY_ORDER_RUNS`` is the number of cells a lesson (default 8) and ``ANY_ORDER_SEED`` the seed,
+which a failure names.
 """
 
 from collections import Counter
@@ -34,12 +34,12 @@ KERNEL = 'ros2_jazzy'
 RUNS = int(os.environ.get('ANY_ORDER_RUNS', '8'))
 SEED = int(os.environ.get('ANY_ORDER_SEED', '20240517'))
 IN_ORDER = 0.6
-"""Probability that the next cell follows, as in typical use."""
+"""Share of the cells that are followed by the next one, as most are by most people."""
 INTERRUPTED = 0.4
-"""Probability that a cell is interrupted early, if it is still running."""
+"""Share of the cells that are interrupted early, if they are still running."""
 LATEST_INTERRUPT_S = 1.0
 IMPATIENCE_S = float(os.environ.get('ANY_ORDER_IMPATIENCE_S', '4'))
-"""When all other cells are interrupted: out of order, some wait for events that never happen."""
+"""When every other cell is interrupted: out of order, some wait long for what cannot come."""
 PATIENCE_S = 90.0
 PATIENCE_AFTER_INTERRUPT_S = 60.0
 SENTENCES = ('RoslabError', 'NotHereError', 'NameRefusedError', 'TimeoutError', 'NodeSyntaxError')
@@ -58,14 +58,14 @@ class Lesson:
         self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
         self.until = contextlib.ExitStack()
         env = {**os.environ, 'ROS_DOMAIN_ID': str(own_domain(self.until))}
-        env.pop('PYTEST_CURRENT_TEST', None)  # otherwise ipykernel does not capture its own stdout
+        env.pop('PYTEST_CURRENT_TEST', None)  # with it, ipykernel would not read its own stdout
         self.manager.start_kernel(cwd=str(folder), env=env)
         self.client = self.manager.client()
         self.client.start_channels()
         self.client.wait_for_ready(timeout=PATIENCE_S)
 
     def run(self, code, interrupt_after_s=None):
-        """Run code and return the message of the error that ended it, None if there was none."""
+        """Run code and return the error message of its end, None if there was none."""
         message_id = self.client.execute(code)
         error, begin = None, time.monotonic()
         patience = PATIENCE_S
@@ -90,7 +90,7 @@ class Lesson:
                 return error
 
     def value(self, code):
-        """Return the value of an expression as text."""
+        """Return the text form of an expression."""
         reply = self.client.execute_interactive(
             '', user_expressions={'it': code}, timeout=PATIENCE_AFTER_INTERRUPT_S, silent=True
         )['content']
@@ -99,7 +99,7 @@ class Lesson:
 
 @pytest.fixture
 def lesson(request, tmp_path):
-    """Return the running lesson, and end it after the test."""
+    """Return the running lesson, ended afterwards."""
     try:
         lesson = Lesson(request.param, tmp_path)
     except NoSuchKernel:
@@ -112,7 +112,7 @@ def lesson(request, tmp_path):
 
 
 def outcome(error):
-    """Return a short description of a cell's result, None if it does not help a learner."""
+    """Return a short name of what came of a cell, None if a learner could do nothing with it."""
     if error is None:
         return 'ran'
     name, shown = error['ename'], error['traceback']
@@ -129,7 +129,7 @@ def outcome(error):
 
 @pytest.mark.parametrize('lesson', LESSONS, ids=lambda path: path.stem, indirect=True)
 def test_any_order_of_cells_and_any_interrupt_leaves_a_kernel_that_works(lesson, record_property):
-    """The kernel never hangs or dies, and every error tells the learner what to do."""
+    """Never a hang, never a dead kernel, never an error without a way out."""
     dice, seen = random.Random(SEED), Counter()
     number = -1
     for step in range(RUNS):

@@ -1,7 +1,7 @@
 """
-Execute and check the lessons: sources in solutions/ and releases in notebooks/.
+Lessons, executed and measured: the sources in solutions/ and the releases in notebooks/.
 
-Each notebook runs once, in a copy, because its cells write a ROS workspace next to it.
+Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ RELEASES = [START_HERE, *lesson_files(ROOT / 'notebooks')]
 
 KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60
-MOST_SECONDS_FOR_A_CELL = 400  # more than the limit of a message build, 300 s
+MOST_SECONDS_FOR_A_CELL = 400  # beyond the limit of a message build, 300 s
 BUSY = 1.5
-"""Running processes per core above which wall-clock times are not meaningful."""
+"""Processes a core, above which a wall-clock time is not the lesson's own."""
 
 lessons = pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 releases = pytest.mark.parametrize('path', RELEASES, ids=lambda path: path.stem)
@@ -50,11 +50,11 @@ def executed(test: Callable[..., None]) -> Callable[..., None]:
 @dataclass(frozen=True)
 class Run:
     """
-    The result of executing a notebook.
+    What came of executing a notebook.
 
     :param cells: the code cells, with their outputs
-    :param seconds: wall-clock time, including kernel start and end [s]
-    :param load: running processes per core at the end
+    :param seconds: wall-clock time, kernel start and end included [s]
+    :param load: processes a core when it ended
     """
 
     cells: list[nbformat.NotebookNode]
@@ -72,12 +72,12 @@ class Run:
 
 
 AT_ONCE = 2
-"""Number of notebooks that run at the same time; they mostly wait."""
+"""Notebooks that run side by side; most of the time they wait for something."""
 
 
 @pytest.fixture(scope='module', autouse=True)
 def executions(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Start executing all notebooks that the selected tests need; ``run`` waits for one."""
+    """Begin with all notebooks that the chosen tests need; ``run`` waits for the one it wants."""
     wanted = [
         item.callspec.params['path']
         for item in request.session.items
@@ -94,7 +94,7 @@ _begun: dict[Path, Future[Run]] = {}
 
 
 def run(path: Path) -> Run:
-    """Return the result of a notebook, which is executed once."""
+    """Return what came of a notebook, which is executed once."""
     if path not in _begun:
         _begun[path] = Future()
         _begun[path].set_result(execute(path))
@@ -102,12 +102,12 @@ def run(path: Path) -> Run:
 
 
 def execute(path: Path) -> Run:
-    """Execute a copy of a notebook to its end, even if cells raise exceptions."""
+    """Execute a copy of a notebook to its end, whatever its cells raise."""
     notebook = nbformat.read(path, as_version=4)
     environment = dict(os.environ)
-    environment.pop('PYTEST_CURRENT_TEST', None)  # otherwise output of C code is not captured
+    environment.pop('PYTEST_CURRENT_TEST', None)  # with it, what C code prints is left out
     with tempfile.TemporaryDirectory() as folder, ExitStack() as until:
-        # This kernel must not receive messages of other kernels on this machine.
+        # Another kernel on this machine must not be heard.
         environment['ROS_DOMAIN_ID'] = str(own_domain(until))
         client = NotebookClient(
             notebook,
@@ -124,14 +124,14 @@ def execute(path: Path) -> Run:
 
 
 def read(path: Path) -> list[nbformat.NotebookNode]:
-    """Return the cells of a notebook, and fail if it is invalid."""
+    """Return the cells of a valid notebook."""
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     return notebook.cells
 
 
 def grader_data(cell: nbformat.NotebookNode) -> dict:
-    """Return nbgrader's metadata of a cell, empty for an ordinary cell."""
+    """Return what nbgrader knows about a cell, empty for a plain one."""
     return cell.metadata.get('nbgrader', {})
 
 
@@ -147,7 +147,7 @@ def test_lesson_executed_raises_nothing(path: Path) -> None:
 @lessons
 @executed
 def test_lesson_executed_leaves_stderr_empty(path: Path) -> None:
-    """Nothing is written to stderr, because nbgrader would treat it as a failed cell."""
+    """Nothing goes to stderr, which nbgrader would take for a failed cell."""
     written = [
         (where, output.text)
         for where, output in run(path).outputs('stream')
@@ -160,7 +160,7 @@ def test_lesson_executed_leaves_stderr_empty(path: Path) -> None:
 @lessons
 @executed
 def test_lesson_executed_passes_its_own_checks(path: Path) -> None:
-    """Each check cell of a solved lesson gives all points of the visible checks."""
+    """Each check cell of a solved lesson gives all the points of the visible checks."""
     result = run(path)
     said = {where: output.text for where, output in result.outputs('stream')}
     checked = [cell.id for cell in result.cells if cell.source.startswith('check(')]
@@ -185,7 +185,7 @@ SHOWN = {
     ('package_of_your_own', 'part-2-chmod'): r'No executable found\n',
     ('package_of_your_own', 'part-2-run'): r"Package 'my_robot_pkg' not found\n",
 }
-"""Output of cells on which claims depend, by lesson and cell."""
+"""What cells print that claims depend on, by lesson and cell."""
 
 
 @executed
@@ -199,17 +199,17 @@ SHOWN = {
     ],
 )
 def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
-    """The learner sees the effect in the output, instead of only reading about it."""
+    """The learner sees it happen; a sentence would be no more than told."""
     said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
 
-    # The output of `!` has the line ends of a terminal.
+    # What `!` prints has the line ends of a terminal.
     assert re.search(SHOWN[path.stem, cell], said.replace('\r\n', '\n')), said
 
 
 @lessons
 @executed
 def test_lesson_executed_is_quick(path: Path) -> None:
-    """A lesson takes less than a minute on an otherwise idle machine."""
+    """A lesson takes less than a minute, on a machine that has nothing else to do."""
     done = run(path)
     seconds = done.seconds
     if seconds >= MOST_SECONDS and done.load > BUSY:
@@ -223,7 +223,7 @@ def test_lesson_executed_is_quick(path: Path) -> None:
 @releases
 @executed
 def test_release_executed_raises_only_not_implemented(path: Path) -> None:
-    """Only the exercises that are not written yet raise an exception."""
+    """An untouched release says what is still to be written, and fails in no other way."""
     code = [cell for cell in read(path) if cell.cell_type == 'code']
     to_be_written = any(UNSOLVED in cell.source for cell in code)
     result = run(path)
@@ -252,13 +252,13 @@ def test_start_here_shows_a_row_for_each_lesson(path: Path) -> None:
 
 @lessons
 def test_lesson_has_its_release(path: Path) -> None:
-    """Each lesson has a release with the same name."""
+    """Each lesson was released under the same name."""
     assert (ROOT / 'notebooks' / path.parent.name / path.name).is_file()
 
 
 @lessons
 def test_lesson_is_stored_clean(path: Path) -> None:
-    """Sources have no outputs, name the course's kernel and have readable cell ids."""
+    """Sources keep no outputs, name the course's kernel and have readable cell ids."""
     notebook = nbformat.read(path, as_version=4)
     code = [cell for cell in notebook.cells if cell.cell_type == 'code']
 
@@ -275,12 +275,12 @@ def test_lesson_is_stored_clean(path: Path) -> None:
 
 @lessons
 def test_lesson_comes_in_small_portions(path: Path) -> None:
-    """Texts and code cells have a length that learners read."""
+    """Texts and cells of code have the length that learners read."""
     assert list(portions(nbformat.read(path, as_version=4)).problems()) == []
 
 
 def test_grade_ids_are_unique_in_the_course() -> None:
-    """Grade ids are unique in the course, and none is generated."""
+    """No two cells of the course share a grade id, and none has a generated name."""
     ids = [
         grader_data(cell)['grade_id']
         for path in LESSONS
@@ -294,7 +294,7 @@ def test_grade_ids_are_unique_in_the_course() -> None:
 
 @lessons
 def test_grade_cell_holds_one_readable_line(path: Path) -> None:
-    """The notebook names the exam, whose checks are in other files."""
+    """What is graded is named in the notebook and hidden outside it."""
     for cell in read(path):
         data = grader_data(cell)
         if cell.cell_type == 'code' and data.get('grade'):
@@ -308,7 +308,7 @@ def test_grade_cell_holds_one_readable_line(path: Path) -> None:
 
 @lessons
 def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
-    """Every exercise is in a cell that nbgrader clears."""
+    """Whatever a learner has to write is in a cell that nbgrader clears."""
     for cell in read(path):
         marked = 'BEGIN SOLUTION' in cell.source
 
@@ -318,7 +318,7 @@ def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
 
 @releases
 def test_release_shows_no_solution(path: Path) -> None:
-    """Each answer cell of a release contains its stub instead."""
+    """Each answer cell of a release holds its stub instead."""
     for cell in read(path):
         data = grader_data(cell)
 

@@ -1,4 +1,4 @@
-"""Provide a course in a temporary folder, with the real lesson and an engine that needs no ROS."""
+"""A course in a temporary folder, with the real lesson and an engine that needs no ROS."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))  # for fake_engine, her
 
 @pytest.fixture(scope='session')
 def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a course folder with a generated release, from which tests make copies."""
+    """Return a course folder with a generated release, to be copied."""
     from autograder.gradebook import converters
     from autograder.gradebook.record import enter_assignment
 
@@ -33,13 +33,13 @@ def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copy(ROOT / 'course.toml', root)
     layout = Layout(root)
     converters.generate(layout, ASSIGNMENT, layout.notebooks, database=False)
-    enter_assignment(layout, ASSIGNMENT)  # nbgrader needs two seconds for a new gradebook
+    enter_assignment(layout, ASSIGNMENT)  # a new gradebook takes nbgrader two seconds
     return root
 
 
 @pytest.fixture
 def course(released: Path, tmp_path: Path) -> Layout:
-    """Return a separate course for each test."""
+    """Return a course of its own for each test."""
     root = tmp_path / 'course'
     shutil.copytree(released, root)
     return Layout(root)

@@ -1,4 +1,4 @@
-"""Provide an engine without ROS for quick tests: its exams read only the text of the files."""
+"""An engine without ROS: exams that read the text of the files, so that tests are quick."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, Verdict
 
 CANARY = 'HIDDEN-INPUT-31.4159'
-"""Represents a hidden input, which must not appear in any result."""
+"""Stands for a hidden input: it is known to the exam and must appear nowhere."""
 
 
 @dataclass(frozen=True)
 class FakeExam:
-    """The attributes of an exam that other parts of the grader use."""
+    """What the glue needs of an exam."""
 
     name: str
     cells: tuple[str, ...]
@@ -35,14 +35,14 @@ EXAMS = (
 
 
 class FakeEngine:
-    """An engine that gives a third of the points for a file and the rest for a required string."""
+    """Gives a third of the points for being there and the rest for the exam's needle."""
 
     def exams(self, assignment: str) -> Sequence[FakeExam]:
         """Return the same exams for every assignment."""
         return EXAMS
 
     def run(self, exam: FakeExam, files: Mapping[str, str]) -> ExamResult:
-        """Search for the required string; the text GRADER_FAULT makes the grader fail."""
+        """Look for the needle; the text GRADER_FAULT makes the grader fail."""
         text = '\n'.join(files.values())
         if 'GRADER_FAULT' in text:
             raise ProbeFailed('The probe broke off.', 'Grade it again.')
@@ -72,5 +72,5 @@ class FakeEngine:
 
 
 def make(layout: Layout) -> FakeEngine:
-    """Return the engine, as required by ``c.GradeOutside.engine_factory``."""
+    """Return the engine, as ``c.GradeOutside.engine_factory`` wants it."""
     return FakeEngine()

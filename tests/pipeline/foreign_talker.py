@@ -1,8 +1,8 @@
 """
-Publish in all given ROS domains on all topics of an exercise, like a foreign program.
+Somebody on this machine who talks in every ROS domain, on all topics of an exercise.
 
-Usage: foreign_talker.py DOMAIN...  Prints ``talking`` when it publishes, and continues until its
-standard input is closed.
+Usage: foreign_talker.py DOMAIN...  Prints ``talking`` once it does, and goes on until its standard
+input ends.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from std_msgs.msg import Int32, String
 
 
 def main() -> None:
-    """Publish until standard input is closed."""
+    """Talk."""
     publishers = []
     for domain in map(int, sys.argv[1:]):
         context = Context()

@@ -1,4 +1,4 @@
-"""Define what every gradebook must guarantee; the tests run it on SQLite and PostgreSQL."""
+"""What every gradebook has to keep, whatever database it is in; run on SQLite and PostgreSQL."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ CHECK = 'check_temperature_publisher'
 
 
 def begin(course: Layout) -> None:
-    """Add the assignment to the gradebook, as each grading does first."""
+    """Enter the assignment, as each grading does first."""
     begin_to_enter(course, ASSIGNMENT, Guard(course))
 
 
 def hand_in(course: Layout, student: str, stamp: str = '', **changes: str) -> None:
-    """Write the solution, with some words replaced, to the folder of nbgrader's collect."""
+    """Lay the solution where nbgrader's collect would, with some words replaced."""
     text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
     for old, new in changes.items():
         assert old in text
@@ -47,7 +47,7 @@ def hand_in(course: Layout, student: str, stamp: str = '', **changes: str) -> No
 
 
 def grade(course: Layout, guard: Guard | None = None) -> int:
-    """Grade the class and write the results; return the number of submissions written."""
+    """Grade the class and enter it; return how many submissions were entered."""
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)
     class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
@@ -73,7 +73,7 @@ def by_hand(course: Layout, student: str, points: float, extra: float = 0.0) -> 
 
 
 def scores(course: Layout, student: str) -> dict[str, float | None]:
-    """Return the final score of each cell, and the late penalty."""
+    """Return what counts, by cell, and the late penalty."""
     with book(course) as gradebook:
         submission = gradebook.find_submission(ASSIGNMENT, student)
         found = {
@@ -85,7 +85,7 @@ def scores(course: Layout, student: str) -> dict[str, float | None]:
 
 
 def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
-    """Unchanged results are not written again, and grades given by hand are kept."""
+    """Enter, enter nothing, grade by hand, change one, enter one."""
     hand_in(course, 'ann')
     hand_in(course, 'bob', temperature_topic='temprature_topic')
     assert grade(course) == 2
@@ -105,14 +105,14 @@ def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
 
 
 def waiting(course: Layout, *students: str) -> list[bool]:
-    """Return for each submission whether a cell needs manual grading."""
+    """Return whether something of each submission waits for a person, as for its mark."""
     with book(course) as gradebook:
         found = [gradebook.find_submission(ASSIGNMENT, one) for one in students]
         return [bool(one.needs_manual_grade) for one in found]
 
 
 def leaves_marks_alone_that_nothing_speaks_against(course: Layout) -> None:
-    """Writing equal results again does not require manual grading again."""
+    """Entered again for all, work that is the same does not wait for its grader again."""
     for student in ('ann', 'bob', 'eve'):
         hand_in(course, student)
     grade(course)
@@ -131,12 +131,12 @@ def leaves_marks_alone_that_nothing_speaks_against(course: Layout) -> None:
 
 
 def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
-    """The error is one sentence after all runs, and no other gradebook is created."""
+    """In one sentence, when everything has been run; nothing is made in its place."""
     hand_in(course, 'ann')
     grade(course)
     path = gradebook_file(course)
     if path is None:
-        return  # a test must not damage a server
+        return  # a server is not harmed for a test
     path.write_bytes(b'no database' * 100)
 
     assert 'gradebook.db: the gradebook is damaged: ' in refused(course)
@@ -144,7 +144,7 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
 
 
 def says_that_settings_are_wrong(course: Layout) -> None:
-    """Instructors edit the settings: a mistake costs one sentence and no grading."""
+    """Instructors edit them: a mistake there costs one sentence and no grading."""
     hand_in(course, 'ann')
     config = course.root / 'nbgrader_config.py'
     text = config.read_text(encoding='utf-8')
@@ -163,7 +163,7 @@ def says_that_settings_are_wrong(course: Layout) -> None:
 
 
 def refused(course: Layout, count: int = 1) -> str:
-    """Grade the class, and return why its submissions were not written."""
+    """Grade the class, and return why its submissions were not entered."""
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)
     class_ = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
@@ -174,7 +174,7 @@ def refused(course: Layout, count: int = 1) -> str:
 
 
 def fills_what_was_changed_or_lost(course: Layout) -> None:
-    """The journal is only trusted where the gradebook agrees with it."""
+    """A journal is believed only as far as the gradebook shows the same."""
     hand_in(course, 'ann')
     hand_in(course, 'bob')
     grade(course)
@@ -193,12 +193,12 @@ def fills_what_was_changed_or_lost(course: Layout) -> None:
 
 
 def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
-    """Reading the contents does not create an empty gradebook."""
+    """And a look for what is in it makes no empty one."""
     hand_in(course, 'ann')
     grade(course)
     path = gradebook_file(course)
     if path is None:
-        return  # a server keeps its database
+        return  # a server keeps it
 
     path.unlink()
     assert journal.shown(course, ASSIGNMENT) == {}
@@ -211,7 +211,7 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
 
 
 def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
-    """The late policy is nbgrader's plugin; a new time of submission is noticed."""
+    """The plugin is nbgrader's; a new date of delivery is noticed."""
     config = course.root / 'nbgrader_config.py'
     config.write_text(
         config.read_text(encoding='utf-8') + "\nc.LateSubmissionPlugin.penalty_method = 'zero'\n",
@@ -243,7 +243,7 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
 
 
 def names_students_whose_names_are_known(course: Layout) -> None:
-    """Names entered by an instructor are not changed."""
+    """And leaves alone what an instructor has written."""
     for student in ('1001', '1002', '1003'):
         hand_in(course, student)
     keep_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
@@ -264,7 +264,7 @@ def names_students_whose_names_are_known(course: Layout) -> None:
 
 
 def lets_the_sample_students_go(course: Layout) -> None:
-    """The sample students leave when a real class arrives, and no other student does."""
+    """When a class of its own comes, and nobody else."""
     sample = course.sample_class / ASSIGNMENT / 'pass__sample'
     sample.mkdir(parents=True, exist_ok=True)
     (sample / 'expected.json').write_text('{}', encoding='utf-8')
@@ -291,7 +291,7 @@ def lets_the_sample_students_go(course: Layout) -> None:
 
 
 def leaves_lower_marks_as_they_are(course: Layout) -> None:
-    """Lower marks are only written after confirmation."""
+    """Until it is said that they are meant."""
     hand_in(course, 'ann')
     grade(course)
     by_hand(course, 'ann', 4)
@@ -309,7 +309,7 @@ def leaves_lower_marks_as_they_are(course: Layout) -> None:
 
 
 def forgets_a_student(course: Layout) -> None:
-    """All results of the student are removed, and the submission is moved."""
+    """With all that grading has made; what was handed in moves, and others stay as they are."""
     for student in ('1001', '1002'):
         hand_in(course, student)
     keep_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
@@ -328,7 +328,7 @@ def forgets_a_student(course: Layout) -> None:
     assert found.made == (course.work / 'autograded' / '1001',)
     assert found.moved == course.submitted / '1001'
     assert traces(course, 'ann example') == found
-    assert grade(course) == 0  # reading changes nothing
+    assert grade(course) == 0  # looking changes nothing
 
     forget(course, '1001')
     with pytest.raises(GraderError, match=r'there is no such student. Did you mean 1002?'):
@@ -345,11 +345,11 @@ def forgets_a_student(course: Layout) -> None:
 
     forget(course, '1002')
     hand_in(course, '1003')
-    assert grade(course) == 1  # a gradebook that was emptied on purpose does not count as damaged
+    assert grade(course) == 1  # a gradebook that was emptied on purpose is no damaged one
 
 
 def forgets_a_folder_that_is_no_students(course: Layout) -> None:
-    """The folder was graded by mistake; its files are not submissions for the next grading."""
+    """Of a grading that took it for one: its files are not what the next grading looks at."""
     hand_in(course, 'ann')
     (course.submitted / 'notes').mkdir()
     grade(course)

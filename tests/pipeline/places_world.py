@@ -1,4 +1,4 @@
-"""Provide a small exam and small programs to run in every place."""
+"""A small exam and small programs, to be run in every place."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ def exam_of_a_talker() -> Exam:
 
 
 def class_of_talkers() -> list[dict[str, str]]:
-    """Return the files of three students: right, wrong, and ended by an exception."""
+    """Return the files of three students: right, wrong, ended by an exception."""
     files = [{'talker.py': TALKER.format(word=word)} for word in ('right', 'wrong')]
     return [*files, {'talker.py': 'raise ValueError("oops")\n'}]
 
 
 def told(result) -> dict:
-    """Return the parts of a result that do not depend on time and place of the run."""
+    """Return what a result says, without what depends on time and place of the run."""
     data = result.to_json()
     for name in ('timing', 'recording'):
         data.pop(name)

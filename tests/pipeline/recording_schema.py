@@ -1,4 +1,4 @@
-"""Validate recordings against the published schema."""
+"""The published schema of recordings, and what in a recording does not follow it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ VALID = Draft202012Validator(SCHEMA)
 
 
 def invalid_lines(recording: Recording) -> list[str]:
-    """Return the schema violations in the lines of a recording."""
+    """Return what the schema refuses in the lines of a recording."""
     lines = recording.to_bytes().decode().splitlines()
     return [error.message for line in lines for error in VALID.iter_errors(json.loads(line))]

@@ -1,4 +1,4 @@
-"""Run small programs through the steps of a scenario, in the sandbox with the probe."""
+"""Small programs through the steps of a scenario, in the sandbox with the probe beside them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Test marks with manual grades, the commands for a class, and Gradescope's container."""
+"""After the grading: marks with manual grades, the commands of a class, Gradescope's container."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def solved(course: Layout, **changes: str) -> bytes:
 
 @pytest.fixture
 def graded(course, monkeypatch):
-    """Return a course with four graded students, two of them for review."""
+    """Return a course in which four students were graded, two of them for review."""
     for student, data in {
         'ann': solved(course),
         'bob': solved(course, temperature_topic='temprature_topic'),
@@ -72,7 +72,7 @@ def graded(course, monkeypatch):
 
 
 def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0) -> None:
-    """Give points as formgrader does, and a penalty as a late policy does."""
+    """Do what formgrader does, and what a late policy does."""
     from nbgrader.api import Gradebook
 
     with Gradebook(f'sqlite:///{course.work}/gradebook.db') as gradebook:
@@ -87,10 +87,10 @@ def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0
 
 @pytest.mark.nbgrader
 class TestMarks:
-    """Test a student's mark."""
+    """What a student gets."""
 
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
-        """The written question waits, a review stays a review, and absent students are listed."""
+        """The written question waits; for review stays for review; who is not there is told."""
         found = {
             one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
@@ -100,7 +100,7 @@ class TestMarks:
         assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
 
     def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
-        """Until then the submission has no mark; the next grading keeps the mark."""
+        """Until then it has none; the next grading keeps it."""
         folder = course.submitted / 'cut' / ASSIGNMENT
         folder.mkdir(parents=True)
         (folder / NOTEBOOK).write_bytes(solved(course)[:9000])
@@ -120,7 +120,7 @@ class TestMarks:
         assert mark().points == 10.0  # for each of four checks and the written question
 
     def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
-        """The checks give 50 points, the written answer 4, and the late penalty is 2."""
+        """50 of the checks and 4 by hand, 2 for being late."""
         grade_by_hand(graded, 'ann', 4.0, late=2.0)
         grade_by_hand(graded, 'eve', 4.0)
         found = {
@@ -132,7 +132,7 @@ class TestMarks:
         assert found['eve'].points is None
 
     def test_visible_checks_alone_make_no_mark_whatever_the_gradebook_has(self, graded):
-        """The gradebook's mark may belong to other work."""
+        """It has a mark for work that is perhaps another one by now."""
         grade_by_hand(graded, 'ann', 4.0)
         seen = replace(
             last(graded, ASSIGNMENT)[0],
@@ -143,7 +143,7 @@ class TestMarks:
         assert (mark.points, mark.status) == (None, NO_GRADE)
 
     def test_automatic_marks_are_those_of_the_checks(self, graded):
-        """The contents of the gradebook do not matter."""
+        """Whatever the gradebook has."""
         found = {one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], AUTOMATIC)}
 
         assert (found['ann'].points, found['ann'].max_points) == (50.0, 50.0)
@@ -152,10 +152,10 @@ class TestMarks:
 
 @pytest.mark.nbgrader
 class TestCommands:
-    """Test ``python -m autograder export | stats | report | similar``."""
+    """``python -m autograder export | stats | report | similar``."""
 
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
-        """Exit code 1 means that students without a score exist; a second run needs --force."""
+        """Exit code 1 names who has no score; a second run refuses without --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
             assert command.main(['export', name]) == FOR_REVIEW
             said = capsys.readouterr()
@@ -169,7 +169,7 @@ class TestCommands:
             capsys.readouterr()
 
     def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Students without a mark keep their cells."""
+        """Those without a mark keep their cells."""
         grade_by_hand(graded, 'ann', 5.0)
         mine = tmp_path / 'canvas.csv'
         mine.write_text(
@@ -190,7 +190,7 @@ class TestCommands:
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_gradescope_has_a_file_for_each_but_the_review(self, graded, tmp_path, capsys):
-        """The file of an earlier grading is removed."""
+        """A file of an earlier grading is taken away."""
         stale = tmp_path / 'eve' / 'results.json'
         stale.parent.mkdir()
         stale.write_text('{}', encoding='utf-8')
@@ -202,7 +202,7 @@ class TestCommands:
         assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 50
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
-        """A review gives stats a special exit code; similar lists the copy."""
+        """Review is an exit code for stats; similar shows the copy."""
         assert command.main(['stats', 'temperature_monitor', '--json']) == FOR_REVIEW
         (numbers,) = json.loads(capsys.readouterr().out)
         assert (numbers['submissions'], numbers['marks']['count']) == (4, 2)
@@ -215,7 +215,7 @@ class TestCommands:
         assert first['first'] == ['ann', 'bob', 'eve'][: len(first['first'])]
 
     def test_similarity_is_in_nothing_that_is_shown(self, graded):
-        """Reports, gradebook and exports do not contain it."""
+        """Reports, gradebook and exports do not speak of it."""
         command.main(['similar', ASSIGNMENT])
         command.main(['report'])
         command.main(['export', 'json'])
@@ -237,7 +237,7 @@ class TestCommands:
         ],
     )
     def test_mistakes_are_told_in_a_line(self, graded, capsys, arguments, said):
-        """The exit code is 2."""
+        """Exit code 2."""
         assert command.main(arguments) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
         assert said in line
@@ -245,7 +245,7 @@ class TestCommands:
 
 @pytest.fixture
 def container(tmp_path):
-    """Return a folder like /autograder, with a lesson's zip unpacked in it."""
+    """Return a folder like /autograder, with the zip of a lesson unpacked in it."""
 
     def unpack(assignment):
         source = tmp_path / 'source'
@@ -261,7 +261,7 @@ def container(tmp_path):
 
 
 def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run the autograder as Gradescope does."""
+    """Do what Gradescope does."""
     return subprocess.run(
         ['/bin/bash', root / 'source' / 'run_autograder'],
         env={**os.environ, 'GRADESCOPE_ROOT': str(root), **environment},
@@ -273,7 +273,7 @@ def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProces
 
 
 def submit(root: Path, assignment: str, sample: str) -> None:
-    """Write a sample submission to the folder for Gradescope's uploads."""
+    """Lay a sample submission where Gradescope lays an upload."""
     layout = Layout.here()
     data = compose(layout, assignment, layout.sample_class / assignment / sample)
     (root / 'submission' / layout.release(assignment).name).write_bytes(data)
@@ -281,11 +281,11 @@ def submit(root: Path, assignment: str, sample: str) -> None:
 
 @pytest.mark.pipeline
 class TestGradescope:
-    """Test the zip, unpacked and run."""
+    """The zip, unpacked and run."""
 
     @pytest.mark.slow
     def test_the_reference_gets_full_marks(self, container):
-        """The hidden exams run in the sandbox, from the unpacked course."""
+        """Hidden exams, in the sandbox, from the unpacked course."""
         root = container(WITH_RUNS)
         submit(root, WITH_RUNS, 'pass__functions_style')
         done = run_autograder(root)
@@ -296,7 +296,7 @@ class TestGradescope:
         assert results['extra_data']['isolation']
 
     def test_no_upload_gets_a_reason_and_no_points(self, container):
-        """The student can fix this, so there is a file with a result."""
+        """That is the student's matter, so there is a file."""
         root = container(TEXT_ONLY)
         done = run_autograder(root)
 
@@ -306,7 +306,7 @@ class TestGradescope:
         assert 'got no notebook' in results['output']
 
     def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
-        """A file of an earlier run is removed; the reason is shown to instructors only."""
+        """Not even that of an earlier run; the reason is for the staff."""
         root = container(TEXT_ONLY)
         submit(root, TEXT_ONLY, 'pass__double_quotes_and_comments')
         (root / 'results' / 'results.json').write_text('{"score": 24}', encoding='utf-8')

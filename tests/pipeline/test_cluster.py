@@ -1,4 +1,4 @@
-"""Test that a cluster gives the same verdicts: a scheduler and two workers on this machine."""
+"""The same verdicts from a cluster: a scheduler and two worker processes on this machine."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def address():
 
 @pytest.mark.ros
 def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
-    """Only bytes are exchanged; this machine judges the recordings."""
+    """What crosses is bytes; what comes back is judged here."""
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
@@ -59,13 +59,13 @@ def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
 
 
 def kills_its_worker(task: bytes) -> bytes:
-    """End the worker as if it had run out of memory."""
+    """Die as if there were no memory left."""
     os.kill(os.getpid(), signal.SIGKILL)
     return b''
 
 
 def test_a_run_that_kills_its_workers_is_for_review(monkeypatch):
-    """The scheduler gives up only on this run."""
+    """The scheduler gives up on it, not on the others."""
     import dask
     from distributed import Client, LocalCluster
 
@@ -82,47 +82,47 @@ def test_a_run_that_kills_its_workers_is_for_review(monkeypatch):
 
 
 class TestRefusals:
-    """Test that a cluster which would grade differently from this machine is refused."""
+    """A cluster that would grade otherwise than this machine is not used."""
 
     def said(self, **changes):
-        """Return the facts that a worker reports about itself."""
+        """Return what a worker says of itself."""
         own = {'version': dict(version()), 'mode': 'bwrap-user', 'refusal': '', 'host': 'lab7'}
         return {**own, **changes}
 
     def test_workers_that_are_alike_are_used(self):
-        """All workers use the same isolation."""
+        """All of them isolate in one way."""
         assert mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said()}) == 'bwrap-user'
 
     def test_another_version_is_named(self):
-        """The message names the worker and the difference."""
+        """Which worker, and in what it differs."""
         other = {**version(), 'grader': 'abc'}
 
         with pytest.raises(ClusterUnavailable, match=r'tcp://b on lab7.*grader: expected .*abc'):
             mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said(version=other)})
 
     def test_a_worker_without_isolation_is_named(self):
-        """The message contains the worker's own reason."""
+        """With its own reason."""
         bare = self.said(mode='', refusal='bubblewrap is not installed.')
 
         with pytest.raises(ClusterUnavailable, match='bubblewrap is not installed'):
             mode_of_all({'tcp://a': bare})
 
     def test_weak_isolation_is_refused(self):
-        """Weak isolation would have to be accepted on each machine."""
+        """It would have to be accepted on each machine."""
         with pytest.raises(ClusterUnavailable, match='no sandbox for hidden exams: none'):
             mode_of_all({'tcp://a': self.said(mode='none')})
 
     def test_two_kinds_of_users_are_refused(self):
-        """A recording can name only one kind of isolation."""
+        """A recording says in one way how it was made."""
         with pytest.raises(ClusterUnavailable, match='bwrap-root, others with bwrap-user'):
             mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said(mode='bwrap-root')})
 
     def test_a_worker_says_what_it_is(self):
-        """The description is JSON."""
+        """As JSON."""
         assert json.loads(about())['version'] == dict(version())
 
     def test_nobody_at_the_address_is_one_line(self, monkeypatch, tmp_path, capsys):
-        """The message says what to try."""
+        """With what to try."""
         monkeypatch.setattr(cluster, 'CONNECT_S', 1)
         wanted = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:9']
 

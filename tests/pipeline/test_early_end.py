@@ -1,4 +1,4 @@
-"""Test a run that is stopped while its sandboxes are being set up: nothing is left."""
+"""A run that is broken off while its sandboxes are being set up harms nobody, leaves nothing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ pytestmark = [pytest.mark.pipeline]
 
 
 def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
-    """Before its own file systems are mounted, a sandbox shows those of the machine."""
+    """Until it has file systems of its own, a sandbox shows those of the machine."""
     gate, theirs = socket.socketpair()
     with subprocess.Popen(['cat'], stdin=theirs) as process:
         theirs.close()
@@ -32,7 +32,7 @@ def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
 
 @pytest.mark.parametrize('turn', range(10))
 def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int):
-    """Its pipes are closed, so the grader does not wait forever."""
+    """Its pipes close, so nobody waits for them for ever."""
     sandbox = strongest()
     home = tmp_path / 'home'
     home.mkdir()

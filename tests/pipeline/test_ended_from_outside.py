@@ -1,4 +1,4 @@
-"""Test that a program ended by another program costs no points."""
+"""A program that somebody else ends, not the student, costs nobody a point."""
 
 from __future__ import annotations
 
@@ -45,20 +45,20 @@ class Killer:
     """
     Ends processes at the first message.
 
-    :param wanted: selects them, given their command line
-    :param times: number of runs in which processes are ended
+    :param wanted: tells which, by their command lines
+    :param times: in how many runs
     """
 
     def __init__(self, wanted: Callable[[list[str]], bool], times: int = 1) -> None:
-        """Start without having ended a process."""
+        """Have ended nothing yet."""
         self.wanted = wanted
         self.left = times
         self.runs = 0
         self.armed = True
 
     def __call__(self, event: Event) -> None:
-        """Handle an event."""
-        if event['event'] == 'seen':  # the first event of a run
+        """Look at an event."""
+        if event['event'] == 'seen':  # the first of a run
             self.armed = True
         if event['event'] == 'message' and self.armed and self.left:
             self.armed = False
@@ -84,7 +84,7 @@ def launcher(words: list[str]) -> bool:
 
 @pytest.mark.parametrize('wanted', [program, launcher])
 def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
-    """The program is run again, and the result says so."""
+    """It is run again, and the result says so."""
     killer = Killer(wanted)
     result = graded(ANSWER.read_text(encoding='utf-8'), killer)
 
@@ -93,7 +93,7 @@ def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
 
 
 def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
-    """Without evidence there are neither points nor a zero: a person has to decide."""
+    """No evidence, no points, no zero: a person has to look."""
     killer = Killer(launcher, times=2)
     with pytest.raises(ProbeFailed, match='Another program ended the sandbox with signal 9'):
         graded(ANSWER.read_text(encoding='utf-8'), killer)
@@ -102,7 +102,7 @@ def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
 
 
 def test_a_program_that_ends_itself_so_is_judged():
-    """A program that ends the same way twice is responsible for it."""
+    """What it does twice is its own doing."""
     result = graded(ENDS_ITSELF)
 
     assert result.timing['repeated'] == 1.0
@@ -110,7 +110,7 @@ def test_a_program_that_ends_itself_so_is_judged():
 
 
 def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
-    """The kernel counts such kills; whether the program was to blame is unknown."""
+    """The kernel counts whom it ends; then nobody knows whether the program was to blame."""
     counted = iter(range(100))
     monkeypatch.setattr(observe, 'oom_kills', lambda: next(counted))
     with pytest.raises(ProbeFailed, match='ran out of memory'):
@@ -118,7 +118,7 @@ def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
 
 
 def test_a_probe_that_is_held_up_for_a_second_changes_nothing(monkeypatch):
-    """Virtual time stands still meanwhile, so the pause is not blamed on the program."""
+    """Virtual time stands still meanwhile, and nobody takes that for a fault of the program."""
     started, stopped = [], []
 
     def start(*given: Any) -> Probe:

@@ -1,4 +1,4 @@
-"""Test that results are written to the gradebook while other submissions are still running."""
+"""A class is entered in the gradebook while the rest of it is still being run."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ GOES_ON_S = 60
 
 
 class Held(FakeEngine):
-    """An engine that does not run the last student before it is released."""
+    """Runs nothing of the last student before it may."""
 
     def __init__(self) -> None:
-        """Create the engine with the last student held."""
+        """Hold."""
         self.begun, self.free = threading.Event(), threading.Event()
 
     def run(self, exam, files):
-        """Wait until the other results are written."""
+        """Wait for the others to be entered."""
         if 'of_cho' in ''.join(files.values()):
             self.begun.set()
             assert self.free.wait(GOES_ON_S)
@@ -39,14 +39,14 @@ class Held(FakeEngine):
 
 @pytest.fixture
 def class_(course):
-    """Submit three different answers."""
+    """Lay three answers that differ."""
     for student in STUDENTS:
         hand_in(course, student, **{'THRESHOLD_C = ': f'of_{student} = THRESHOLD_C = '})
     return course
 
 
 def run(course, engine, on_graded):
-    """Run the class, one submission after the other."""
+    """Run the class, one after the other."""
     lesson = load_lesson(course, ASSIGNMENT, engine)
     there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     book = Entering(course, lesson, Guard(course))
@@ -55,7 +55,7 @@ def run(course, engine, on_graded):
 
 
 def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
-    """No result is written twice, and the journal is the same as after one step."""
+    """And nobody twice; all of it is noted as if it had been one piece."""
     monkeypatch.setattr(entering, 'TOGETHER', 2)
     engine = Held()
     early: list[str] = []
@@ -74,7 +74,7 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
 
 
 def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, monkeypatch):
-    """Only a failure at the end is reported to the instructor."""
+    """Only then is it a matter for the instructor."""
     monkeypatch.setattr(entering, 'TOGETHER', 2)
     engine, real = Held(), entering.record
     engine.free.set()
@@ -93,7 +93,7 @@ def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, mo
 
 
 def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
-    """The problem is reported once, at the end."""
+    """It is said once, at the end."""
     class_.work.joinpath('gradebook.db').write_bytes(b'no database' * 100)
     engine = Held()
     engine.free.set()

@@ -1,4 +1,4 @@
-"""Test nbgrader's exchange on a shared machine, where each student is a system user."""
+"""nbgrader's exchange on a machine that students share: students hand in as themselves."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ COURSE_ID = 'ros2_nodes_and_topics'
 LATER = '2999-01-01 12:00:00.000000 UTC'
 ME = pwd.getpwuid(os.geteuid()).pw_name
 ANN, BOB = [one for one in pwd.getpwall() if one.pw_uid][:2]
-"""Two users of this system other than root."""
+"""Two users of this system, neither of them root."""
 
 needs_root = pytest.mark.skipif(os.geteuid() != 0, reason='only root can act as two users')
 
-# Import everything first, because the user may not be able to read this project.
+# Everything is imported first: a user need not be able to read this project.
 AS_USER = """
 import os, sys
 from nbgrader.apps.submitapp import SubmitApp
@@ -49,7 +49,7 @@ SUBMIT = f"SubmitApp.launch_instance(['{ASSIGNMENT}'])"
 
 @pytest.fixture
 def exchange(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Return an exchange that every user of the machine can access."""
+    """Return an exchange that every user of the machine can reach."""
     with tempfile.TemporaryDirectory(prefix='exchange-') as folder:
         Path(folder).chmod(0o777)
         monkeypatch.setenv(SETTING, folder)
@@ -58,7 +58,7 @@ def exchange(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 @pytest.fixture
 def nbgrader(course: Layout, exchange: Path) -> NbGraderAPI:
-    """Return formgrader's interface to nbgrader, for a course with a released assignment."""
+    """Return what formgrader's buttons call, in a course that has released its assignment."""
     config = load_config(course)
     api = NbGraderAPI(config=config)
     assert api.release_assignment(ASSIGNMENT)['success']
@@ -66,7 +66,7 @@ def nbgrader(course: Layout, exchange: Path) -> NbGraderAPI:
 
 
 def act(user: pwd.struct_passwd, home: Path, code: str) -> str:
-    """Run code as another user of the system; return its output."""
+    """Run code as another user of the system; return what it printed."""
     ids = str(user.pw_uid), str(user.pw_gid)
     done = subprocess.run(
         [sys.executable, '-W', 'ignore', '-c', AS_USER, *ids, str(home), code],
@@ -80,7 +80,7 @@ def act(user: pwd.struct_passwd, home: Path, code: str) -> str:
 
 @pytest.fixture
 def homes(exchange: Path) -> Iterator[dict[str, Path]]:
-    """Return a home folder for each of two students, with their notebooks."""
+    """Return a home for each of two students, with their notebooks."""
     with tempfile.TemporaryDirectory(prefix='homes-') as folder:
         Path(folder).chmod(0o755)
         found = {}
@@ -108,7 +108,7 @@ def collected(course: Layout) -> dict[str, str]:
 
 
 def lay(exchange: Path, student: str, text: str = 'mine') -> Path:
-    """Create a submission in the exchange by hand."""
+    """Lay a delivery in the exchange by hand."""
     folder = exchange / COURSE_ID / 'inbound' / f'{student}+{ASSIGNMENT}+{LATER}+x'
     folder.mkdir()
     (folder / NOTEBOOK).write_text(text, encoding='utf-8')
@@ -117,7 +117,7 @@ def lay(exchange: Path, student: str, text: str = 'mine') -> Path:
 
 
 def test_release_protects_the_exchange(nbgrader, exchange):
-    """Only the owner of a submission and the instructor can move it."""
+    """Only the owner of a delivery and the instructor can move it."""
     inbound = exchange / COURSE_ID / 'inbound'
 
     assert stat.S_IMODE(exchange.stat().st_mode) == 0o1777
@@ -126,7 +126,7 @@ def test_release_protects_the_exchange(nbgrader, exchange):
 
 @needs_root
 def test_work_that_bob_hands_in_as_ann_is_refused(nbgrader, exchange, homes, course):
-    """A later time makes it look like the newest; both collectors keep Ann's own work."""
+    """A later time makes it look like the newest; both collectors keep what Ann handed in."""
     ann, bob = ANN.pw_name, BOB.pw_name
     act(ANN, homes[ann], SUBMIT)
     (hers,) = (exchange / COURSE_ID / 'inbound').glob(f'{ann}+*')
@@ -148,7 +148,7 @@ def test_work_that_bob_hands_in_as_ann_is_refused(nbgrader, exchange, homes, cou
 
 @needs_root
 def test_bob_can_neither_move_nor_exchange_what_ann_handed_in(nbgrader, exchange, homes, course):
-    """He fails even if he knows the name of her folder, which other students cannot list."""
+    """Even if he knows the name of her folder, which no other student can list."""
     ann, bob = ANN.pw_name, BOB.pw_name
     act(ANN, homes[ann], SUBMIT)
     (hers,) = (exchange / COURSE_ID / 'inbound').glob(f'{ann}+*')
@@ -175,7 +175,7 @@ def test_bob_can_neither_move_nor_exchange_what_ann_handed_in(nbgrader, exchange
 def test_formgrader_refuses_what_the_instructor_laid_until_the_owner_is_recorded(
     nbgrader, exchange, course
 ):
-    """On an instructor's laptop, all submissions belong to one user."""
+    """On a laptop all deliveries belong to one user."""
     lay(exchange, 'ann')
 
     refused = nbgrader.collect(ASSIGNMENT)
@@ -191,7 +191,7 @@ def test_formgrader_refuses_what_the_instructor_laid_until_the_owner_is_recorded
 
 
 def test_formgrader_trusts_names_when_nbgraders_own_setting_says_so(nbgrader, exchange, course):
-    """The setting of nbgrader is named ``check_owner``."""
+    """``check_owner`` is what nbgrader calls it."""
     lay(exchange, 'ann')
     nbgrader.config.ExchangeCollect.check_owner = False
 
@@ -201,7 +201,7 @@ def test_formgrader_trusts_names_when_nbgraders_own_setting_says_so(nbgrader, ex
 
 
 def test_formgrader_follows_no_link_to_the_solutions(nbgrader, exchange, course):
-    """The tool nbgrader copies files as the instructor, who can read everything."""
+    """Nbgrader copies as the instructor, who may read everything."""
     folder = lay(exchange, ME)
     (folder / NOTEBOOK).unlink()
     (folder / NOTEBOOK).symlink_to(course.solutions / ASSIGNMENT / NOTEBOOK)

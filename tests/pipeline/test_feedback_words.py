@@ -1,4 +1,4 @@
-"""Test that four outputs about one submission contain the same text."""
+"""One submission, four ways to hear about it, and the same words in each of them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Facts(HTMLParser):
         self.words, self.links, self.pictures, self._open = [], [], 0, ''
 
     def handle_starttag(self, tag, attrs):
-        """Store to which element the next text belongs."""
+        """Note where words belong."""
         self.links += [value for name, value in attrs if name == 'href']
         self.pictures += tag == 'svg'
         if tag in ('dt', 'dd'):
@@ -53,32 +53,32 @@ class Facts(HTMLParser):
             self.words.append('')
 
     def handle_endtag(self, tag):
-        """Store where the text of an element ends."""
+        """Note where they end."""
         if tag == self._open:
             self._open = ''
 
     def handle_data(self, data):
-        """Store text."""
+        """Note words."""
         if self._open:
             self.words[-1] += data
 
 
 def read(page):
-    """Return a page as parsed."""
+    """Return what a page says."""
     reader = Facts()
     reader.feed(page)
     return reader
 
 
 def facts_of(page):
-    """Return (name, text) of all facts that a page shows about its checks."""
+    """Return (name, text) of all that a page says about its checks."""
     words = read(page).words
     return list(zip(words[::2], words[1::2]))
 
 
 @pytest.fixture(scope='module')
 def course(released, tmp_path_factory):
-    """Return a separate course for the one submission."""
+    """Return a course of its own for the one submission."""
     root = tmp_path_factory.mktemp('words') / 'course'
     shutil.copytree(released, root)
     return Layout(root)
@@ -86,7 +86,7 @@ def course(released, tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def result(course):
-    """Return the sample's results for the visible exams, after all outputs were written."""
+    """Return the sample's results, graded with the visible exams, after all was written."""
     folder = HERE.sample_class / ASSIGNMENT / SAMPLE
     data = sample_class.compose(HERE, ASSIGNMENT, folder)
     engine = SandboxEngine(strongest(), HERE.recordings, hidden=False)
@@ -100,7 +100,7 @@ def result(course):
 
 @pytest.fixture(scope='module')
 def said(result):
-    """Return all texts about the exam, in order."""
+    """Return all that is to be said about the exam, in order."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
     titles = titles_of(exam)
     words = [fact for check in exam.checks for fact in told(check, titles)]
@@ -112,13 +112,13 @@ def said(result):
 
 
 def lines_of(result):
-    """Return the lines about the exam's checks, as in every plain-text output."""
+    """Return the lines of the exam's checks, as every plain text has them."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
     return [line for check in exam.checks for line in check_lines(check, titles_of(exam))]
 
 
 def test_nbgraders_feedback_says_them(result, said, course):
-    """The course's page has a picture and links to the lesson in the page."""
+    """Our own page, with a picture and links that lead to the lesson in the page."""
     (path,) = (course.work / 'feedback' / SAMPLE).rglob('*.html')
     page = path.read_text(encoding='utf-8')
     reader = read(page)
@@ -132,7 +132,7 @@ def test_nbgraders_feedback_says_them(result, said, course):
 
 
 def test_formgrader_says_them(result, said, course):
-    """Formgrader shows the outputs of check cells: HTML, or text without a browser."""
+    """It shows the outputs of the check cells: HTML, and text where there is no browser."""
     path = course.work / 'autograded' / SAMPLE / ASSIGNMENT / NOTEBOOK
     notebook = nbformat.read(path, as_version=4)
     (cell,) = [
@@ -147,7 +147,7 @@ def test_formgrader_says_them(result, said, course):
 
 
 def test_the_report_of_the_class_says_them(result, said, course):
-    """The page of the student is tested."""
+    """The page of the student."""
     path = course.reports / ASSIGNMENT / page_name(SAMPLE)
     page = path.read_text(encoding='utf-8')
 
@@ -156,7 +156,7 @@ def test_the_report_of_the_class_says_them(result, said, course):
 
 
 def test_the_terminal_says_them(result, said, tmp_path, capsys):
-    """The output is that of ``python -m autograder run``."""
+    """As ``python -m autograder run`` prints it."""
     notebook = tmp_path / NOTEBOOK
     folder = HERE.sample_class / ASSIGNMENT / SAMPLE
     notebook.write_bytes(sample_class.compose(HERE, ASSIGNMENT, folder))
@@ -168,7 +168,7 @@ def test_the_terminal_says_them(result, said, tmp_path, capsys):
 
 
 def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
-    """``check(...)`` shows text and HTML from a child process."""
+    """The text and the HTML that ``check(...)`` shows, from its own child process."""
     package = LearnerPackage('temp_monitor_pkg', tmp_path)
     nodes = package.folder / 'temp_monitor_pkg'
     nodes.mkdir(parents=True)
@@ -188,7 +188,7 @@ def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
 @pytest.mark.parametrize('hidden', [True, False], ids=['graded', 'visible'])
 @pytest.mark.parametrize('assignment', EXAMINED)
 def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
-    """Otherwise the link would be dead; a section of another lesson is named without a link."""
+    """Else the link leads nowhere; a section of another lesson is named without a link."""
     headings = lesson_headings(HERE.notebooks)
 
     assert headings.keys() >= set(EXAMINED)
@@ -197,7 +197,7 @@ def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
 
 
 def test_every_section_about_an_exception_is_a_heading():
-    """The judge uses it instead of the check's own section."""
+    """The judge puts it in the place of the check's own."""
     headings = lesson_headings(HERE.notebooks)
 
     for causes in SECTIONS.values():
@@ -206,7 +206,7 @@ def test_every_section_about_an_exception_is_a_heading():
 
 
 def test_results_with_pictures_survive_json(result):
-    """A visible check's child process and the data of reports use JSON."""
+    """They come out of the child process of a visible check, and of a report's data."""
     again = type(result).from_json(json.loads(json.dumps(result.to_json())))
 
     assert again == result
@@ -214,5 +214,5 @@ def test_results_with_pictures_survive_json(result):
 
 
 def test_the_sample_is_there():
-    """If the folder is renamed, its name must be changed here, too."""
+    """A folder that is renamed must be renamed here too."""
     assert (Path(HERE.sample_class) / ASSIGNMENT / SAMPLE).is_dir()

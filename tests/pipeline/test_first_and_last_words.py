@@ -1,4 +1,4 @@
-"""Test that first and last log lines are recorded at their times on any machine."""
+"""What a run owes to no machine: first and last words are heard, at their times."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def make():
 
 
 def test_what_follows_the_end_of_a_program_is_no_part_of_its_run(run):
-    """The recorded end is that of the program, however long the probe continues."""
+    """However long the probe goes on, the end is that of the program."""
     seen = run(ENDS_SLOWLY, Advance(1.0), Mark('late'))
 
     assert seen.end_reason == 'student_exited'
@@ -69,17 +69,17 @@ def make():
 
 
 class TestFirstLines:
-    """Test that lines logged before the probe discovered the node are fetched."""
+    """What was logged before the probe met the node is fetched."""
 
     def test_first_lines_of_all_nodes_come_before_the_first_step(self, run):
-        """The first step waits until all first lines have arrived."""
+        """Nothing begins while one of them is on its way."""
         seen = run(MANY, Mark('steps'), Advance(0.25))
 
         assert {event['name'] for event in seen.logs()} == {f'node_{n:02}' for n in range(12)}
         assert seen.phase('steps').logs() == []
 
     def test_first_line_of_a_node_that_comes_later_is_at_its_time(self, run):
-        """The executor creates the second node exactly one second after the first."""
+        """Its executor makes it exactly a second after the first one."""
         seen = run(LATER, Advance(4.0))
 
         (line,) = seen.logs()
@@ -118,7 +118,7 @@ def make():
 
 @pytest.mark.parametrize('style', ['timer', 'threading.Timer', 'sleep'])
 def test_every_clock_of_a_program_is_exact(run, style):
-    """All clocks available to a program show the same time."""
+    """All time that a program can have is one."""
     seen = run(IN_THREE_STYLES, Advance(9.0), watch={'/out': STRING})
 
     times = [
@@ -146,7 +146,7 @@ def make():
 
 @pytest.mark.parametrize('number', range(6))
 def test_last_message_of_a_program_that_ends_is_heard(run, number):
-    """The news that its publisher has disappeared must not arrive first."""
+    """The news that its publisher is gone must not overtake it."""
     seen = run(LAST_WORDS, Advance(3.0), watch={'/out': INT})
 
     assert [event['data'] for event in seen.messages('/out')] == [{'data': 7}]
@@ -154,7 +154,7 @@ def test_last_message_of_a_program_that_ends_is_heard(run, number):
 
 
 def test_the_two_profiles_agree_but_for_port_and_announcements():
-    """Common settings are repeated, because Fast DDS reads a single file."""
+    """What both sides need is written twice, as Fast DDS reads one file."""
     own = ('UnicastLocatorList', 'Announcement', 'Announcements')
 
     def words(name):
@@ -177,7 +177,7 @@ def make():
 
 
 def test_a_queue_of_one_keeps_the_newest_of_a_burst(run):
-    """All messages arrive before the program's executor takes one."""
+    """All of a burst has come before the program's executor takes a message."""
     burst = Feed('/numbers', [{'data': number} for number in range(5)], burst=True)
     for _ in range(5):
         seen = run(SHORT_QUEUE, burst, feed={'/numbers': INT}, watch={'/heard': INT})

@@ -1,4 +1,4 @@
-"""Test a full disk during grading: one line of error, and no finished run is lost."""
+"""A disk that is full while a class is graded: one line, and nothing that was run is lost."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from autograder.gradebook.live_entry import Guard
 pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
 
 STUDENTS = [f's{number}' for number in range(10, 30)]
-"""Enough students that the gradebook needs more pages than are free."""
+"""So many that the gradebook needs more room than its pages have left."""
 
 
 @pytest.fixture
 def class_(course):
-    """Write a solution for each student."""
+    """Lay a solution for each student."""
     for student in STUDENTS:
         hand_in(course, student)
     return course
@@ -36,10 +36,10 @@ def class_(course):
 
 @contextmanager
 def no_room_in_gradebook():
-    """Prevent SQLite from adding a page to any file, as on a full disk."""
+    """Let SQLite find no room for another page in any file, as on a full disk."""
 
     def limit(connection, _):
-        connection.execute('pragma max_page_count = 1')  # never below the current size
+        connection.execute('pragma max_page_count = 1')  # never below what there is
 
     event.listen(Engine, 'connect', limit)
     try:
@@ -49,12 +49,12 @@ def no_room_in_gradebook():
 
 
 def no_room(*_, **__):
-    """Raise the system's error for a full disk."""
+    """Refuse as the system does."""
     raise OSError(errno.ENOSPC, 'No space left on device')
 
 
 def graded(course):
-    """Grade the class as the command does; return the table and the refused submissions."""
+    """Grade the class as the command does; return the table and what was refused."""
     console = Console(width=120, record=True)
     with pytest.raises(NotEnteredError) as caught:
         grading.Grading(course, course.submitted, FakeEngine(), 1, console, Guard(course)).one(
@@ -64,7 +64,7 @@ def graded(course):
 
 
 def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
-    """There is neither a line per student nor a traceback; the next grading writes the results."""
+    """Neither a line per student nor a traceback; the next grading enters the class."""
     with no_room_in_gradebook():
         table, error = graded(class_)
 
@@ -82,7 +82,7 @@ def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
 
 
 def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
-    """Writing the notebooks for nbgrader fails first."""
+    """Laying the notebooks for nbgrader already fails."""
     with monkeypatch.context() as patch:
         patch.setattr(record, '_stage', no_room)
         said = refused(class_, count=len(STUDENTS))
@@ -92,7 +92,7 @@ def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
 
 
 def test_a_full_disk_under_the_reports_leaves_the_table(class_, monkeypatch):
-    """The table still shows every student, and the earlier reports are kept."""
+    """The table still shows every student; the earlier reports stay."""
     monkeypatch.setattr(pages, 'keep', no_room)
     table, error = graded(class_)
 

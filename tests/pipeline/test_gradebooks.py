@@ -1,4 +1,4 @@
-"""Test one gradebook with one writer: reruns, manual grades, lateness."""
+"""One gradebook, one writer: reruns, grades given by hand, lateness."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ import pytest
 @pytest.mark.nbgrader
 @pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
 def test_sqlite(scene, course):
-    """SQLite is the default database of a course."""
+    """The database of a course that says nothing else."""
     scene(course)

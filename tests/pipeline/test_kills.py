@@ -1,4 +1,4 @@
-"""Test that a killed grading can be continued without losses."""
+"""A grading that is killed is continued as if nothing had been."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import pytest
 
 from benchmarks.kills import soak
 
-# Marked separately, because it takes minutes, depending on the machine.
+# Apart from the others: it takes minutes, and how many depends on the machine.
 pytestmark = [pytest.mark.benchmark, pytest.mark.pipeline, pytest.mark.ros, pytest.mark.nbgrader]
 
 
 @pytest.mark.timeout(1800)
 def test_five_kills_lose_nothing_double_nothing_and_leave_nothing(tmp_path):
-    """Each kill happens at a random moment; ``python -m benchmarks.kills`` does fifty."""
+    """Each kill comes at a new random instant; ``python -m benchmarks.kills`` does fifty."""
     names = ('pass__reference', 'fail__two_hertz', 'error__exception_in_callback')
 
     account = soak(tmp_path, names, kills=5, seed=5, jobs=2, seconds=5)

@@ -1,4 +1,4 @@
-"""Test that a lesson without graded exercises passes through all stages."""
+"""A lesson in which nothing is graded goes through all stages like the others."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ ASSIGNMENT = '00_tour'
 
 
 class NoExams:
-    """The engine of a course without graded exercises."""
+    """An engine of a course in which nothing is graded."""
 
     def exams(self, assignment):
-        """Return no exams."""
+        """Return nothing."""
         return ()
 
     def run(self, exam, files):
-        """Fail, because nothing should be run."""
+        """Never be asked."""
         raise AssertionError('nothing is to be run')
 
 
 def test_lesson_without_exams_is_released_graded_and_reported(tmp_path):
-    """A student who submits the lesson gets 0 of 0 points and a page."""
+    """A student who hands in the lesson gets 0 of 0 points and a page."""
     layout = Layout(tmp_path)
     for name in ('course.toml', 'nbgrader_config.py'):
         shutil.copy(ROOT / name, tmp_path)

@@ -1,4 +1,4 @@
-"""Test that every limit ends a run that exceeds it, and that the recording names the limit."""
+"""Every limit of a run ends what passes it, and only that; the recording says which it was."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ for number in itertools.count():
 
 
 def recorded(monkeypatch, text: str, limits: Limits, sandbox: Sandbox | None = None):
-    """Return the recording of a program that runs with these limits."""
+    """Return the recording of a program that runs under some limits."""
     whole = observe.program_for
     monkeypatch.setattr(observe, 'program_for', lambda *facts: (whole(*facts)[0], limits))
     scenario = Scenario(file='x.py', appear_s=30.0, steps=(Advance(60.0),))
@@ -70,7 +70,7 @@ def recorded(monkeypatch, text: str, limits: Limits, sandbox: Sandbox | None = N
     ids=['wait', 'processor', 'processor_before_a_node', 'memory_of_all', 'output', 'inodes'],
 )
 def test_a_limit_that_is_watched_ends_the_run(text, limits, reason, monkeypatch):
-    """The grader measures all processes from outside and ends the sandbox."""
+    """The grader looks from outside, sums over all processes, and ends the sandbox."""
     recording = recorded(monkeypatch, text, limits)
 
     assert recording.process['killed'] == reason
@@ -86,7 +86,7 @@ for number in itertools.count():
 
 
 def test_files_of_a_program_without_its_own_file_system_are_summed(monkeypatch):
-    """With its own file system, the folders of a program have a size limit."""
+    """Elsewhere its folders have a size of their own."""
     recording = recorded(monkeypatch, WRITES, replace(LIMITS, folder=32 << 20), usable('none'))
 
     assert recording.end_reason == 'disk_limit'
@@ -156,7 +156,7 @@ except OSError:
     ids=['processes', 'open_files', 'size_of_a_file', 'size_of_a_folder', 'address_space'],
 )
 def test_a_limit_of_the_kernel_stops_the_program_itself(text, least, most, monkeypatch):
-    """The program gets an error and can report how far it came."""
+    """The program gets an error, and can say how far it came."""
     recording = recorded(monkeypatch, text, LIMITS)
     said = str(recording.process['stdout'])
 
@@ -182,7 +182,7 @@ rclpy.spin(node)
     ('size', 'count', 'reason'), [(200_000, 1, 'complete'), (1, 60, 'too_many_events')]
 )
 def test_the_probe_bounds_the_size_and_the_number_of_messages(size, count, reason, monkeypatch):
-    """An oversized message is recorded by its size, and too many messages end the run."""
+    """What is too large is written down by its size, and what is too much ends the run."""
     scenario = Scenario(
         file='x.py',
         watch={'/chatter': 'std_msgs/msg/String'},

@@ -1,4 +1,4 @@
-"""Test that no mark in the gradebook is lowered, emptied or lost silently."""
+"""No mark in the gradebook is lowered, emptied or lost silently."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ NOWHERE = 'in no answer'
 
 
 class Edited(FakeEngine):
-    """An engine whose exams an instructor has edited."""
+    """Runs exams that an instructor has edited, by name."""
 
     edits: dict[str, dict[str, object]] = {}  # noqa: RUF012 - replaced as a whole
 
     def exams(self, assignment):
-        """Return the edited exams."""
+        """Return the exams with the edits."""
         return [replace(one, **self.edits.get(one.name, {})) for one in EXAMS]
 
 
 @pytest.fixture
 def here(course, monkeypatch):
-    """Select a course with one student, whose exams need no ROS."""
+    """Let commands work on a course whose exams need no ROS, with one student."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     monkeypatch.setattr(grading, '_engine', lambda *_: nullcontext((Edited(), 1)))
     monkeypatch.setattr(rejudge, 'NothingRuns', Edited)
@@ -76,13 +76,13 @@ def give_points(folder, points: float) -> None:
 
 
 class TestPoints:
-    """Test that marks are only written if cells and exams have the same points."""
+    """Cells and exams give the same points, or no mark is touched."""
 
     @pytest.mark.parametrize('arguments', [['grade'], ['rejudge', '--write'], ['grade', '--yes']])
     def test_an_exam_with_other_points_than_its_cell_is_refused(
         self, here, edit, capsys, arguments
     ):
-        """`course check` prints the same line."""
+        """The line is that of ``course check``."""
         edit(max_points=17)
         capsys.readouterr()
 
@@ -96,7 +96,7 @@ class TestPoints:
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
 
     def test_a_release_of_before_is_refused(self, here, edit, capsys):
-        """The score would exceed the maximum of the released cell."""
+        """The score would be more than the released cell may have."""
         edit(max_points=17)
         give_points(here.solutions, 17)
 
@@ -109,10 +109,10 @@ class TestPoints:
 
 
 class TestLoweredMarks:
-    """Test that lower marks are listed first and need ``--yes``."""
+    """They are listed first, and need ``--yes``."""
 
     def test_worse_work_is_listed_and_needs_yes(self, here, capsys):
-        """Other results are written, and the reports have the new points."""
+        """The others are entered, and the reports have the new points."""
         hand_in(here, 'ann', **TYPO)
         hand_in(here, 'bob')
         capsys.readouterr()
@@ -126,7 +126,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
         assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [40, 50]
 
-        assert grade() == command.USAGE  # until the instructor has decided
+        assert grade() == command.USAGE  # until it is decided
         capsys.readouterr()
         assert grade('--yes') == OK
         assert 'Fewer points than before: ann 50 to 40.' in ' '.join(
@@ -137,7 +137,7 @@ class TestLoweredMarks:
         assert 'points than before' not in capsys.readouterr().out
 
     def test_every_lowered_mark_is_listed(self, here, capsys):
-        """Each mark has its own line; the sentence names only the first."""
+        """Each on a line, where the sentence names the first only."""
         students = [f'student_{number}' for number in range(grading.MAX_NAMED + 2)]
         for student in students:
             hand_in(here, student)
@@ -154,7 +154,7 @@ class TestLoweredMarks:
         ]
 
     def test_a_mark_is_not_emptied_by_a_fault_of_the_grader(self, here, capsys):
-        """The old mark is kept until the instructor decides."""
+        """The old one stays until somebody decides."""
         hand_in(here, 'ann', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
         capsys.readouterr()
 
@@ -167,7 +167,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')[CHECK] is None
 
     def test_a_grade_given_by_hand_counts(self, here, capsys):
-        """A manual score replaces the automatic one, so the mark is not lowered."""
+        """Where it takes the place of a score, the score lowers nothing."""
         with book(here) as gradebook:
             given = gradebook.find_grade(CHECK, 'temperature_monitor', ASSIGNMENT, 'ann')
             given.manual_score, given.needs_manual_grade = 15, False
@@ -182,7 +182,7 @@ class TestLoweredMarks:
         assert 'ann 54 to 44.' in capsys.readouterr().out
 
     def test_a_penalty_for_lateness_counts(self, here, capsys):
-        """A new due date can lower marks, too."""
+        """A new due date lowers marks too."""
         config = here.root / 'nbgrader_config.py'
         policy = "c.LateSubmissionPlugin.penalty_method = 'zero'"
         config.write_text(f'{config.read_text(encoding="utf-8")}\n{policy}\n', encoding='utf-8')
@@ -199,7 +199,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')['late'] == 50
 
     def test_rejudge_writes_nothing_without_yes(self, here, edit, capsys):
-        """Neither gradebook nor reports are changed."""
+        """Neither gradebook nor reports."""
         edit(needle=NOWHERE)
         capsys.readouterr()
 
@@ -218,10 +218,10 @@ class TestLoweredMarks:
 
 
 class TestCopies:
-    """Test that a damaged gradebook is never replaced silently."""
+    """A damaged gradebook is never replaced silently."""
 
     def test_a_gradebook_without_its_marks_is_refused(self, here, capsys):
-        """Otherwise nbgrader would create an empty table, and manual grades would be lost."""
+        """An empty table would take its place, and grades given by hand would be lost."""
         with closing(sqlite3.connect(here.work / 'gradebook.db')) as file:
             file.execute('drop table grade')
         capsys.readouterr()
@@ -233,7 +233,7 @@ class TestCopies:
             assert len(said.splitlines()) == 1
 
     def test_an_emptied_gradebook_is_refused_and_restored(self, here, capsys):
-        """No program is run; the copy contains the manual grades."""
+        """Nothing is run; the copy has the grades given by hand."""
         by_hand(here, 'ann', 4)
         hand_in(here, 'bob')
         assert grade() == OK
@@ -265,11 +265,11 @@ class TestCopies:
 
 
 class TestStudents:
-    """Test that a folder's name alone does not make a student."""
+    """Nobody becomes one by the name of a folder."""
 
     @pytest.mark.parametrize('deep', [True, False])
     def test_a_folder_of_another_layout_makes_no_student(self, here, tmp_path, capsys, deep):
-        """The message says what to do instead."""
+        """The line says what to do instead."""
         source = here.submitted / 'ann' / ASSIGNMENT / NOTEBOOK
         place = 'mine/zoe/' + ASSIGNMENT if deep else 'Zoe Example_12_assignsubmission_file'
         folder = tmp_path / 'download' / place
@@ -287,7 +287,7 @@ class TestStudents:
             assert [student.id for student in gradebook.students] == ['ann']
 
     def test_folders_that_are_passed_over_are_named(self, here, capsys):
-        """The instructor may want to check them."""
+        """Something may be wrong with them."""
         (here.submitted / 'old stuff').mkdir()
         capsys.readouterr()
 

@@ -1,4 +1,4 @@
-"""Test a node with messages and services of other packages, from its exam to its verdicts."""
+"""A node with messages and services of other packages, from its exam to its verdicts."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ main()
 
 @pytest.fixture(scope='module')
 def exam() -> Exam:
-    """Return the exam of a robot that drives while it is started and no obstacle is near."""
+    """Return the exam of a robot that drives while it may and nothing is near."""
     made = Exam(
         'pilot',
         title='Pilot',
@@ -104,7 +104,7 @@ def exam() -> Exam:
 
 
 def test_twist_set_bool_scan_and_odometry_are_judged(exam):
-    """The environment includes packages that are common in robotics courses."""
+    """Packages that courses on robots use come with the environment."""
     result = examine(exam, {'pilot.py': PILOT}, sandbox=strongest())
 
     assert [(check.verdict, check.observed) for check in result.checks] == [
@@ -114,7 +114,7 @@ def test_twist_set_bool_scan_and_odometry_are_judged(exam):
 
 
 def test_missing_package_is_reported_with_the_file_that_names_packages(exam):
-    """The name may be spelled correctly, and the program has no build that could fail."""
+    """It may be spelled right, and there is nothing to build."""
     program = PILOT.replace('from geometry_msgs', 'import toy_msgs\nfrom geometry_msgs')
 
     result = examine(exam, {'pilot.py': program}, sandbox=strongest())
@@ -126,7 +126,7 @@ def test_missing_package_is_reported_with_the_file_that_names_packages(exam):
 
 
 def test_missing_package_of_a_scenario_is_no_verdict_and_named_with_the_file(exam):
-    """The instructor has to add the package."""
+    """The instructor has to add it."""
     scenario = replace(exam.scenario, watch={'/toys': 'toy_msgs/msg/Toy'})
 
     with pytest.raises(ProbeFailed, match=r"'toy_msgs'\. Try: .* in environment/messages\.txt"):

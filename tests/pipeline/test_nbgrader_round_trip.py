@@ -1,4 +1,4 @@
-"""Test nbgrader's own commands on a whole course: generate, autograde, feedback, export."""
+"""nbgrader's own commands on a whole course: generate, autograde, feedback, export."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SCRIPT = '<script>alert(1)</script>'
 
 
 def nbgrader(course: Layout, *arguments: str, code: int = 0) -> str:
-    """Run one nbgrader command in the course; return its output."""
+    """Run one nbgrader command in the course; return what it printed."""
     done = subprocess.run(
         [sys.executable, '-m', 'nbgrader', *arguments],
         cwd=course.root,
@@ -41,7 +41,7 @@ def nbgrader(course: Layout, *arguments: str, code: int = 0) -> str:
 
 
 def hand_in(course: Layout, student: str, data: bytes, name: str = NOTEBOOK) -> None:
-    """Write a file to the folder of nbgrader's collect."""
+    """Lay a file where nbgrader's collect would."""
     folder = course.submitted / student / ASSIGNMENT
     folder.mkdir(parents=True)
     (folder / name).write_bytes(data)
@@ -57,7 +57,7 @@ def solved(course: Layout, **changes: str) -> bytes:
 
 
 def hostile(course: Layout) -> bytes:
-    """Return a wrong solution with tricks that give full points in stock nbgrader."""
+    """Return a wrong solution that tries what gives full points in stock nbgrader."""
     content = json.loads(solved(course, temperature_topic='temprature_topic'))
     for cell in content['cells']:
         marks = cell['metadata'].get('nbgrader', {})
@@ -79,16 +79,16 @@ def hostile(course: Layout) -> bytes:
 
 
 def class_of_five(course: Layout) -> None:
-    """Submit right, wrong, broken and hostile work."""
+    """Hand in good, bad, broken and hostile work."""
     hand_in(course, 'ann', solved(course))
     hand_in(course, 'bob', (course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
-    hand_in(course, 'cut', solved(course)[:9000].rpartition(b'":')[0])  # not after a brace
+    hand_in(course, 'cut', solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
     hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
     hand_in(course, 'mal', hostile(course))
 
 
 def grades(course: Layout) -> dict[tuple[str, str], tuple[float | None, float | None, int]]:
-    """Return (automatic score, manual score, needs manual grading) by student and cell."""
+    """Return (automatic, by hand, needs a person) by student and cell."""
     database = sqlite3.connect(course.work / 'gradebook.db')
     rows = database.execute(
         'select sa.student_id, b.name, g.auto_score, g.manual_score, g.needs_manual_grade '
@@ -137,7 +137,7 @@ EXPECTED = {
     ('mal', 'check_limit_keeper'): (10, None, 0),
     ('mal', 'explain_threshold'): (None, None, 1),
 }
-"""With stock nbgrader, mal gets full points, cut fails, and fay gets full points or none."""
+"""Stock nbgrader gives mal full points, fails for cut, and gives fay full points or nothing."""
 
 
 @pytest.fixture(scope='module')
@@ -157,32 +157,32 @@ def graded_by_command(released, tmp_path_factory):
 
 
 class TestCommands:
-    """Test the commands that an instructor types."""
+    """What an instructor types."""
 
     def test_every_grade_is_what_the_code_deserves(self, graded_by_command):
-        """A damaged file does not affect other grades."""
+        """A bad file changes nobody else's grade."""
         course, _ = graded_by_command
 
         assert grades(course) == EXPECTED
 
     def test_the_log_says_in_one_line_what_is_wrong_with_a_file(self, graded_by_command):
-        """The log has no traceback of nbgrader."""
+        """No traceback of nbgrader's."""
         _, log = graded_by_command
 
         assert f'cut: {NOTEBOOK}: expected a Jupyter notebook' in log
         assert 'Traceback' not in log
 
     def test_export_lists_the_points(self, graded_by_command):
-        """The score is the sum over the checks."""
+        """The sum over the checks."""
         course, _ = graded_by_command
         with (course.root / 'grades.csv').open(encoding='utf-8') as file:
             scores = {row['student_id']: float(row['score']) for row in csv.DictReader(file)}
 
         assert scores['ann'] == 50
-        assert scores['cut'] == 0  # nbgrader's export has no value for a missing score
+        assert scores['cut'] == 0  # nbgrader's export has no word for a missing score
 
     def test_feedback_shows_the_reasons_without_acting_on_students_words(self, graded_by_command):
-        """Instructors open the feedback with their own permissions."""
+        """Instructors open it with their rights."""
         course, _ = graded_by_command
         pages = {
             path.parts[-3]: path.read_text(encoding='utf-8')
@@ -202,7 +202,7 @@ class TestCommands:
         assert not [student for student, page in pages.items() if '&lt;p&gt;' in page]
 
     def test_hidden_inputs_are_in_no_file_that_leaves_the_grader(self, graded_by_command):
-        """These files are release, autograded notebook, feedback and gradebook."""
+        """Release, autograded notebook, feedback, gradebook."""
         course, _ = graded_by_command
         leaks = [
             path
@@ -213,7 +213,7 @@ class TestCommands:
         assert leaks == []
 
     def test_nothing_a_student_wrote_outside_the_answers_is_kept(self, graded_by_command):
-        """Tags, outputs and changed checks are removed."""
+        """Tags, outputs and changed checks are gone."""
         course, _ = graded_by_command
         text = (course.work / 'autograded' / 'mal' / ASSIGNMENT / NOTEBOOK).read_text()
 
@@ -223,7 +223,7 @@ class TestCommands:
 
 
 def test_the_autograde_button_of_formgrader_grades_outside_too(course):
-    """The button uses nbgrader's Python interface with the same settings."""
+    """It goes through nbgrader's Python interface with the same settings."""
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
 
@@ -241,7 +241,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
 
 def test_autograde_leaves_a_mark_that_would_fall(course):
-    """The log, which formgrader's button shows, contains the reason."""
+    """It says so in its log, which formgrader's button shows."""
     nbgrader(course, 'generate_assignment', ASSIGNMENT, '--force')
     hand_in(course, 'ann', solved(course))
     nbgrader(course, 'autograde', ASSIGNMENT)
@@ -271,7 +271,7 @@ def test_autograde_refuses_check_cells_with_other_points_than_their_exam(course)
 
 
 def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_command):
-    """Formgrader's own template is found, and the course's template is used for students."""
+    """Its own template is found beside ours, and ours is used for students."""
     from nbconvert.exporters import HTMLExporter
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
@@ -296,10 +296,10 @@ def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_comma
 
 
 class TestRecord:
-    """Test what ``python -m autograder grade`` writes."""
+    """What ``python -m autograder grade`` writes."""
 
     def test_it_enters_the_same_grades_as_the_commands(self, course):
-        """Both ways use the same steps."""
+        """Both ways go through the same steps."""
         class_of_five(course)
 
         faults = in_process(course)
@@ -308,7 +308,7 @@ class TestRecord:
         assert faults == ['fay']
 
     def test_names_that_glob_acts_on_do_not_mix_students(self, course):
-        """The folder is graded, but the gradebook does not get the result."""
+        """The folder is graded; the gradebook does not get it."""
         hand_in(course, 'ann', solved(course))
         hand_in(course, '[a]*', solved(course)[:9000])
 
@@ -318,7 +318,7 @@ class TestRecord:
         assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
 
     def test_a_grade_given_by_hand_survives_a_rerun(self, course):
-        """A person grades the written question only once."""
+        """The question is read by a person only once."""
         hand_in(course, 'ann', solved(course))
         in_process(course)
         with sqlite3.connect(course.work / 'gradebook.db') as database:
@@ -334,7 +334,7 @@ class TestRecord:
         assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
 
     def test_work_that_was_for_review_gets_its_score_when_graded_again(self, course):
-        """The flag is removed when the fault no longer occurs."""
+        """The flag goes with the fault."""
         hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
         in_process(course)
         shutil.rmtree(course.submitted / 'fay')
@@ -345,7 +345,7 @@ class TestRecord:
         assert grades(course)['fay', 'check_temperature_message'] == (10, None, 0)
 
     def test_timestamps_are_recorded_and_broken_ones_do_no_harm(self, course):
-        """Stock nbgrader fails at a malformed timestamp."""
+        """Nbgrader alone stops at a malformed one."""
         hand_in(course, 'ann', solved(course))
         hand_in(course, 'bob', solved(course))
         stamp = course.submitted / 'ann' / ASSIGNMENT / 'timestamp.txt'

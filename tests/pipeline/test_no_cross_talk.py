@@ -1,9 +1,9 @@
 """
-Test that neighbours, a second grader or other ROS programs cannot change a verdict.
+Nobody else on the machine changes a verdict: no neighbour, no second grader, no foreign talker.
 
-Four submissions that use the same topics and node names are judged alone, then by two graders at
-the same time, several at once, while another program publishes on their topics in every ROS
-domain of the machine.
+Four submissions that talk on the same topics under the same names are judged alone, then by two
+graders at once, several at a time, while somebody talks on those topics in every ROS domain of the
+machine.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ with ThreadPoolExecutor(int(sys.argv[1])) as pool:
 
 
 def begin(together: int) -> subprocess.Popen[str]:
-    """Start a grader that judges the submissions, with a number of concurrent runs."""
+    """Start a grader that judges the submissions, so many at a time."""
     argv = [sys.executable, '-c', GRADER, str(together), *NAMES]
     return subprocess.Popen(argv, cwd=ROOT, stdout=subprocess.PIPE, text=True)
 
 
 def end(grader: subprocess.Popen[str]) -> list[dict]:
-    """Return the results of a grader."""
+    """Return what a grader has found."""
     said, _ = grader.communicate(timeout=300)
     assert grader.returncode == 0
     return json.loads(said)
@@ -64,7 +64,7 @@ def end(grader: subprocess.Popen[str]) -> list[dict]:
 
 @contextmanager
 def somebody_talks(domains: Iterable[int]) -> Iterator[None]:
-    """Run a program that publishes in these domains and announces itself frequently."""
+    """Let a program talk in these domains, which announces itself all the time."""
     variables = {**os.environ, 'FASTRTPS_DEFAULT_PROFILES_FILE': str(PROFILES)}
     script = Path(__file__).with_name('foreign_talker.py')
     pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE}
@@ -78,14 +78,14 @@ def somebody_talks(domains: Iterable[int]) -> Iterator[None]:
 
 @pytest.fixture(scope='module')
 def alone() -> list[dict]:
-    """Return the results of one submission after the other, without other programs."""
+    """Return the results of one submission after the other, with nobody else about."""
     return end(begin(1))
 
 
 def test_two_graders_and_a_talker_in_every_domain_change_nothing(alone):
-    """Verdicts, texts and flags are identical."""
+    """Verdicts, words and flags are the same to the letter."""
     with ExitStack() as until:
-        # 0 is the domain of every sandbox, 101 the last one that Linux's port numbers allow.
+        # 0 is the domain of every sandbox, 101 the last one that Linux's ports allow.
         until.enter_context(somebody_talks((0, *other_domains(until), 101)))
         graders = [begin(TOGETHER), begin(TOGETHER)]
         found = [end(grader) for grader in graders]
@@ -94,14 +94,14 @@ def test_two_graders_and_a_talker_in_every_domain_change_nothing(alone):
 
 
 def test_the_submissions_differ_among_themselves(alone):
-    """Otherwise a mix-up would remain unnoticed."""
+    """Had they been mixed up, it would have been seen."""
     points = [sum(check['points'] for check in one['checks']) for one in alone]
 
     assert len(set(points)) >= 3
 
 
 def test_the_foreign_talker_is_heard_outside_a_sandbox():
-    """A program in the same domain does receive its messages."""
+    """It does talk: a program in the same domain hears it."""
     code = (
         'import rclpy\nfrom std_msgs.msg import String\n'
         'rclpy.init()\nnode = rclpy.create_node("listener")\nheard = []\n'
@@ -114,7 +114,7 @@ def test_the_foreign_talker_is_heard_outside_a_sandbox():
         'ROS_DOMAIN_ID': os.environ.get('ROS_DOMAIN_ID', '0'),
     }
     variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
-    # Use one domain: a hundred would starve each other if other tests run at the same time.
+    # One domain: a hundred starve each other where other tests run beside them.
     with somebody_talks([int(variables['ROS_DOMAIN_ID'])]):
         done = subprocess.run(
             [sys.executable, '-c', code],

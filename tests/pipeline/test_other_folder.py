@@ -1,4 +1,4 @@
-"""Test that ``grade --submitted DIR`` does not change the results of the class."""
+"""``grade --submitted DIR``: the class keeps its results when a different folder is graded."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ NOTEBOOK = 'temperature_monitor.ipynb'
 
 
 class VisibleEngine(FakeEngine):
-    """An engine without the gradebook, which these tests do not need."""
+    """Without the gradebook, which is not the matter here."""
 
     hidden = False
 
 
 def hand_in(course, folder, student, **changes):
-    """Write the solution to a folder of a class, with some words replaced."""
+    """Lay the solution into a folder of a class, with some words replaced."""
     text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
     for old, new in changes.items():
         text = text.replace(old, new)
@@ -36,7 +36,7 @@ def hand_in(course, folder, student, **changes):
 
 
 def grade(course, folder):
-    """Grade a folder; return the output on the terminal."""
+    """Grade a folder; return what a terminal shows."""
     console = Console(file=io.StringIO(), width=150)
     Grading(course, folder, VisibleEngine(), 1, console, Guard(course)).one(ASSIGNMENT)
     return console.file.getvalue()
@@ -57,7 +57,7 @@ def pages(course):
 
 @pytest.fixture
 def graded(course):
-    """Return a course with a class of three students."""
+    """Return a course with a class of three."""
     for student in ('ann', 'cho'):
         hand_in(course, course.submitted, student)
     hand_in(course, course.submitted, 'bob', temperature_topic='temprature_topic')
@@ -66,7 +66,7 @@ def graded(course):
 
 
 def test_an_appeal_changes_one_student(graded, tmp_path):
-    """Other results and pages are kept, lists contain all students, and the terminal says so."""
+    """Results and pages of the others stay; the lists have everybody, and the terminal says so."""
     before, old = points(graded), pages(graded)
     hand_in(graded, tmp_path / 'appeal', 'bob')
     hand_in(graded, tmp_path / 'appeal', 'dee')
@@ -89,7 +89,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
 
 @pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])
 def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
-    """Students without work in it are removed, whatever the folder's name is."""
+    """Who is not in it any more is gone, however the folder is called."""
     (graded.submitted / 'cho' / ASSIGNMENT / NOTEBOOK).unlink()
     (graded.submitted / 'cho' / ASSIGNMENT).rmdir()
     (graded.submitted / 'cho').rmdir()
@@ -104,7 +104,7 @@ def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
 
 
 def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
-    """The class may be in a different folder from the start."""
+    """As with a class that lies elsewhere."""
     hand_in(course, tmp_path / 'mine', 'ann')
 
     assert 'their results are unchanged' not in grade(course, tmp_path / 'mine')
@@ -112,7 +112,7 @@ def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
 
 
 def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):
-    """No program is run before the results are read."""
+    """And nothing is run before that is known."""
     path = results_file(graded, ASSIGNMENT)
     path.write_text(json.dumps([{'student': 'ann'}]), encoding='utf-8')
     hand_in(graded, tmp_path / 'appeal', 'bob')

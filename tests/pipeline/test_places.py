@@ -1,4 +1,4 @@
-"""Test runs one by one, in parallel and in a worker, and how they are stopped."""
+"""The same runs one by one, in parallel and as a worker does them; and how they are stopped."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SCENARIO = exam_of_a_talker().scenario.to_json()
 
 
 class Worker:
-    """A cluster worker in this process."""
+    """A worker of a cluster, in this process."""
 
     width = 1
 
@@ -38,7 +38,7 @@ class Worker:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
-    """The judge gets equal recordings, whichever thread or worker runs the submission."""
+    """The judge sees the same, whichever thread or worker runs the submission."""
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
@@ -55,17 +55,17 @@ def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
 
 
 class TestTask:
-    """Test that a task and its result are bytes."""
+    """Bytes in, bytes out."""
 
     def test_a_task_is_json_and_says_nothing_but_what_the_probe_is_told(self):
-        """A task contains no check, no secret and no object."""
+        """No check, no secret, no object."""
         task = json.loads(task_of('talker', SCENARIO, {'talker.py': 'x'}, 'bwrap-user'))
 
         assert set(task) == {'version', 'exam', 'scenario', 'files', 'mode'}
         assert task['scenario'] == json.loads(json.dumps(SCENARIO))
 
     def test_a_worker_of_another_version_refuses(self, monkeypatch):
-        """Its recordings would belong to a different version."""
+        """Its recordings would be of something else."""
         task = task_of('talker', SCENARIO, {}, strongest().mode)
         other = {**version(), 'Python': '2.7.18'}
         monkeypatch.setattr(tasks, 'version', lambda: other)
@@ -74,7 +74,7 @@ class TestTask:
             outcome_of(run_task(task))
 
     def test_our_own_fault_keeps_its_kind(self, monkeypatch):
-        """The fault is raised here as if it had happened here."""
+        """It is told on this side as if it had happened here."""
 
         def refuse(*_):
             raise TooBusy('The machine was too busy.')
@@ -86,7 +86,7 @@ class TestTask:
             outcome_of(run_task(task))
 
     def test_a_defect_of_ours_is_no_crash_of_the_worker(self, monkeypatch):
-        """The answer is a fault that a person has to examine."""
+        """It is an answer that asks for a person."""
         monkeypatch.setattr('autograder.runs.observe.observe', lambda *_: 1 / 0)
         task = task_of('talker', SCENARIO, {}, strongest().mode)
 
@@ -94,7 +94,7 @@ class TestTask:
             outcome_of(run_task(task))
 
     def test_a_version_differs_by_name(self):
-        """Missing packages count as a difference, too."""
+        """What is missing counts, too."""
         assert difference({'a': '1', 'b': '2'}, {'a': '1', 'b': '2'}) == ''
         assert difference({'a': '1'}, {'a': '2', 'c': '3'}) == (
             'a: expected 1, got 2; c: expected nothing, got 3'
@@ -104,14 +104,14 @@ class TestTask:
 BUSY = TALKER.format(word='right').replace(
     'node.create_timer', 'node.create_timer(1.5, lambda: sum(range(10**9)))\nnode.create_timer'
 )
-"""A program that computes for many seconds after its first message."""
+"""Computes for many seconds after its first message."""
 
 
 @pytest.mark.pipeline
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_grading_that_is_stopped_ends_its_runs_and_records_nothing(tmp_path):
-    """Ctrl-C does not wait for a run, and an interrupted run is never recorded."""
+    """Ctrl-C does not wait for a run, and a run that it ends is never recorded."""
     seen = threading.Event()
     with ThreadPoolExecutor(1, thread_name_prefix=THREADS) as threads:
         run = threads.submit(
@@ -131,10 +131,10 @@ def test_a_grading_that_is_stopped_ends_its_runs_and_records_nothing(tmp_path):
 
 
 class TestFolder:
-    """Test the temporary files of runs."""
+    """Temporary files of runs."""
 
     def test_what_a_killed_grading_has_left_goes_with_the_next(self, tmp_path, monkeypatch):
-        """Folders of running gradings are kept."""
+        """What lives stays."""
         monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
         left = tmp_path / 'grading-left'
         (left / 'run-x').mkdir(parents=True)
@@ -152,7 +152,7 @@ class TestFolder:
     def test_a_folder_that_another_grading_takes_for_left_is_made_again(
         self, tmp_path, monkeypatch
     ):
-        """The folder exists shortly before its lock."""
+        """It has its lock a moment after it is there."""
         monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
         lock, taken = folders.fcntl.flock, []
 

@@ -1,4 +1,4 @@
-"""Test the gradebook in PostgreSQL, on a separate real server: ``make test-postgres``."""
+"""The same gradebook in PostgreSQL, on a real server of its own: ``make test-postgres``."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ USER, PORT = 'grader', '54321'
 
 
 def program(name: str) -> str:
-    """Return the path of a server program, which Debian does not put on the PATH."""
+    """Return one of the server's programs, which Debian puts in no PATH."""
     found = shutil.which(name) or next(iter(sorted(glob(f'/usr/lib/postgresql/*/bin/{name}'))), '')
     assert found, f'PostgreSQL is not installed. Try: {INSTALL}'
     return found
 
 
 def as_server(*command: str) -> None:
-    """Run a server program as a separate user, because it refuses to run as root."""
+    """Run a program of the server as its own user: it refuses root."""
     owner = {'user': 'postgres', 'group': 'postgres'} if os.geteuid() == 0 else {}
     done = subprocess.run(
         command, cwd='/', capture_output=True, text=True, timeout=240, check=False, **owner
@@ -38,7 +38,7 @@ def as_server(*command: str) -> None:
 @pytest.fixture(scope='module')
 def server():
     """Yield the socket folder of a new server that does not listen on the network."""
-    with tempfile.TemporaryDirectory(prefix='pg_') as folder:  # the path of a socket must be short
+    with tempfile.TemporaryDirectory(prefix='pg_') as folder:  # a socket's path is short
         if os.geteuid() == 0:
             shutil.chown(folder, 'postgres', 'postgres')
         data = str(Path(folder, 'data'))
@@ -67,7 +67,7 @@ def in_postgres(course, server):
 
 @pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
 def test_postgres(scene, in_postgres):
-    """The guarantees are those of SQLite, and no file is written next to the database."""
+    """What holds for SQLite holds here; nothing is written beside the database."""
     gradebooks.begin(in_postgres)
 
     scene(in_postgres)

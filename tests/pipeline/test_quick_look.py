@@ -1,4 +1,4 @@
-"""Test the exams on a script, a package folder, a zip of one, and a notebook."""
+"""The same exams on a script, a package folder, a zip of one, and a notebook."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def python_package(folder: Path, entries: str = ENTRY, **changed: str) -> Path:
 
 
 def package(folder: Path, **changed: str) -> Path:
-    """Write a small package without build files that has its own helper modules."""
+    """Write a small package without build files that has helper modules of its own."""
     files = {
         'package.xml': '<package format="3"><name>thermo</name></package>',
         'thermo/__init__.py': '',
@@ -123,10 +123,10 @@ def package(folder: Path, **changed: str) -> Path:
 
 
 class TestWhatIsMeant:
-    """Test how names of exams and assignments are interpreted."""
+    """Names of exams and of assignments."""
 
     def test_an_assignment_stands_for_its_exams(self):
-        """The number may be omitted; exams have the order of the lesson."""
+        """With or without its number, in the lesson's order."""
         long = quick_look.exams_named('07_temperature_monitor', LAYOUT, hidden=False)
         short = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
@@ -139,12 +139,12 @@ class TestWhatIsMeant:
         assert long == short
 
     def test_a_name_that_is_neither_is_answered_with_a_near_one(self):
-        """The suggestion makes a typing mistake easy to fix."""
+        """The suggestion makes a typo easy to fix."""
         with pytest.raises(GraderError, match='Did you mean temperature_monitor'):
             quick_look.exams_named('temprature_monitor', LAYOUT, hidden=False)
 
     def test_a_script_is_looked_at_by_the_exam_it_is_named_for(self):
-        """For an assignment, the script's name selects the exam; one exam accepts any name."""
+        """Of an assignment; one exam takes a script of any name."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
         talker = quick_look.exams_named('talker', LAYOUT, hidden=False)
 
@@ -154,7 +154,7 @@ class TestWhatIsMeant:
         assert list(look.files) == ['talker.py']
 
     def test_what_is_for_none_of_the_exams_is_said(self, tmp_path):
-        """The message has the expected and the existing files."""
+        """With what was expected and what is there."""
         (tmp_path / 'odd.py').write_text('x = 1')
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
@@ -163,7 +163,7 @@ class TestWhatIsMeant:
 
     @pytest.mark.parametrize('name', ['odd.ipynb', 'odd.zip', 'odd.py', 'odd'])
     def test_a_path_that_leads_nowhere_is_no_submission(self, tmp_path, name):
-        """A mistake by the instructor never gives a student zero points."""
+        """Whatever its kind: a mistake by the instructor never gives a student zero points."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
         with pytest.raises(NotTakenInError, match='there is no such file or folder'):
@@ -174,16 +174,16 @@ class TestWhatIsMeant:
 @pytest.mark.ros
 @pytest.mark.slow
 class TestRuns:
-    """Test real runs in the sandbox."""
+    """For real, in the sandbox."""
 
     @pytest.fixture(scope='class', autouse=True)
     @classmethod
     def kept(cls, tmp_path_factory):
-        """Store recordings: equal files run once, so the zip of a folder needs no further run."""
+        """Equal files run once, so the zip of a folder needs no further run."""
         cls.recordings = tmp_path_factory.mktemp('recordings')
 
     def points(self, path, exam='temperature_publisher'):
-        """Return the points of each visible exam, and its failed checks."""
+        """Return the points of each exam in the visible form, and what failed."""
         chosen = quick_look.exams_named(exam, LAYOUT, hidden=False)
         looks = quick_look.looks(path, chosen, LAYOUT)
         done = quick_look.quick_look(looks, strongest(), self.recordings)
@@ -194,14 +194,14 @@ class TestRuns:
 
     @pytest.mark.parametrize('form', ['folder', 'zip'])
     def test_the_finished_package_has_full_marks(self, tmp_path, form):
-        """The package is built with its own messages, and its own executables run."""
+        """It is built with its own messages, and its own executables run."""
         path = ROOT / 'temp_monitor_pkg'
         if form == 'zip':
             path = Path(shutil.make_archive(str(tmp_path / 'mine'), 'zip', ROOT, path.name))
 
         found = self.points(path, 'temperature_monitor')
 
-        assert found.pop('limit_keeper')[0] == 0  # this exercise is not part of the package
+        assert found.pop('limit_keeper')[0] == 0  # this exercise is no part of the package
         assert found == {
             'temperature_message': (10, []),
             'temperature_publisher': (15, []),
@@ -209,7 +209,7 @@ class TestRuns:
         }
 
     def test_a_python_package_is_built_and_its_entry_point_runs(self, tmp_path):
-        """Any module and function may be named; imports of the package itself work."""
+        """Whatever module and function it names, with imports of its own package."""
         node = NODE.format(package='.').replace('def main()', 'def start()')
         folder = python_package(
             tmp_path / 'a',
@@ -252,7 +252,7 @@ class TestRuns:
 
     @pytest.mark.parametrize('where', ['thermo', 'temp_monitor_pkg'])
     def test_modules_are_those_that_were_handed_in(self, tmp_path, where):
-        """Modules of the course's own package with the same name are not used."""
+        """Not those of the course's own package where that has the same name."""
         folder = package(
             tmp_path / 'a',
             **{
@@ -267,7 +267,7 @@ class TestRuns:
         assert self.points(folder) == {'temperature_publisher': (15, [])}
 
     def test_a_zip_is_what_is_in_it(self, tmp_path):
-        """The outer folder and macOS metadata do not matter."""
+        """The folder around it and Mac's own entries do not matter."""
         folder = package(tmp_path / 'a')
         with zipfile.ZipFile(tmp_path / 'a.zip', 'w') as archive:
             for path in sorted(folder.rglob('*.*')):
@@ -277,7 +277,7 @@ class TestRuns:
         assert self.points(tmp_path / 'a.zip') == {'temperature_publisher': (15, [])}
 
     def test_a_script_is_a_submission(self, tmp_path):
-        """Any file name is accepted if the exam is named."""
+        """Under any name, if the exam is named."""
         shutil.copy(ROOT / PUBLISHER, tmp_path / 'my thermometer.py')
 
         found = self.points(tmp_path / 'my thermometer.py')
@@ -285,7 +285,7 @@ class TestRuns:
         assert found == {'temperature_publisher': (15, [])}
 
     def test_the_command_prints_every_check_and_shows_what_happens(self, tmp_path, capsys):
-        """Feedback goes to standard output, live lines to standard error."""
+        """Feedback on standard output, the live lines beside it."""
         arguments = ['run', '--exam', 'temperature_publisher', '--visible', '--live']
 
         assert command.main([*arguments, str(package(tmp_path / 'a'))]) == OK
@@ -298,7 +298,7 @@ class TestRuns:
         assert times[0].strip().startswith('0.800s  /temperature_topic: temperature_value: 21.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):
-        """An instructor can run a single submission of the class."""
+        """What a student of a class handed in, looked at alone."""
         sample = LAYOUT.sample_class / '07_temperature_monitor' / 'fail__two_hertz'
         notebook = tmp_path / 'temperature_monitor.ipynb'
         notebook.write_bytes(sample_class.compose(LAYOUT, '07_temperature_monitor', sample))

@@ -1,4 +1,4 @@
-"""Test the published format of recordings; ``test_sample_class.py`` validates real ones."""
+"""The published format of recordings; ``test_sample_class.py`` compares real ones with it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ KINDS = {
 
 
 def test_the_schema_is_one():
-    """The schema is valid in the draft that it names."""
+    """Of the draft that it names."""
     Draft202012Validator.check_schema(SCHEMA)
 
 
 def test_it_has_the_events_that_the_probe_writes_and_the_words_that_describe_them():
-    """A new event must be added in all three places."""
+    """A new event is in all three places."""
     source = ''.join(
         path.read_text(encoding='utf-8') for path in sorted(ROOT.glob('autograder/probe/*.py'))
     )
@@ -34,7 +34,7 @@ def test_it_has_the_events_that_the_probe_writes_and_the_words_that_describe_the
 
 
 def test_an_unknown_event_and_an_unknown_field_are_refused():
-    """Otherwise the schema would accept anything."""
+    """Else the schema would say nothing."""
     mark = {'event': 'mark', 'clock_ns': None, 'name': 'a'}
 
     assert VALID.is_valid(mark)

@@ -1,4 +1,4 @@
-"""Test `rejudge` after an edited exam, and the evidence that `explain` prints."""
+"""After an exam edit: new verdicts from recordings, and the evidence behind one of them."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
 
 
 class OneExam(SandboxEngine):
-    """An engine with only the publisher's exam, which builds no message."""
+    """The publisher's exam alone: no message is built here."""
 
     def exams(self, assignment):
-        """Return the exam as last edited."""
+        """Return it, as it is just now."""
         return catalog.for_assignment(assignment)
 
 
@@ -64,7 +64,7 @@ def fit(layout: Layout, exam: Exam) -> None:
 
 @pytest.fixture(scope='module')
 def graded(released, tmp_path_factory):
-    """Return a course with four students, graded with real runs."""
+    """Return a course in which four students were graded for real."""
     root = tmp_path_factory.mktemp('graded') / 'course'
     shutil.copytree(released, root)
     layout, here = Layout(root), Layout.here()
@@ -94,7 +94,7 @@ def layout(graded, tmp_path):
 
 @pytest.fixture
 def now(monkeypatch, layout):
-    """Return a function that replaces the graded exam."""
+    """Return a function that puts another exam in place of the one that was graded."""
 
     def put(exam: Exam) -> None:
         fit(layout, exam)
@@ -105,20 +105,20 @@ def now(monkeypatch, layout):
 
 
 def by_student(accounts):
-    """Return the changes of each student."""
+    """Return what happened to each student."""
     (account,) = accounts
     return {one.before.student: one for one in account.rejudged}
 
 
 class TestRejudge:
-    """Test that only the results of the edited check change."""
+    """Only what an edit of a check changes is different afterwards."""
 
     def test_it_takes_at_most_twenty_milliseconds_a_submission(self, layout, now):
         """The limit is CPU time: a busy machine must not fail this test."""
         lesson = load_lesson(layout, ASSIGNMENT, NothingRuns())
-        rejudge(layout, lesson, layout.submitted)  # import and read everything once
+        rejudge(layout, lesson, layout.submitted)  # what is imported and read once
         each = []
-        for _ in range(3):  # take the minimum, because Python's garbage collection also takes time
+        for _ in range(3):  # of which the least counts: what else Python tidies up is not ours
             began = time.process_time()
             account = rejudge(layout, lesson, layout.submitted)
             each.append((time.process_time() - began) / len(account.rejudged))
@@ -127,7 +127,7 @@ class TestRejudge:
         assert min(each) <= 0.020
 
     def test_an_unchanged_exam_changes_nothing(self, layout, now):
-        """All students can be judged."""
+        """And everybody could be judged."""
         accounts, code = rejudge_command(layout, None, None, write=False)
 
         assert code == OK
@@ -136,7 +136,7 @@ class TestRejudge:
         assert '4 of 4 submissions judged again' in accounts[0].text()
 
     def test_it_is_listed_who_has_other_points_by_which_check_and_why(self, layout, now):
-        """The exam has an edited check, one with more points, and a new one."""
+        """An edited check, one that gives more points, and one that is new."""
         exam = build(20, 0.07, 1.25)
 
         def names_the_unit(run):
@@ -169,7 +169,7 @@ class TestRejudge:
         assert 'starts_its_node' not in changed
 
     def test_another_scenario_needs_another_run(self, layout, now):
-        """A recording with other inputs is never used."""
+        """Nobody is scored from a recording of other questions."""
         now(build(21, 0.07, 1.25))
 
         accounts, code = rejudge_command(layout, None, None, write=False)
@@ -180,7 +180,7 @@ class TestRejudge:
             assert one.after == one.before
 
     def test_who_has_no_recording_is_named_and_keeps_the_points(self, layout, now):
-        """Students count who have since submitted other work or none."""
+        """Also who handed in something else since, or nothing any more."""
         for path in layout.recordings.rglob('*.jsonl'):
             text = path.read_text(encoding='utf-8')
             if 'IndexError' in text or 'Traceback' in text:
@@ -200,7 +200,7 @@ class TestRejudge:
         assert kept['fail__stamps_without_nanoseconds'] == ''
 
     def test_nothing_is_written_unless_asked(self, layout, now):
-        """Reports and gradebook are unchanged; with --write, both have the new points."""
+        """Neither reports nor gradebook; with --write both have the new points."""
         exam = build(20, 0.07, 1.25)
 
         def refuse(run):
@@ -230,7 +230,7 @@ class TestRejudge:
             assert entered.score == 14
 
     def test_only_who_has_another_result_is_entered(self, layout, now, monkeypatch):
-        """Other students are not changed, and run times are kept."""
+        """Nobody else is touched, and the slowest stay the slowest."""
         given = []
 
         def noted(layout, lesson, graded):
@@ -260,16 +260,16 @@ class TestRejudge:
         assert all(seconds > 0 for _, seconds in slowest)
 
     def test_what_was_never_graded_cannot_be_judged_again(self, course):
-        """The message says what to do."""
+        """The way out is named."""
         with pytest.raises(GraderError, match='Try: make grade'):
             rejudge_command(course, None, None, write=False)
 
 
 class TestExplain:
-    """Test the evidence for one verdict."""
+    """The evidence of one verdict, for a person."""
 
     def test_the_moment_is_marked_and_what_was_said_is_there(self, layout, now):
-        """The output has at most forty narrow lines and at least five readings."""
+        """At most forty lines, none of them wide; five readings are enough to judge by."""
         found = evidence(layout, 'fail__stamps_without_nanoseconds', 'stamps_follow_the_clock')
         text = evidence_text(found)
         (marked,) = [line for line in text.splitlines() if line.startswith('>')]
@@ -286,14 +286,14 @@ class TestExplain:
         json.dumps(found)
 
     def test_a_rate_is_shown_from_the_first_wrong_second(self, layout, now):
-        """The check names the moment, because no single message is wrong."""
+        """The check names the moment, since no single message is wrong."""
         found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
 
         assert found['deviation']['how'] == 'the check names this moment'
         assert found['deviation']['clock_ns'] == 1_200_000_000  # half a second too early
 
     def test_a_program_that_died_is_shown_with_its_last_words(self, layout, now):
-        """The last lines explain the failure, and the end of the run is the moment."""
+        """They explain, and the end of the run is the moment."""
         found = evidence(layout, 'fail__crashes_in_mid_run', 'names_the_unit')
         text = evidence_text(found)
 
@@ -302,7 +302,7 @@ class TestExplain:
         assert 'Error' in text
 
     def test_a_verdict_that_passed_has_evidence_too(self, layout, now):
-        """The output shows the beginning of the run, without a moment."""
+        """The beginning of the run, and no moment."""
         text = evidence_text(evidence(layout, 'pass__reference', 'names_the_unit'))
 
         assert 'PASSED, 1 of 1 points' in text
@@ -323,12 +323,12 @@ class TestExplain:
     def test_who_or_what_is_not_there_is_answered_with_what_is(
         self, layout, now, student, check, said
     ):
-        """The message makes a typing mistake easy to fix."""
+        """The message makes a typo easy to fix."""
         with pytest.raises(GraderError, match=said):
             evidence(layout, student, check)
 
     def test_an_edited_exam_says_what_comes_out_now(self, layout, now):
-        """The old verdict is still the one that is explained."""
+        """The old verdict stays the one that is explained."""
         exam = build(20, 0.07, 1.25)
         exam.checks = [
             replace(check, judge=lambda run: None) if check.name == 'names_the_sensor' else check
@@ -349,15 +349,15 @@ class TestExplain:
 
 
 class TestCommands:
-    """Test the commands as typed in a terminal."""
+    """As typed in a terminal."""
 
     @pytest.fixture(autouse=True)
     def here(self, layout, now, monkeypatch):
-        """Select the graded course."""
+        """Let the course be the graded one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_rejudge_prints_an_account(self, capsys):
-        """With an option, the output is JSON."""
+        """Or all of it as JSON."""
         assert command.main(['rejudge', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
@@ -370,7 +370,7 @@ class TestCommands:
     def test_a_refusal_of_the_gradebook_is_told_after_the_reports(
         self, layout, now, capsys, monkeypatch
     ):
-        """Reports and summary are written, followed by the reason; the exit code is 2."""
+        """Reports and account are there, then the reason; exit code 2."""
 
         def refuse(*_):
             raise GraderError('nbgrader failed in recording: no disk.')
@@ -394,7 +394,7 @@ class TestCommands:
         assert account['refused'] == 'nbgrader failed in recording: no disk.'
 
     def test_explain_prints_evidence(self, capsys):
-        """The output may be JSON; an unknown student gives one line."""
+        """Or all of it as JSON; who is not there is one line."""
         wanted = ['explain', 'fail__two_hertz', 'temperature_publisher/publishes_once_per_second']
         assert command.main(wanted) == OK
         assert 'FAILED, 0 of 3 points' in capsys.readouterr().out
@@ -407,7 +407,7 @@ class TestCommands:
         assert line.startswith('autograder: nobody: no student with this name or id has results')
 
     def test_explain_without_a_check_lists_the_checks_of_a_student(self, layout, capsys):
-        """Verdict, points and cause are listed; an id or a name selects the student."""
+        """With verdict, points and cause; the student is named by id or name."""
         keep_people(layout, {'fail__two_hertz': 'Ann Lee'})
 
         assert command.main(['explain', 'ann lee']) == OK
@@ -427,7 +427,7 @@ class TestCommands:
         assert capsys.readouterr().out.startswith('fail__two_hertz, ')
 
     def test_what_was_not_graded_is_one_line(self, capsys):
-        """The exit code is 2."""
+        """Exit code 2."""
         assert command.main(['rejudge', '03_topics']) == command.USAGE
         assert 'Did you mean 07_temperature_monitor?' in capsys.readouterr().err
         assert command.main(['explain', 'ann', 'x', '--assignment', 'topics']) == command.USAGE

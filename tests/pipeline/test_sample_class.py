@@ -1,8 +1,8 @@
 """
-Grade the bundled class with real runs: every verdict and cause must be as expected.
+The bundled class, graded for real: every verdict and its cause are the ones expected.
 
-If docs/agreement.md is up to date, each sample has been run with the current files, and only a
-selection runs again here.  Otherwise, and in a course without that table, all of them run.
+If docs/agreement.md was made from the current files, each sample has been run with them, and
+only a spread runs again here.  Otherwise, and in a course without that table, all of them run.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python en
 WORKING = Layout(Path(_FOLDER.name))
 EXAMINED = [name for name in LAYOUT.assignments() if catalog.for_assignment(name)]
 EVERY = 10
-"""One in so many samples is run here, if all have been run for the table."""
+"""One sample in so many is run here, if all have been run for the table."""
 
 # The first test of a lesson waits for all of its samples.
 pytestmark = [
@@ -53,7 +53,7 @@ def folders(assignment: str) -> list[Path]:
 
 @cache
 def graded(assignment: str) -> dict[str, SubmissionResult]:
-    """Return the results of a lesson's samples by name, from one run of all samples."""
+    """Return the results of a lesson's samples by name, from one run of them all."""
     engine = grading_engine(WORKING)
     lesson = load_lesson(LAYOUT, assignment, engine)
     late = {exam.name for exam in lesson.exams} & _late()
@@ -62,7 +62,7 @@ def graded(assignment: str) -> dict[str, SubmissionResult]:
         for number, path in enumerate(folders(assignment))
         if late or number % EVERY == 0 or path.name == UNTOUCHED
     ]
-    # Use more jobs than CPUs, because runs sleep much of the time.
+    # More than there are processors: much of the time, a program is watched and sleeps.
     done = grade_class(class_, lesson, engine, jobs=4)
     return {one.result.student: one.result for one in done}
 
@@ -86,7 +86,7 @@ def recording_of(result: ExamResult) -> Recording:
 
 
 def seen(result: SubmissionResult) -> str:
-    """Return how the runs of a submission began and ended, to investigate a failure."""
+    """Return how the runs of a submission began and ended, for whom has to find out."""
     texts = ['\n'.join(recording_of(one).lines()) for one in result.exams if one.recording]
     return '\n'.join(
         text if len(text) < 4000 else f'{text[:2000]}\n...\n{text[-2000:]}' for text in texts
@@ -95,7 +95,7 @@ def seen(result: SubmissionResult) -> str:
 
 @lessons
 def test_the_class_is_large_enough(assignment):
-    """Each lesson has right answers in several styles, mistakes and an untouched release."""
+    """Each lesson has right answers of several styles, mistakes and an untouched release."""
     names = [path.name for path in folders(assignment)]
     outcomes = [name.partition('__')[0] for name in names]
 
@@ -106,7 +106,7 @@ def test_the_class_is_large_enough(assignment):
 
 
 def test_the_class_has_every_kind_of_outcome():
-    """Somewhere in the course, there is also a damaged notebook."""
+    """Somewhere in the course, a notebook as a whole is broken too."""
     outcomes = {path.name.partition('__')[0] for name in EXAMINED for path in folders(name)}
 
     assert outcomes == {'pass', 'fail', 'error', 'zero'}
@@ -114,14 +114,14 @@ def test_the_class_has_every_kind_of_outcome():
 
 @pytest.mark.parametrize('exercise', exercises(), ids=lambda one: one.name)
 def test_each_exercise_has_many_right_and_many_wrong_answers(exercise):
-    """Honest styles and beginners' mistakes count; stubs and copies of the reference do not."""
+    """Honest styles and beginners' mistakes; stubs and copies of the reference do not count."""
     assert len(counted(samples(), exercise, right=True)) >= 12
     assert len(counted(samples(), exercise, right=False)) >= 12
 
 
 @lessons
 def test_verdicts_and_causes_and_points_are_those_expected(assignment):
-    """Every check of every exam has the result given in ``expected.json``."""
+    """Every check of every exam says what ``expected.json`` says."""
     wrong = {}
     for path in (one for one in folders(assignment) if one.name in graded(assignment)):
         result, expected = graded(assignment)[path.name], expected_of(path)
@@ -142,7 +142,7 @@ def test_verdicts_and_causes_and_points_are_those_expected(assignment):
 
 @lessons
 def test_name_of_a_sample_says_whether_it_is_right(assignment):
-    """A sample with pass in its name has all points; the others fail a check and have fewer."""
+    """Those that pass have all the points; the others fail a check and have fewer."""
     full = sum(exam.max_points for exam in catalog.for_assignment(assignment))
     for path in folders(assignment):
         expected, right = expected_of(path), path.name.startswith('pass__')
@@ -153,7 +153,7 @@ def test_name_of_a_sample_says_whether_it_is_right(assignment):
 
 @lessons
 def test_every_failing_text_is_short_and_tells_nothing_that_was_drawn(assignment):
-    """Each text has at most twelve readable lines and reveals no input."""
+    """Twelve lines of a readable width, and nothing to hard-code, whatever was handed in."""
     wrong = [
         (name, exam.name, line)
         for name, exam, result in judged_exams(assignment)
@@ -165,7 +165,7 @@ def test_every_failing_text_is_short_and_tells_nothing_that_was_drawn(assignment
 
 @lessons
 def test_what_a_program_says_moves_no_points_and_how_it_says_it_no_cause(assignment):
-    """Each recording is judged again, without the program's text and with another text."""
+    """Each recording is judged again, with nothing and with another text beside it."""
     results = {(name, exam.name): result for name, exam, result in judged_exams(assignment)}
     moved, examined = [], set()
     for sample in samples():
@@ -182,7 +182,7 @@ def test_what_a_program_says_moves_no_points_and_how_it_says_it_no_cause(assignm
 
 @lessons
 def test_every_line_of_a_recording_is_valid(assignment):
-    """The last sample of each exam whose program was run is validated."""
+    """The last sample of each exam whose program was run shows it."""
     run = {exam.name: one for _, exam, one in judged_exams(assignment) if one.recording}
 
     assert set(run) == programs(assignment)
@@ -190,5 +190,5 @@ def test_every_line_of_a_recording_is_valid(assignment):
 
 
 def programs(assignment: str) -> set[str]:
-    """Return the exams of a lesson that run a program."""
+    """Return the exams of a lesson that run something."""
     return {exam.name for exam in catalog.for_assignment(assignment) if exam.scenario.program}

@@ -1,4 +1,4 @@
-"""Test each step of a scenario with a small program in the sandbox and the probe."""
+"""Each step of a scenario, shown with a small program in the sandbox and the probe beside it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
 
 
 def of_interest(recording, *kinds):
-    """Return the events of the given kinds, in order, by kind."""
+    """Return the events of some kinds, in order, by kind."""
     return [event['event'] for event in recording.events if event['event'] in kinds]
 
 
@@ -43,10 +43,10 @@ def make():
 
 
 class TestJoin:
-    """Test a subscription of the probe that joins late."""
+    """A subscription of ours that comes late."""
 
     def test_late_joiner_hears_the_history(self, run):
-        """A transient-local listener gets as many messages as the publisher's depth keeps."""
+        """A transient-local listener gets as much as the writer's depth keeps."""
         late = Qos(durability='TRANSIENT_LOCAL')
 
         seen = run(LATCHED, Join('late', '/map', INT, late))
@@ -57,14 +57,14 @@ class TestJoin:
         assert seen.messages('/map') == []
 
     def test_volatile_listener_hears_nothing_of_the_past(self, run):
-        """The late listener is still matched."""
+        """The late listener is matched anyway."""
         seen = run(LATCHED, Join('late', '/map', INT, Qos()))
 
         assert [event['matched'] for event in seen.of('joined')] == [True]
         assert seen.messages('/map', 'late') == []
 
     def test_refused_listener_names_the_policy(self, run):
-        """A best-effort offer does not satisfy a reliable request."""
+        """Best effort does not satisfy who asks for reliable."""
         body = """
 def make():
     node = Node('sensor')
@@ -78,7 +78,7 @@ def make():
         assert (joined['matched'], joined['refused']) == (False, ['RELIABILITY'])
 
     def test_leaving_is_noticed_by_the_student(self, run):
-        """There are two matched events, one per change, each in its own phase."""
+        """Two matched events, one for each change, each in its own phase."""
         body = """
 from rclpy.event_handler import PublisherEventCallbacks
 
@@ -119,10 +119,10 @@ def make():
 
 
 class TestCall:
-    """Test calls of services of the student's node."""
+    """Services of the student's node."""
 
     def test_lifecycle_is_driven_from_outside(self, run):
-        """Only the active phase has messages; the state is read at the end."""
+        """Only the active phase has messages; the state is asked at the end."""
         node = '/lab/thermometer'
         steps = [transition(node, 'configure'), Mark('inactive'), Advance(3)]
         steps += [transition(node, 'activate'), Mark('active'), Advance(3)]
@@ -147,7 +147,7 @@ class TestCall:
         assert seen.end_reason == 'complete'
 
     def test_graph_is_looked_at_in_between(self, run):
-        """A publisher that a transition creates is only in the second graph."""
+        """A publisher that comes with a transition is in the second graph only."""
         steps = [Look('before'), transition('/thermometer', 'configure'), Look('after')]
 
         seen = run(THERMOMETER, *steps)
@@ -173,7 +173,7 @@ class TestCall:
         assert [answer['data']['success'] for answer in changed] == [False, True]
 
     def test_service_that_is_not_there_is_no_answer(self, run):
-        """The run continues, because later steps may still give evidence."""
+        """The run goes on: later steps may still show something."""
         seen = run(LATCHED, state('/map'), Mark('after'))
 
         (asked,) = seen.answers('/map/get_state')
@@ -181,7 +181,7 @@ class TestCall:
         assert seen.phase('after').of('mark')
 
     def test_node_that_nobody_spins_does_not_answer(self, run):
-        """A program may forget to add one of two nodes to its executor."""
+        """Of two nodes of a program, one may be left out of its executor."""
         body = """
 def make():
     global silent
@@ -236,10 +236,10 @@ def make():
 
 
 class TestOffer:
-    """Test a publisher of the probe that appears and disappears."""
+    """A publisher of ours that comes and goes."""
 
     def test_missed_deadlines_are_counted(self, run):
-        """A deadline uses virtual time."""
+        """A deadline runs in virtual time as all else does."""
         body = LISTENER.replace('{options}', ', deadline=Duration(seconds=0.3)')
         promise = Qos(deadline_s=0.3)
         steps = [Offer('sensor', '/in', STRING, promise), Feed('sensor', [{'data': 'a'}])]
@@ -250,7 +250,7 @@ class TestOffer:
         assert of_interest(seen, 'offered', 'left') == ['offered', 'left']
 
     def test_refused_publisher_names_the_policy(self, run):
-        """Both sides report it: the probe's event and the student's log."""
+        """Both sides hear of it: our event and the student's log."""
         body = LISTENER.replace('{options}', '')
         steps = [Offer('sensor', '/in', STRING, Qos('BEST_EFFORT'))]
 
@@ -261,7 +261,7 @@ class TestOffer:
         assert [log['text'] for log in seen.logs()] == ['refused']
 
     def test_liveliness_changes_when_it_leaves(self, run):
-        """The student's node gets an event; without a lease, Fast DDS would report nothing."""
+        """The student's node hears of it; without a lease Fast DDS would not tell."""
         body = LISTENER.replace('{options}', ', liveliness_lease_duration=Duration(seconds=2)')
         steps = [Offer('sensor', '/in', STRING, Qos(lease_s=2.0)), Advance(2.0)]
         steps += [Mark('gone'), Leave('sensor')]
@@ -272,7 +272,7 @@ class TestOffer:
         assert [log['text'] for log in seen.phase('gone').logs()] == ['alive 0']
 
     def test_feed_has_its_own_quality_of_service(self, run):
-        """A feed may be best effort; then a reliable subscription is not matched."""
+        """A feed of the scenario may be best effort; then nobody strict is connected."""
         body = LISTENER.replace('{options}', '')
         feed = {'/in': FeedTopic(STRING, Qos('BEST_EFFORT'))}
 
@@ -282,14 +282,14 @@ class TestOffer:
         assert seen.of('input') == []
 
     def test_optional_feed_goes_on_without_a_listener(self, run):
-        """The exam may test whether there is a listener."""
+        """Whether anybody is there may be just what the exam asks."""
         seen = run(LATCHED, Feed('/in', [{'data': 'a'}], optional=True), feed={'/in': STRING})
 
         assert seen.of('not_connected') != []
         assert seen.end_reason == 'complete'
 
     def test_answers_are_told_apart_by_the_input_they_follow(self, run):
-        """There is one input per second, with an answer at the same instant."""
+        """One input a second, and an answer at the instant of each."""
         body = """
 def make():
     node = Node('relay')
@@ -309,7 +309,7 @@ def make():
 
 
 def test_a_step_that_cannot_be_taken_is_named(run):
-    """The message names the exam and the step."""
+    """An exam that nobody has looked at is told by its name, with the step."""
     body = """
 def make():
     node = Node('a')

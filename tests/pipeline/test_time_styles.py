@@ -1,9 +1,9 @@
 """
-Test that one exam accepts a right rhythm in any style of keeping time, and rejects a wrong one.
+A right rhythm keeps its points whatever keeps it, and a wrong one loses them, by the same exam.
 
-``tests/clock/test_styles.py`` shows that each of forty styles is exact to the nanosecond.  Here,
-one style of each kind is used in a talker twice: with the period that the exam requires, and with
-a period that is 10 % longer.
+``tests/clock/test_styles.py`` shows that each of forty styles is exact to the nanosecond.  Here, a
+style of each kind is a talker twice: with the period that the exam asks for, and with one that is
+a tenth of a second longer.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ KINDS = (
 
 
 def verdicts(style: str, period_s: float) -> dict[str, Verdict]:
-    """Return the verdicts of the exam for a talker."""
+    """Return what the exam says to a talker."""
     text = BEGIN.replace('P = 1.0', f'P = {period_s}')
     for before, after in TALKS.items():
         assert before in text
@@ -50,7 +50,7 @@ def verdicts(style: str, period_s: float) -> dict[str, Verdict]:
 
 @pytest.mark.parametrize('style', KINDS)
 def test_right_rhythm_keeps_its_points(style):
-    """The styles are timers, threads, coroutines, signals, processes and polls."""
+    """By timers, threads, coroutines, signals, processes and polls."""
     found = verdicts(style, RIGHT_S)
 
     assert {name for name, verdict in found.items() if verdict is not Verdict.PASSED} == set()
@@ -58,7 +58,7 @@ def test_right_rhythm_keeps_its_points(style):
 
 @pytest.mark.parametrize('style', KINDS)
 def test_wrong_rhythm_loses_them(style):
-    """The rhythm is 10 % too slow, and only the check of the rhythm fails."""
+    """A tenth of a second too slow, for that reason and for no other."""
     found = verdicts(style, WRONG_S)
 
     lost = {name for name, verdict in found.items() if verdict is not Verdict.PASSED}
@@ -66,7 +66,7 @@ def test_wrong_rhythm_loses_them(style):
 
 
 def test_callback_that_sleeps_longer_than_its_period_is_too_slow():
-    """A 0.5 s timer whose callback sleeps for 2 s gives a message every two seconds."""
+    """A timer of half a second whose callback sleeps for two: a message every two seconds."""
     found = verdicts('sleep longer than the period', RIGHT_S)
 
     assert found['speaks_twice_a_second'] is Verdict.FAILED

@@ -1,4 +1,4 @@
-"""Test that exams of typical nodes take thirty lines and name each mistake of a program."""
+"""Exams of usual nodes take thirty lines, and tell each mistake of a real program by its name."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ PROGRAMS = [
 
 @pytest.mark.parametrize(('name', 'body', 'points', 'causes'), PROGRAMS)
 def test_program_gets_its_points_and_its_cause(name, body, points, causes):
-    """The right program gets all points; each wrong one gets the cause of its mistake."""
+    """The right one gets all points; each wrong one is told what it does."""
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
 
     result = examine(exam, {f'{name}.py': NODE.format(name=name, body=body)}, sandbox=strongest())
@@ -112,7 +112,7 @@ def test_program_gets_its_points_and_its_cause(name, body, points, causes):
 
 @pytest.mark.parametrize('name', ['speed_limiter', 'lamp', 'debouncer'])
 def test_inputs_tell_each_mistake_from_the_others(name):
-    """``release check`` requires this of every exam."""
+    """As ``release check`` asks of every exam."""
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
 
     assert [one for asked in exam.asks.values() for one in asked.mistakes()] == []

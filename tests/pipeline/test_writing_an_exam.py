@@ -1,4 +1,4 @@
-"""Test the instructors' page by following it literally in a new course."""
+"""The instructors' page, followed literally in a course of one's own."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ SAMPLES = Path('tests', 'submissions', '20_doors')
 
 @pytest.fixture(scope='module')
 def course(tmp_path_factory) -> Path:
-    """Return a course with nothing but the page's exercise."""
+    """Return a course that has nothing but the page's exercise."""
     root = tmp_path_factory.mktemp('new') / 'doors'
     begin, exercise = COMMANDS[:2]
     done = follow(ROOT, begin.replace('../doors', str(root)).replace('.venv', sys.prefix))
     assert done.returncode == 0, done.stderr
-    # Instead of running the set-up, use the environment of this project with its messages.
+    # In place of the set-up: the environment of this project, whose messages will do.
     (root / '.venv').symlink_to(sys.prefix)
     done = follow(root, exercise)
     assert done.returncode == 0, done.stderr
@@ -58,7 +58,7 @@ def released(course, tmp_path_factory) -> Path:
 
 
 def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
-    """Run a line of the page exactly as written, in a shell where ROS is not sourced."""
+    """Run a line of the page, exactly as written, in a shell where ROS is not sourced."""
     kept = ('HOME', 'PATH', 'TMPDIR', 'COURSE_SECRET')
     return subprocess.run(
         line,
@@ -72,10 +72,7 @@ def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_exercise_has_fewer_than_sixty_lines_of_code():
-    """
-    The count includes both cells, the cell before them, both exams and a sample, without blank
-    lines.
-    """
+    """Both cells and the one before them, both exams and a sample, without the blank lines."""
     code = [text for where, text in BLOCKS if not where.endswith(('.json', 'text'))]
     lines = [line for text in code for line in text.splitlines() if line.strip()]
 
@@ -84,7 +81,7 @@ def test_the_exercise_has_fewer_than_sixty_lines_of_code():
 
 
 def test_the_cells_import_what_they_call():
-    """``check`` is not a builtin: without the first cell, the learner gets a NameError."""
+    """``check`` is not a builtin: without the first cell the learner gets a NameError."""
     cells = {where.removeprefix('cell').strip(): text for where, text in BLOCKS if 'cell' in where}
     known: dict[str, object] = {}
     exec(cells['start'], known)
@@ -96,7 +93,7 @@ def test_the_cells_import_what_they_call():
 @pytest.mark.ros
 @pytest.mark.slow
 def test_following_it_literally_works(course):
-    """The release is generated, the self-check passes, and the near miss fails as expected."""
+    """The release is made, the exam is proven, and the near miss fails for its reason."""
     release, check, proof, look, _ = COMMANDS[2:]
 
     done = follow(course, release)
@@ -124,7 +121,7 @@ def test_following_it_literally_works(course):
 @pytest.mark.ros
 @pytest.mark.slow
 def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_path):
-    """The check on the page needs no code for it."""
+    """The check of the page needs no code for it."""
     sample = course / SAMPLES / 'fail__counts_messages' / 'visitor_counter.py'
     text = sample.read_text(encoding='utf-8')
     (tmp_path / 'visitor_counter.py').write_text(text.replace("'visitors'", "'visitor'"))
@@ -140,7 +137,7 @@ def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_p
 @pytest.mark.ros
 @pytest.mark.slow
 def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_path):
-    """One right answer is too few; three suffice, fewer than the twelve of this course."""
+    """One right answer is too few, three will do: the twelve of this course are not asked."""
     root = tmp_path / 'doors'
     shutil.copytree(released, root, symlinks=True)
     answer = next(text for where, text in BLOCKS if where == 'cell visitor_counter')
@@ -183,7 +180,7 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_pa
     ],
 )
 def test_a_mistake_in_it_is_refused_with_its_place(released, tmp_path, wrong, right, said):
-    """The self-check finds it before any grading; in the last case the reference fails a check."""
+    """The proof finds it before any grading; in the last case the reference fails a check."""
     root = tmp_path / 'course'
     shutil.copytree(released, root, symlinks=True)
     path = root / 'exams' / 'visible' / 'visitor_counter.py'

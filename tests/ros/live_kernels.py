@@ -1,4 +1,4 @@
-"""Run real notebook kernels for the tests, and collect the outputs of their cells."""
+"""Real notebook kernels for the tests, and what their cells produced."""
 
 from contextlib import ExitStack
 import os
@@ -23,8 +23,8 @@ AS_USER = [
     'exec setpriv --reuid "$user" --regid "$user" --clear-groups "$@"',
     'sh',
 ]
-"""Runs a kernel as another user; the user id, the connection file and the command follow."""
-DEADLINE_S = 400.0  # more than the limit of a message build, 300 s
+"""Runs a kernel as a user; its number, the connection file and the command follow."""
+DEADLINE_S = 400.0  # beyond the limit of a message build, 300 s
 
 TALKER = """
 import rclpy
@@ -46,14 +46,14 @@ class Talker(Node):
 
 
 def variables(until):
-    """Return the variables of a kernel in an unused domain, which is released with the stack."""
+    """Return the variables of a kernel that nobody else hears, until a stack is closed."""
     env = {**os.environ, 'ROS_DOMAIN_ID': str(own_domain(until))}
-    env.pop('PYTEST_CURRENT_TEST', None)  # otherwise ipykernel does not capture its own stdout
+    env.pop('PYTEST_CURRENT_TEST', None)  # with it, ipykernel would not read its own stdout
     return env
 
 
 class Outputs:
-    """The outputs of one cell."""
+    """What one cell produced."""
 
     def __init__(self):
         self.streams = {'stdout': '', 'stderr': ''}
@@ -62,29 +62,29 @@ class Outputs:
 
     @property
     def text(self):
-        """All text on stdout."""
+        """All of stdout."""
         return self.streams['stdout']
 
     @property
     def value(self):
-        """The value or display of the cell as text."""
+        """The text form of the cell's value or display."""
         return next(data['text/plain'] for data in reversed(self.data) if data['text/plain'])
 
 
 class Kernel:
-    """A running kernel; waiting for its messages has a time limit."""
+    """A running kernel, its messages waited for with a deadline."""
 
     def __init__(
         self, folder, *arguments, terminal=None, shared_memory=None, domain=None, user=None
     ):
         self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
-        self.manager.shutdown_wait_time = DEADLINE_S  # afterwards the kernel is killed
+        self.manager.shutdown_wait_time = DEADLINE_S  # after it, the kernel is killed
         if shared_memory:
             spec = self.manager.kernel_spec
             spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
         self.until = ExitStack()
         env = variables(self.until)
-        if domain is not None:  # '' makes the kernel choose a domain
+        if domain is not None:  # '' leaves the choice to the kernel
             env['ROS_DOMAIN_ID'] = domain
         if user is not None:
             self.manager.connection_file = str(folder / 'kernel.json')
@@ -115,7 +115,7 @@ class Kernel:
         return message['header']['msg_id']
 
     def collect(self, message_id, until=None):
-        """Return the cell's outputs, up to its end or until stdout matches a pattern."""
+        """Return the cell's outputs so far: to its end, or to where stdout matches."""
         outputs, end = Outputs(), time.monotonic() + DEADLINE_S
         while True:
             try:
@@ -140,18 +140,18 @@ class Kernel:
                 return outputs
 
     def run(self, code, cell_id=None):
-        """Execute a cell and return its outputs."""
+        """Execute a cell and return what it produced."""
         return self.collect(self.begin(code, cell_id))
 
     def interrupt_at(self, code, marker):
-        """Execute a cell and interrupt it after it has printed a marker."""
+        """Execute a cell and interrupt it when it has printed a marker."""
         message_id = self.begin(code)
         self.collect(message_id, until=marker)
         self.manager.interrupt_kernel()
         return self.collect(message_id)
 
     def shut_down(self):
-        """End the kernel as a frontend does and return the duration [s]."""
+        """End the kernel as a frontend does and return how long it took [s]."""
         begin = time.monotonic()
         self.manager.shutdown_kernel()
         seconds = time.monotonic() - begin
@@ -187,7 +187,7 @@ def kernel_of_module(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def kernel_with_node(tmp_path_factory):
-    """Return one kernel with a running node and an idle node."""
+    """Return one kernel in which a node runs, and another node is idle."""
     try:
         kernel = Kernel(tmp_path_factory.mktemp('interrupts'))
     except NoSuchKernel:
@@ -227,5 +227,5 @@ def streams(cell, name='stdout'):
 
 
 def errors(cell):
-    """Return the errors of a cell, one string each."""
+    """Return the errors of a cell as one text each."""
     return ['\n'.join(o.traceback) for o in cell.outputs if o.output_type == 'error']

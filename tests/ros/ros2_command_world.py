@@ -1,4 +1,4 @@
-"""Run nodes for the tests of the ros2 command in a separate process; print a line when ready."""
+"""Nodes for the tests of the ros2 command, in a process of their own. Prints a line when ready."""
 
 import signal
 
@@ -13,7 +13,7 @@ from std_msgs.msg import Empty, Header, Int32, String
 
 
 class Talker(Node):
-    """Publishes twenty strings and headers per second; its rate parameter has limits."""
+    """Publishes twenty texts and headers a second; its rate has limits."""
 
     def __init__(self):
         super().__init__('talker')
@@ -33,21 +33,21 @@ class Talker(Node):
         self.add_on_set_parameters_callback(self.judge)
 
     def judge(self, parameters):
-        """Reject one particular value."""
+        """Refuse one value."""
         odd = any(one.name == 'rate_hz' and one.value == 3.0 for one in parameters)
         return SetParametersResult(successful=not odd, reason='not three' if odd else '')
 
 
 class Beacon(LifecycleNode):
-    """A lifecycle node that refuses activation."""
+    """A node with states; it refuses to be activated."""
 
     def on_activate(self, state):
-        """Refuse the transition."""
+        """Refuse."""
         return TransitionCallbackReturn.FAILURE
 
 
 def listener(namespace):
-    """Return a node that receives the strings and publishes each one twice."""
+    """Return a node that hears the texts, and that says twice what it heard."""
     node = Node('listener', namespace=namespace)
     node.create_subscription(String, '/chatter', lambda message: None, 10)
     node.create_subscription(Empty, '/_hidden', lambda message: None, 10)
@@ -66,8 +66,8 @@ def listener(namespace):
 
 
 def main():
-    """Spin all nodes until the process receives a signal."""
-    # rclpy's own handler may shut ROS down just before a wait, which raises a different error.
+    """Spin all nodes until told to end."""
+    # rclpy's own handler may shut down just before it waits, which is an error of another kind.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     told = []
     signal.signal(signal.SIGINT, lambda *_: told.append(True))

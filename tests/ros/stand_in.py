@@ -1,7 +1,7 @@
 """
-Simulate a sourced ROS 2 installation by the prepared environment, in the form of apt's.
+A stand-in for a sourced ROS 2 installation: the prepared environment, seen as apt's is seen.
 
-A Python without its own packages finds ROS 2 only through the exports of a setup file.
+A Python without packages of its own reaches ROS 2 only through what a setup file exports.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from environment.steps import run_steps, Screen
 
 
 def sourced_shell() -> dict[str, str]:
-    """Return the environment of a shell in which the simulated installation is sourced."""
+    """Return the environment of a shell in which the stand-in is sourced."""
     base = ros_environment().base_variables
     exported = ('AMENT_PREFIX_PATH', 'LD_LIBRARY_PATH', 'CMAKE_TOOLCHAIN_FILE')
     return {
@@ -33,7 +33,7 @@ def sourced_shell() -> dict[str, str]:
 
 
 def install_colcon_only(plan: Plan) -> None:
-    """Replace pip, which would need the network: only make colcon available."""
+    """Replace pip, which would need the network: make only colcon callable."""
     colcon = plan.places.venv / 'bin' / 'colcon'
     colcon.write_text(
         f'#!{plan.places.python}\n'
@@ -44,7 +44,7 @@ def install_colcon_only(plan: Plan) -> None:
 
 
 def go(plan: Plan, *names: str) -> str:
-    """Run some of a plan's steps; return their output."""
+    """Run some of the steps of a plan; return what was shown."""
     steps = [step for step in prepare.steps_of(plan) if step.name in names]
     out = io.StringIO()
     assert run_steps(steps, plan.places.logs, Screen(out)), out.getvalue()

@@ -1,5 +1,5 @@
 """
-Test a separate course: created from the wheel, prepared with its own messages, and graded.
+A course of one's own: made from the wheel, prepared with its own message package, and graded.
 
 ROS 2 and the packages of the lock come from the running environment: pip downloads nothing here.
 """
@@ -27,7 +27,7 @@ from tests.ros import stand_in
 ROOT = Path(__file__).resolve().parents[2]
 OURS = ('autograder', 'drawing', 'environment', 'roslab')
 STAY = {'exams', '_work', '__pycache__'}
-"""Folders of these packages that belong to this course or this machine."""
+"""Folders of them that are this course's or a machine's."""
 RIGHT = 'math.hypot(point.x, point.y, point.z)'
 WRONG = 'point.x**2 + point.y**2 + point.z**2'
 
@@ -41,7 +41,7 @@ plan = make_plan(Places.of('.venv', pathlib.Path.cwd()), os.environ)
 stand_in['go'](plan, 'venv')
 stand_in['install_colcon_only'](plan)
 """
-"""The steps of ``environment prepare`` that use the network: create the venv and run pip in it."""
+"""What ``environment prepare`` does with the network: make the venv and run pip in it."""
 WHERE = """
 import sys, autograder, drawing, environment, roslab
 print(*sys.path, sep='\\n')
@@ -51,7 +51,7 @@ print(autograder.__file__, drawing.__file__, environment.__file__, roslab.__file
 
 @pytest.fixture(scope='module')
 def source(tmp_path_factory) -> Path:
-    """Return a copy of the project with a graded class."""
+    """Return a copy of the project in which a class was graded."""
     folder = tmp_path_factory.mktemp('project') / 'source'
     left = shutil.ignore_patterns('.*', '__pycache__', '_work', 'ros_ws', 'build', '*.egg-info')
     shutil.copytree(ROOT, folder, symlinks=True, ignore=left)
@@ -70,7 +70,7 @@ def wheel(source) -> Path:
 
 @pytest.fixture(scope='module')
 def engine(wheel) -> Path:
-    """Return the Python of a virtual environment that contains only the wheel."""
+    """Return the interpreter of a virtual environment with nothing but the wheel."""
     shell = stand_in.sourced_shell()
     folder = wheel.parent / 'engine'
     finished([shell['PYTHON'], '-m', 'venv', '--without-pip', str(folder)], folder.parent, shell)
@@ -94,14 +94,14 @@ def course(tmp_path_factory, engine) -> Path:
 
 
 def finished(command: list[str], folder: Path, env: Mapping[str, str]) -> str:
-    """Run a command that must succeed; return its output."""
+    """Run a command to its good end; return what it printed."""
     done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 
 def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run a module in the folder of a course, as described on the instructors' page."""
+    """Run a module in the folder of a course, as its page says."""
     kept = {name: os.environ[name] for name in ('HOME', 'PATH') if name in os.environ}
     return subprocess.run(
         ['.venv/bin/python', '-m', 'environment', 'run', 'python', '-m', *words],
@@ -115,10 +115,10 @@ def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.slow
 class TestWheel:
-    """Test the contents of the wheel."""
+    """What it holds."""
 
     def test_it_holds_engine_and_toolkit_and_nothing_of_the_course(self, source, wheel):
-        """The wheel has all files of the four packages except for exams and results of grading."""
+        """Each file of the four packages, without exams and what grading wrote."""
         kept = (path for name in OURS for path in (source / name).rglob('*') if path.is_file())
         names = {path.relative_to(source).as_posix() for path in kept}
         mine = {name for name in names if not STAY & set(Path(name).parts)}
@@ -132,10 +132,10 @@ class TestWheel:
 @pytest.mark.ros
 @pytest.mark.slow
 class TestGrading:
-    """Test an instructor's commands in a folder without files of this course."""
+    """The commands of an instructor, in a folder without anything of this course."""
 
     def test_all_of_it_comes_from_the_wheel(self, course, engine):
-        """The cloned project is not on the module path."""
+        """The clone is not on the module path."""
         python = str(course / '.venv' / 'bin' / 'python')
         said = finished([python, '-m', 'environment', 'run', 'python', '-c', WHERE], course, {})
         *path, grader, pictures, set_up, toolkit = said.splitlines()
@@ -145,7 +145,7 @@ class TestGrading:
             assert Path(file).is_relative_to(engine.parents[1])
 
     def test_it_fits_together_and_the_grader_proves_itself(self, course):
-        """The exam sends a message of geometry_msgs and receives one of the course's own."""
+        """The exam sends a message of geometry_msgs and hears one of the course's own."""
         said = run(course, 'autograder.authoring.release', 'check').stdout.splitlines()
         assert said[-1] == 'The notebooks and the exams fit together.'
         assert run(course, 'autograder', 'self-check').stdout.splitlines() == [
@@ -154,7 +154,7 @@ class TestGrading:
         ]
 
     def test_a_class_is_graded_in_its_own_gradebook(self, course):
-        """One submission is right, the other has the mistake that the exam explains."""
+        """One is right, one has made the mistake that the exam names."""
         text = (course / 'solutions/01_points/points.ipynb').read_text(encoding='utf-8')
         for student, code in (('ann', RIGHT), ('bob', WRONG)):
             file = course / '_work' / 'submitted' / student / '01_points' / 'points.ipynb'
@@ -173,7 +173,7 @@ class TestGrading:
         assert (course / '_work' / 'gradebook.db').is_file()
 
     def test_a_learner_checks_in_a_notebook(self, course, monkeypatch):
-        """The kernel finds the course's messages, and ``check`` finds the course by its folder."""
+        """The kernel knows the course's messages, and ``check`` the course by its folder."""
         monkeypatch.setenv('JUPYTER_PATH', str(course / '.venv' / 'share' / 'jupyter'))
         folder = course / 'solutions' / '01_points'
         notebook = nbformat.read(folder / 'points.ipynb', 4)
@@ -184,10 +184,10 @@ class TestGrading:
 
 
 class TestBeginning:
-    """Test that existing files are not changed."""
+    """What is there already stays as it is."""
 
     def test_a_folder_that_holds_something_is_refused(self, tmp_path):
-        """A file with the folder's name is refused, too."""
+        """Also one that is a file."""
         (tmp_path / 'full').mkdir()
         (tmp_path / 'full' / 'mine').touch()
         (tmp_path / 'file').touch()
@@ -198,12 +198,12 @@ class TestBeginning:
 
     @pytest.mark.parametrize('name', ['Doors', '2doors', 'd', 'doors!'])
     def test_a_name_that_no_ros_package_has_is_refused(self, tmp_path, name):
-        """The name is that of the message package."""
+        """It names the message package."""
         with pytest.raises(GraderError, match='use only lower-case letters'):
             new_course(tmp_path / name)
 
     def test_an_exercise_replaces_none(self, tmp_path):
-        """No file of the second exercise is written."""
+        """Nothing of the second is written."""
         root = tmp_path / 'doors'
         new_course(root)
         new_exam(Layout(root), 'far_points', '01_points')

@@ -1,4 +1,4 @@
-"""Test preparing with a sourced ROS 2 installation, simulated by a prefix."""
+"""Preparing from a sourced ROS 2 installation, tried with a stand-in prefix."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
 @pytest.fixture
 def shell():
-    """Return the environment of a shell in which the simulated installation is sourced."""
+    """Return the environment of a shell in which the stand-in is sourced."""
     return sourced_shell()
 
 
@@ -29,7 +29,7 @@ def places(tmp_path):
 
 
 def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):
-    """A sourced ROS 2 is used instead of the wheels, even in shells that source nothing."""
+    """A sourced ROS 2 is used instead of the wheels, also by shells that source nothing."""
     plan = make_plan(places, shell)
     assert plan.kind == 'sourced'
 
@@ -53,12 +53,12 @@ def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):
 
 
 def test_make_plan_sourced_without_rclpy_takes_the_wheels(shell, places):
-    """Variables of an installation are ignored if its rclpy cannot be imported."""
+    """Variables of an installation whose rclpy cannot be imported are not trusted."""
     plan = make_plan(places, {**shell, 'PYTHONPATH': ''})
 
     assert plan.kind == 'wheels'
 
 
 def test_make_plan_wheels_asked_for_ignores_the_sourced_prefix(shell, places):
-    """ROS_SOURCE=wheels takes precedence over a sourced installation."""
+    """ROS_SOURCE=wheels wins over what is sourced."""
     assert make_plan(places, {**shell, 'ROS_SOURCE': 'wheels'}).kind == 'wheels'

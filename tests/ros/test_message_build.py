@@ -1,4 +1,4 @@
-"""Test the grader's build of a message package: everything that Python needs, and no more."""
+"""The build of a message package as the grader does it: what Python needs, and no more."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def source(tmp_path):
 
 
 def built(source: Path, place: Path, toolchain: Path) -> str:
-    """Build the package as the grader does and return the build's output."""
+    """Build the package as the grader does and return what the build said."""
     place.mkdir(exist_ok=True)
     settings = {'TMPDIR': str(place), 'CMAKE_TOOLCHAIN_FILE': str(toolchain)}
     return subprocess.run(
@@ -77,7 +77,7 @@ def built(source: Path, place: Path, toolchain: Path) -> str:
 
 
 def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
-    """C++ code takes 40 % of the build time, and graded programs do not use it."""
+    """C++ is two fifths of the work, and nothing that is graded uses it."""
     said = built(source, tmp_path, TOOLCHAIN)
     libraries = {path.name for path in (tmp_path / 'install' / 'lib').glob('lib*.so')}
     [modules] = (tmp_path / 'install').glob('lib/python3*/site-packages')
@@ -85,17 +85,17 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
     assert 'libknots__rosidl_typesupport_fastrtps_c.so' in libraries
     assert not [name for name in libraries if name.endswith('_cpp.so')]
     assert told(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
-    # The build uses CMake's results from the set-up.
+    # What the set-up's CMake found out is not asked again.
     assert 'Found Python3' not in said
-    # The headers of Fast DDS and Python are precompiled, so the files they include are not read.
+    # The headers of Fast DDS and Python are compiled already: what they include is not read.
     assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
-    # A warm process runs the generators, and none of the ten programs failed.
+    # Generators are handed over, and none of the ten programs failed at it.
     assert f'Found PythonExtra: {TOOLCHAIN.parent}/known/python' in said
 
 
 @pytest.mark.parametrize('mode', ['landlock', 'none'])
 def test_weaker_modes_build_too(mode, tmp_path):
-    """An example is a workspace from which nothing may be executed."""
+    """Where the workspace may hold nothing that is executed, for one."""
     if mode == 'landlock' and (refused := landlock.refusal(root=False)[0]):
         pytest.skip(refused)
     exam = catalog.load('temperature_message', hidden=False)
@@ -114,7 +114,7 @@ def read_by_the_compiler(build: Path) -> set[str]:
 
 
 def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source, tmp_path):
-    """The stored results are only an optimisation."""
+    """The notes are a short cut and no more."""
     bare = tmp_path / 'bare'
     shutil.copytree(TOOLCHAIN.parent, bare, ignore=shutil.ignore_patterns('known'))
     for file in bare.glob('*.cmake'):
@@ -130,7 +130,7 @@ def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source,
 
 
 def symbols(place: Path) -> dict[str, str]:
-    """Return the symbols that each installed library defines and needs, and the other files."""
+    """Return what each installed library offers and needs, and the other files."""
     found = {}
     for path in sorted((place / 'install').rglob('*')):
         name = str(path.relative_to(place))
@@ -148,7 +148,7 @@ def symbols(place: Path) -> dict[str, str]:
 
 
 def told(modules: Path, libraries_in: Path) -> str:
-    """Return what a separate Python prints about a message sent through a topic."""
+    """Return what a Python of its own says about a message that went through a topic."""
     program = (
         'import rclpy, sys\n'
         'from knots.msg import Speed\n'
@@ -178,7 +178,7 @@ def told(modules: Path, libraries_in: Path) -> str:
 
 
 def test_what_learners_build_has_cpp_too():
-    """The set-up built the course's own package completely, as a terminal would."""
+    """The set-up built the course's own package whole, as a terminal would."""
     prefixes = [Path(one) for one in os.environ['AMENT_PREFIX_PATH'].split(':')]
 
     header = 'include/temp_monitor_pkg/**/temperature.hpp'

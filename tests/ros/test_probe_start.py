@@ -1,4 +1,4 @@
-"""Test that the probe waits for its network, and that a failed start costs no points."""
+"""The probe waits for its network, and a program that never starts is not the student's fault."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ pytestmark = [pytest.mark.ros]
 ANSWER = Path('tests/submissions/03_topics/pass__functions_style/talker.py')
 
 
-# Runs in a separate network, whose loopback interface is off at first, as in a new sandbox.
+# In a network of its own, whose loopback interface is off at first, as in a sandbox that is made.
 LATE = f"""
 import fcntl, socket, sys, threading
 sys.path.insert(0, {str(HERE / 'probe')!r})
@@ -55,7 +55,7 @@ print(works())
 
 
 def test_it_waits_until_the_sandbox_has_switched_its_network_on():
-    """A participant created earlier would discover nobody during the whole run."""
+    """A participant that is made before hears nobody for the whole run."""
     own_network = ['unshare', '--net', *(() if os.geteuid() == 0 else ('--map-root-user',))]
     ran = subprocess.run(
         [*own_network, sys.executable, '-c', LATE],
@@ -91,7 +91,7 @@ def switch(student: Confined, to: str) -> None:
 
 
 def listening(student: Confined) -> list[int]:
-    """Return the netlink ports in a sandbox's network that wait for events."""
+    """Return the netlink ports in a sandbox's network at which somebody waits for news."""
     sockets = Path(f'/proc/{student.pid}/net/netlink').read_text('ascii').splitlines()[1:]
     fields = [one.split() for one in sockets]
     return [int(port) for _, _, port, groups, *_ in fields if int(groups, 16)]
@@ -101,7 +101,7 @@ MOST_PROCESSES = 1 << 22  # PID_MAX_LIMIT: proc(5)
 
 
 def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
-    """The sandbox may be ready later than the probe, which costs no points."""
+    """No learner pays for a machine on which the sandbox is not ready when the probe is."""
 
     def start_first(sandbox: Sandbox, student: Confined, *others: Any) -> Probe:
         switch(student, 'off')
@@ -110,7 +110,7 @@ def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
         while not (ports := listening(student)):
             assert time.monotonic() < deadline, 'the probe does not wait for its network'
             select.select((), (), (), 0.01)
-        # Bubblewrap expects its own process id as the port.
+        # Bubblewrap expects to be given the number of its own process there.
         assert min(ports) > MOST_PROCESSES
         switch(student, 'on')
         return probe
@@ -124,7 +124,7 @@ def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
 
 
 def start_instead(monkeypatch, *command: str) -> None:
-    """Start another program instead of the student's, on the same clock."""
+    """Start another program in place of the student's, on the same clock."""
 
     def changed(sandbox: Sandbox, program: Program, limits: Limits) -> list[str]:
         env, library, place, *_ = program.argv
@@ -134,7 +134,7 @@ def start_instead(monkeypatch, *command: str) -> None:
 
 
 def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch):
-    """The probe does not wait for the sandbox, and the submission gets no zero."""
+    """However early the probe was: nobody waits for it, and nobody gets a zero."""
     start_instead(monkeypatch, 'sh', '-c', 'echo no loopback >&2; exit 3')
 
     with pytest.raises(
@@ -144,7 +144,7 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
 
 
 def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):
-    """The launcher may be delayed, which says nothing about the student's code."""
+    """What starts it may be held up, by whomever: that says nothing about the student's code."""
     start_instead(monkeypatch, 'sleep', 'infinity')
 
     scenario = catalog.load('talker').scenario.to_json()
@@ -153,7 +153,7 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
 
 
 def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):
-    """The advice is to repeat the command, not to look for missing packages."""
+    """The same command again is the repair, and no look for what is missing."""
     sandbox = strongest()
     monkeypatch.setattr(Sandbox, 'command', lambda *_: ['sh', '-c', 'kill -9 $$'])
 

@@ -1,4 +1,4 @@
-"""Test the course's own ros2 command with real nodes in another process."""
+"""The course's own ros2 command against real nodes in another process."""
 
 from contextlib import ExitStack
 import os
@@ -26,12 +26,12 @@ pytestmark = [
 
 
 def bare_shell(domain):
-    """Return the variables of a terminal in which nothing is sourced."""
+    """Return the variables of a terminal in which nothing was sourced."""
     return {'PATH': '/usr/bin:/bin', 'HOME': os.environ['HOME'], 'ROS_DOMAIN_ID': str(domain)}
 
 
 class World:
-    """Nodes in one process and commands in another."""
+    """Nodes in a process of their own, and commands in another."""
 
     def __init__(self):
         self.until = ExitStack()
@@ -45,12 +45,12 @@ class World:
         assert self.line() == 'ready'
 
     def line(self):
-        """Return the next line that the nodes print; ROS logs to the same stream."""
+        """Return the next line that the nodes print; ROS logs on the same stream."""
         lines = (line for line in self.process.stdout if '[WARN]' not in line)
         return next(lines).strip()
 
     def ros2(self, *arguments, code=0):
-        """Run a command to its end and return its output, stderr after stdout."""
+        """Run a command to its end and return its output, stderr behind stdout."""
         done = subprocess.run(
             [ROS2, *arguments],
             env=self.shell,
@@ -63,7 +63,7 @@ class World:
         return done.stdout + done.stderr
 
     def begin(self, *arguments):
-        """Start a command that runs until it is interrupted."""
+        """Start a command that goes on until it is told to stop."""
         pipe = subprocess.PIPE
         return subprocess.Popen(
             [ROS2, *arguments], env=self.shell, stdout=pipe, stderr=pipe, text=True
@@ -72,7 +72,7 @@ class World:
 
 @pytest.fixture(scope='module')
 def world():
-    """Provide nodes, which end after the tests of this module."""
+    """Provide nodes; they end with the module."""
     world = World()
     yield world
     world.process.send_signal(signal.SIGINT)
@@ -94,7 +94,7 @@ TOPICS = """\
 
 
 def test_topic_list_names_topics_types_and_counts(world):
-    """Hidden topics are only counted on request."""
+    """Hidden topics are counted only where they are asked for."""
     assert world.ros2('topic', 'list', '-t') == TOPICS
     assert world.ros2('topic', 'list', '-c', '--include-hidden-topics') == '9\n'
     assert world.ros2('topic', 'find', 'std_msgs/msg/String') == '/chatter\n/lab/kept\n'
@@ -102,7 +102,7 @@ def test_topic_list_names_topics_types_and_counts(world):
 
 
 def test_topic_list_verbose_has_a_block_for_each_side(world):
-    """Counts are of endpoints; the command's own node publishes on the last two topics."""
+    """Counts are of endpoints; the command's own node publishes on the last two, too."""
     lines = world.ros2('topic', 'list', '-v').split('\n')
 
     assert lines[0] == 'Published topics:'
@@ -145,7 +145,7 @@ Subscription count: 0
 
 @pytest.mark.claim('Q22')
 def test_topic_info_tells_each_endpoint(world):
-    """With -v, the QoS is shown as discovered; an unknown topic is an error."""
+    """Verbose shows QoS as the network knows it; an unknown topic is an error."""
     text = world.ros2('topic', 'info', '-v', '/lab/kept')
     text = re.sub(r'RIHS01_[0-9a-f]{64}', 'RIHS01_{hash}', text)
 
@@ -157,7 +157,7 @@ def test_topic_info_tells_each_endpoint(world):
 
 
 def test_topic_echo_prints_yaml_parts_and_lines(world):
-    """The QoS is that of the publisher, so a stored message arrives even late."""
+    """Late or not: the QoS is that of the publisher, so a kept message arrives."""
     kept = world.ros2('topic', 'echo', '--once', '/lab/kept')
 
     assert kept == 'data: said before you came\n---\n'
@@ -169,7 +169,7 @@ def test_topic_echo_prints_yaml_parts_and_lines(world):
 
 
 def test_topic_echo_says_why_there_is_nothing(world):
-    """Unknown topics, unknown fields and refused QoS give different messages; waiting ends."""
+    """Unknown topics, unknown fields and refused QoS are told apart; silence ends in time."""
     unknown = world.ros2('topic', 'echo', '/nope', code=1)
     field = world.ros2('topic', 'echo', '--once', '--field', 'nope', '/chatter', code=1)
     kept = world.begin('topic', 'echo', '/chatter', '--qos-durability', 'transient_local')
@@ -186,7 +186,7 @@ def test_topic_echo_says_why_there_is_nothing(world):
 
 
 def test_topic_pub_waits_for_a_subscription_and_is_heard(world):
-    """The message arrives although the command ends immediately afterwards."""
+    """What was typed arrives, even where the command ends at once."""
     once = world.ros2('topic', 'pub', '-1', '/asked', 'std_msgs/msg/Int32', 'data: 7')
 
     assert world.line() == 'asked 7'
@@ -200,7 +200,7 @@ def test_topic_pub_waits_for_a_subscription_and_is_heard(world):
 
 
 def test_topic_pub_explains_what_it_cannot_send(world):
-    """Wrong types, fields and values give one line; without a subscription, there is a timeout."""
+    """Wrong types, fields and values end with one line; nobody there, after the time given."""
     pub = ('topic', 'pub', '-1', '/nobody')
     wrong = {
         ('std_msgs/msg/Strin', 'data: x'): 'The passed message type is invalid\n',
@@ -221,13 +221,13 @@ def test_topic_pub_explains_what_it_cannot_send(world):
 
 
 def test_topic_hz_measures_until_ctrl_c(world):
-    """The rate is printed once a second; Ctrl-C ends the command without a traceback."""
+    """A rate is printed once a second; Ctrl-C ends it without a traceback."""
     process = world.begin('topic', 'hz', '/chatter')
     rate, spread = process.stdout.readline(), process.stdout.readline()
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=DEADLINE_S)
 
-    # The publisher has 20 Hz; on a busy machine the measured rate varies.
+    # 20 Hz, where both programs get their turns.
     assert 2 < float(re.fullmatch(r'average rate: (\d+\.\d{3})\n', rate)[1]) < 30
     assert re.fullmatch(r'\tmin: .*s max: .*s std dev: .*s window: \d+\n', spread)
     assert (process.returncode, errors) == (2, '')
@@ -245,7 +245,7 @@ def test_closed_pipe_ends_the_command_quietly(world):
 
 
 def test_node_list_and_info_show_the_graph(world):
-    """Nodes are sorted, hidden ones are shown only with -a; all sections are present."""
+    """Nodes are sorted, hidden ones only with -a; the sections are all there."""
     assert world.ros2('node', 'list') == '/beacon\n/lab/listener\n/talker\n'
     assert '/_shy\n' in world.ros2('node', 'list', '-a')
     text = world.ros2('node', 'info', '/lab/listener')
@@ -258,7 +258,7 @@ def test_node_list_and_info_show_the_graph(world):
 
 
 def test_param_reads_values_and_descriptions(world):
-    """Names, values, types and limits are as declared by the node."""
+    """Names, values, types and limits as the node declared them."""
     assert world.ros2('param', 'list', '/talker', '--param-type').splitlines()[:2] == [
         '  arm.names (type: string array)',
         '  rate_hz (type: double)',
@@ -291,7 +291,7 @@ DUMP = """\
 
 
 def test_param_sets_and_dumps_values(world, tmp_path):
-    """A rejected value is reported with the node's reason; a dump can be loaded again."""
+    """A node's refusal is told with its reason; a dump can be loaded again."""
     refused = world.ros2('param', 'set', '/talker', 'rate_hz', '3.0')
     file = tmp_path / 'talker.yaml'
 
@@ -306,7 +306,7 @@ def test_param_sets_and_dumps_values(world, tmp_path):
 
 
 def test_lifecycle_walks_through_states(world):
-    """States and transitions are shown with their numbers; a refused transition is reported."""
+    """States and transitions with their numbers; a refused transition is told."""
     assert world.ros2('lifecycle', 'nodes') == '/beacon\n'
     assert world.ros2('lifecycle', 'get') == '/beacon: unconfigured [1]\n'
     assert world.ros2('lifecycle', 'list', '/beacon').startswith(
@@ -321,7 +321,7 @@ def test_lifecycle_walks_through_states(world):
 
 
 def test_service_verbs_list_and_call(world):
-    """A service is listed, its type is shown, and it is called with a request in YAML."""
+    """A service is named, typed and called with a request in YAML."""
     kind = 'rcl_interfaces/srv/GetParameters'
     service = '/talker/get_parameters'
 
@@ -333,7 +333,7 @@ def test_service_verbs_list_and_call(world):
 
 
 def test_interface_verbs_need_no_nodes(world):
-    """Nested definitions are indented by one tab; a prototype can be passed to pub."""
+    """Definitions show their parts one tab deeper; a prototype can be pasted into pub."""
     header = world.ros2('interface', 'show', '--no-comments', 'std_msgs/msg/Header')
 
     assert header == (
@@ -347,7 +347,7 @@ def test_interface_verbs_need_no_nodes(world):
 
 
 def test_pkg_verbs_find_the_courses_package(world):
-    """The command finds the course's workspace in a terminal where nothing is sourced."""
+    """In a terminal where nothing was sourced the course's workspace is known."""
     prefix = ros_environment().workspace
 
     assert world.ros2('pkg', 'prefix', 'temp_monitor_pkg') == f'{prefix}\n'
@@ -359,7 +359,7 @@ def test_pkg_verbs_find_the_courses_package(world):
 
 
 def test_nobody_there_is_a_short_list_and_no_error():
-    """Alone in a domain, the command lists the two topics of its own node."""
+    """Alone in a domain, there are the two topics that the command's own node has."""
     alone = World.__new__(World)
     alone.shell = bare_shell(101)
 
@@ -368,7 +368,7 @@ def test_nobody_there_is_a_short_list_and_no_error():
 
 @pytest.mark.claim('M23', 'M24')
 def test_created_packages_build_and_run(world, tmp_path):
-    """Packages of both build types build without changes, in silence about dependencies."""
+    """Both kinds of package build as they are, without a word about dependencies."""
     source = tmp_path / 'src'
     source.mkdir()
     options = ('--destination-directory', str(source), '--dependencies', 'std_msgs')
@@ -400,7 +400,7 @@ def test_created_packages_build_and_run(world, tmp_path):
 
 
 def test_run_hands_signals_and_codes_to_the_program(world):
-    """The program replaces the command, so Ctrl-C ends the node itself."""
+    """The program takes the place of the command, so Ctrl-C ends the node itself."""
     node = world.begin('run', 'temp_monitor_pkg', 'temp_publisher', '--ros-args', '-r', '__ns:=/x')
     while '/x/' not in world.ros2('node', 'list'):
         assert node.poll() is None, node.stderr.read()
@@ -411,7 +411,7 @@ def test_run_hands_signals_and_codes_to_the_program(world):
 
 
 def test_launch_starts_all_nodes_and_one_interrupt_ends_them(world, tmp_path):
-    """Each line begins with the name of the process that wrote it."""
+    """Each line begins with the process that wrote it."""
     file = tmp_path / 'both.launch.xml'
     node = '<node pkg="temp_monitor_pkg" exec="{}" namespace="launched" output="screen"/>'
     both = ''.join(node.format(name) for name in ('temp_publisher', 'temp_subscriber'))

@@ -1,4 +1,4 @@
-"""Test how long a ros2 command searches the graph before it reports an entity as missing."""
+"""How long a command of ros2 looks at the graph before it says that something is missing."""
 
 import argparse
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ TOPICS = {'/chatter': 'std_msgs/msg/String', '/late': 'std_msgs/msg/Int32'}
 
 
 class Graph:
-    """A node's view of a graph to which a topic is added late; time passes only in sleep()."""
+    """A node's view of a graph to which a topic is added late; its time passes only in sleep."""
 
     def __init__(self):
         self.now = 0.0
@@ -25,20 +25,20 @@ class Graph:
         return self.now
 
     def sleep(self, seconds):
-        """Advance the time."""
+        """Let time pass."""
         self.now += seconds
 
     def get_topic_names_and_types(self):
-        """Return one topic, and later two."""
+        """Return one topic, later two."""
         found = [(name, [kind]) for name, kind in TOPICS.items()]
         return found if self.now >= LATE_S else found[:1]
 
     def get_node_names_and_namespaces(self):
-        """Return the command's own node and another one."""
+        """Return the command's own node and another."""
         return [('_ros2cli', '/'), ('talker', '/')]
 
     def get_service_names_and_types(self):
-        """Return a service of the other node."""
+        """Return a service of the other."""
         return [('/talker/reset', ['std_srvs/srv/Empty'])]
 
     def get_publishers_info_by_topic(self, topic):
@@ -68,7 +68,7 @@ class Graph:
 
 @pytest.fixture
 def looked_s(monkeypatch):
-    """Provide a function that returns how long a command with a condition searches [s]."""
+    """Provide a function that returns how long a command looks [s], given its condition."""
 
     def look(known=None):
         graph = Graph()
@@ -96,6 +96,6 @@ def test_what_appears_late_is_found_when_it_appears(looked_s):
     ],
 )
 def test_only_what_is_missing_takes_the_whole_time(looked_s, kind, name, missing):
-    """Existing entities are found after the quiet time, as for a list."""
+    """What the graph has is answered after the quiet time, as a list is."""
     assert looked_s(lambda node: kind(node, name)) == looked_s() < 0.3
     assert looked_s(lambda node: kind(node, missing)) >= discovery.LIMIT_S

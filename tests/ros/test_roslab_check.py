@@ -1,4 +1,4 @@
-"""Test visible checks in a notebook, which run the grader's own engine in a child process."""
+"""Visible checks in a notebook: the grader's own engine in a child process."""
 
 import os
 import re
@@ -37,7 +37,7 @@ CHECK = "report = check('temperature_publisher')"
 
 
 def test_check_judges_what_the_saved_node_does(kernel):
-    """Right and wrong programs get their points and explanations, with nothing on stderr."""
+    """Right and wrong things are told apart, with points and facts, and nothing on stderr."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     outputs = kernel.run(CHECK)
@@ -52,7 +52,7 @@ def test_check_judges_what_the_saved_node_does(kernel):
 
 
 def test_check_never_runs_the_file_in_the_kernel(kernel, tmp_path):
-    """A file that no cell has saved is judged in the child, not in the kernel."""
+    """A file that was not even typed in a cell is judged in the child, not here."""
     folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
     folder.mkdir(parents=True)
     (folder / 'temp_publisher.py').write_text('import builtins\nbuiltins.ran_here = True\n')
@@ -63,7 +63,7 @@ def test_check_never_runs_the_file_in_the_kernel(kernel, tmp_path):
 
 
 def test_unfinished_cell_is_named_and_still_checked(kernel):
-    """A stub is not an error of check(): the report names the unfinished file."""
+    """A stub is not an error of check(): it says which file is not finished."""
     kernel.run('from roslab import *')
     kernel.run('%%node temp_publisher\n# YOUR CODE HERE\nraise NotImplementedError()')
     outputs = kernel.run(CHECK)
@@ -74,7 +74,7 @@ def test_unfinished_cell_is_named_and_still_checked(kernel):
 
 
 def test_cell_that_was_not_run_is_asked_for(kernel):
-    """If another file was saved, the report names the cell to run."""
+    """Another file than the exam's was saved: the cell to run is what helps."""
     kernel.run('from roslab import *')
     kernel.run('%%node something_else\npass')
 
@@ -82,7 +82,7 @@ def test_cell_that_was_not_run_is_asked_for(kernel):
 
 
 def test_unknown_exercise_is_named(kernel):
-    """For a typing mistake, the report suggests a similar name, otherwise it lists all names."""
+    """A typing mistake is answered with a near name, or else with all names."""
     kernel.run('from roslab import *')
     near, far = kernel.run("check('temperature_publsher')"), kernel.run("check('unheard')")
 
@@ -92,7 +92,7 @@ def test_unknown_exercise_is_named(kernel):
 
 
 def test_check_without_a_name_says_which_exercises_there_are(kernel, tmp_path):
-    """The list has the exercises that the notebook checks, or all."""
+    """Those that the notebook checks, or else all."""
     kernel.run('from roslab import *')
     of_all = ' '.join(kernel.run('report = check()').text.split())
     lesson = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("check('courier')")])
@@ -116,7 +116,7 @@ def test_check_without_a_name_says_which_exercises_there_are(kernel, tmp_path):
     ],
 )
 def test_check_of_an_object_names_the_exercise_of_its_file(kernel, call, got):
-    """A class, a function of the same cell, and a node all lead to the name."""
+    """The class, a function of the same cell and a node all lead to the name."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     kernel.run('import rclpy; rclpy.init(); node = TemperaturePublisher()')
@@ -127,7 +127,7 @@ def test_check_of_an_object_names_the_exercise_of_its_file(kernel, call, got):
 
 
 def test_check_of_a_bare_name_asks_for_quotes(kernel):
-    """The advice is the same if a cell of the notebook defines that name."""
+    """Also if a cell of the notebook would define that name."""
     kernel.run('from roslab import *')
     error = kernel.run('check(talker)').error
 
@@ -138,7 +138,7 @@ def test_check_of_a_bare_name_asks_for_quotes(kernel):
 
 
 def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
-    """No cell is named for a file not written by this kernel, or changed since."""
+    """A file that this kernel did not write, or that changed since, is of no cell."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     by_cell = kernel.run(CHECK).text
@@ -154,7 +154,7 @@ def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
 
 
 def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
-    """The saved notebook is newer than the file and has a different text."""
+    """The notebook as saved last has another text, and is newer than the file."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     path = tmp_path / 'lesson.ipynb'
@@ -170,12 +170,12 @@ def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
         os.utime(path, (saved, saved))
         found.append('temp_publisher.py is older than its cell' in kernel.run(CHECK).text)
 
-    # A notebook saved before the cell ran does not show the current text.
+    # A notebook that was saved before the cell ran says nothing about the screen.
     assert found == [False, True, False]
 
 
 def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):
-    """The file is judged but will not be submitted, because its cell's first line has changed."""
+    """It is judged, and will not be handed in: the first line of its cell was changed."""
     folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
     folder.mkdir(parents=True)
     (folder / 'temp_publisher.py').write_text(TWICE_A_SECOND.partition('\n')[2])
@@ -204,7 +204,7 @@ def test_interrupted_check_leaves_no_process(kernel):
 
 
 def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
-    """Under nbgrader's Validate, a failed check fails the cell; otherwise it is a table."""
+    """Under nbgrader's Validate a failed check is a failed cell; elsewhere it is a table."""
     monkeypatch.setitem(os.environ, 'NBGRADER_EXECUTION', 'validate')
     validating = live_kernels.Kernel(tmp_path)
     validating.run('from roslab import *')

@@ -1,4 +1,4 @@
-"""Test that notebooks receive no messages of each other, and how a terminal joins one."""
+"""Notebooks do not hear each other, and a terminal joins one of them with one line."""
 
 import os
 from pathlib import Path
@@ -28,7 +28,7 @@ def may_start(user):
 
 @pytest.fixture
 def kernels():
-    """Return a function that starts a user's kernel, which chooses its domain itself."""
+    """Return a function that starts a kernel of a user which chooses its domain by itself."""
     started, folders = [], []
 
     def start(user=None):
@@ -49,7 +49,7 @@ def kernels():
 
 
 def test_nothing_crosses_between_kernels_of_two_users(kernels):
-    """Two kernels of one user and one of another user use the same topic."""
+    """Two kernels of one and one of another, all of them with the same topic."""
     users = [None, None]
     if os.geteuid() == 0:
         if not may_start(OTHER_USER):
@@ -73,7 +73,7 @@ def test_nothing_crosses_between_kernels_of_two_users(kernels):
 
 
 def test_terminal_joins_a_notebook_with_the_line_that_it_prints(kernels):
-    """Without the command, the terminal sees nothing of the notebook."""
+    """Without the line it sees nothing of the notebook."""
     kernel = kernels()
     name = f'joined_by_{os.getpid()}'
     kernel.run(f'mine = start(Talker, name="{name}")')
@@ -93,7 +93,7 @@ def test_terminal_joins_a_notebook_with_the_line_that_it_prints(kernels):
 
 
 def test_domain_follows_what_ros_was_started_with(kernels):
-    """Changing the variable later does not affect running nodes."""
+    """A variable that was changed later does not move the nodes that run."""
     kernel = kernels()
     before = kernel.run('mine = start(Talker); domain()').text
     after = kernel.run('import os; os.environ["ROS_DOMAIN_ID"] = "77"; domain()').text
@@ -102,14 +102,14 @@ def test_domain_follows_what_ros_was_started_with(kernels):
 
 
 def test_graph_calls_only_its_own_listener_this_notebook(kernels, tmp_path):
-    """Two kernels in the same domain see each other's hidden nodes."""
+    """Two kernels that were given one domain see each other's hidden nodes."""
     kernel = kernels()
     number = kernel.run('import os; os.environ["ROS_DOMAIN_ID"]').value.strip("'")
     other = live_kernels.Kernel(tmp_path, domain=number)
     try:
         kernel.run('mine = start(Talker)')
         other.run(f'{TALKER}\nheard = listen("chatter", String); heard.wait(2)')
-        # The subscription may be discovered before the name of its node.
+        # The subscription is known before the name of its node is.
         known = '{i.node_name for i in mine.get_subscriptions_info_by_topic("/chatter")}'
         unknown = '{"_NODE_NAME_UNKNOWN_"}'
         kernel.run(f'wait_until(lambda: {known} - {unknown}, timeout=60)')
@@ -123,7 +123,7 @@ def test_graph_calls_only_its_own_listener_this_notebook(kernels, tmp_path):
 
 
 def test_nodes_that_a_notebook_made_itself_are_no_strangers(kernels):
-    """All nodes of the notebook's own process are ignored, in any context."""
+    """The look leaves out every node of its own process, whatever context it is in."""
     kernel = kernels()
     kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 1.0')
     kernel.run(

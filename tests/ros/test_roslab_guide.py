@@ -1,4 +1,4 @@
-"""Test the sentence that replaces a traceback: which cell to run first."""
+"""One sentence in place of a traceback: which cell to run first."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -35,12 +35,12 @@ def notebook(tmp_path, monkeypatch):
     return path
 
 
-# The parts of IPython's shell that the guide uses.
+# As much of IPython's shell as the guide looks at.
 SHELL = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=('', 'the running cell')))
 
 
 def advice_for(code):
-    """Return the guide's advice on the error that code raises."""
+    """Return what is said about the error that code raises."""
     try:
         exec(compile(code, 'cell.py', 'exec'), {})
     except BaseException as error:
@@ -80,12 +80,12 @@ def test_name_of_another_cell_is_answered_with_that_cell(notebook, code, section
     ],
 )
 def test_other_errors_stay_as_they_are(notebook, code):
-    """For a misspelt or private name, or any other error, the guide gives no advice."""
+    """A misspelt name, a private one, or any other error is none of the guide's business."""
     assert advice_for(code) is None
 
 
 def test_stub_of_an_exercise_says_what_to_do(notebook):
-    """The advice is about the line to replace, not about cells to run."""
+    """Not which cells to run: the line itself has to be replaced."""
     said = advice_for('def to_celsius():\n    raise NotImplementedError()\nto_celsius()')
 
     assert 'line 2' in said
@@ -93,7 +93,7 @@ def test_stub_of_an_exercise_says_what_to_do(notebook):
 
 
 def test_magic_below_a_comment_is_explained(notebook):
-    """IPython treats it as a line magic, and its error does not help a beginner."""
+    """IPython takes it for a line magic, which is of no use to a beginner."""
     said = advice_for(
         'from IPython.core.error import UsageError\n'
         "raise UsageError('Line magic function `%%node` not found.')"
@@ -131,12 +131,12 @@ def test_cells_that_were_edited_and_not_saved_have_run_all_the_same(run_in_order
 
 
 def test_cell_that_was_left_out_is_told(run_in_order):
-    """The hint is for learners who skipped a cell."""
+    """The hint is for those who jumped."""
     assert 'Run first' in run_in_order(left_out=(1,))
 
 
 def test_texts_are_those_that_ran_last(notebook, monkeypatch):
-    """An edited, unsaved cell counts as it was run; other cells as they were saved."""
+    """A cell that was edited and not saved yet counts as it ran; others as they were saved."""
     cells = guide.read_cells(notebook)
     monkeypatch.setattr(guide, '_executed', {1: cells[1].identifier, 3: cells[1].identifier})
     history = ['', 'older', 'typed in a console', 'newer']
@@ -153,7 +153,7 @@ def test_texts_are_those_that_ran_last(notebook, monkeypatch):
 
 
 def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
-    """A name missing in an installed module is not the learner's mistake."""
+    """A name that an installed module misses is not the learner's."""
     installed = tmp_path / 'site-packages'
     installed.mkdir()
     (installed / 'careless.py').write_text('def call():\n    return start\n')
@@ -164,7 +164,7 @@ def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
 
 
 def test_notebook_that_cannot_be_found_leaves_the_plain_error(notebook):
-    """With two notebooks in the folder, the guide does not know which one is running."""
+    """With two notebooks in the folder, the guide does not know which one this is."""
     notebook.with_name('other.ipynb').write_text(notebook.read_text())
 
     assert guide.notebook_path() is None
@@ -172,7 +172,7 @@ def test_notebook_that_cannot_be_found_leaves_the_plain_error(notebook):
 
 
 def test_server_names_the_notebook(notebook, monkeypatch):
-    """JupyterLab passes the name to the kernel, so other notebooks do not matter."""
+    """JupyterLab tells the kernel, so other notebooks in the folder do not matter."""
     notebook.with_name('other.ipynb').write_text('not json')
     monkeypatch.setenv('JPY_SESSION_NAME', str(notebook))
 

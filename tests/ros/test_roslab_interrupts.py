@@ -1,4 +1,4 @@
-"""Test interrupts in real notebook kernels: blocking calls end, ROS and the nodes survive."""
+"""Interrupts in real notebook kernels: what blocks ends, ROS and the nodes survive."""
 
 import ast
 import random
@@ -14,7 +14,7 @@ kernel_with_node = live_kernels.kernel_with_node
 
 
 def test_interrupt_ends_a_wait_and_nothing_else(kernel):
-    """After an interrupt, ROS and the node are running, and the next wait works."""
+    """After an interrupt ROS is up, the node goes on, and the next wait works."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker)')
     outputs = kernel.interrupt_at(
@@ -39,7 +39,7 @@ BLOCKING = {
     'plain Python': 'while True: pass',
     'a command': '!sleep 60\nwait_until(lambda: False, 60)',
     'output of a command': 'said = !sleep 60\nwait_until(lambda: False, 60)',
-    # Python drops exceptions raised at these places.
+    # Python drops what is raised there.
     'a callback of a weak reference': 'gone = ref(thing, for_a_second); del thing\n'
     'wait_until(lambda: False, 60)',
 }
@@ -73,7 +73,7 @@ def test_interrupt_in_the_cell_that_starts_ros_keeps_the_context(kernel):
 
 
 def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(kernel):
-    """After rclpy.init() and spin() in one cell, as in a program, ROS is still running."""
+    """rclpy.init() and spin() in one cell, as in a program: ROS is still up afterwards."""
     code = TALKER + 'rclpy.init()\nidle = rclpy.create_node("idle")\nprint("now", flush=True)\n'
     outputs = kernel.interrupt_at(f'{code}rclpy.spin(idle)', 'now')
 
@@ -82,7 +82,7 @@ def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(kernel):
 
 
 def test_interrupt_inside_a_finalizer_is_not_lost(kernel):
-    """Python drops an exception raised in __del__; the interrupt is delivered afterwards."""
+    """Python drops an exception raised in __del__; the interrupt comes when that is over."""
     kernel.run(TALKER)
     outputs = kernel.interrupt_at(
         """
@@ -105,7 +105,7 @@ wait_until(lambda: False, 60)
 
 
 def test_interrupt_while_an_error_is_shown_leaves_the_guide_in_place(kernel):
-    """IPython removes a custom handler that raises, and an interrupt may happen inside it."""
+    """IPython gives up a guide that raises, and an interrupt may fall into it."""
     awkward = kernel.run(
         """
 import os, signal
@@ -124,7 +124,7 @@ raise Awkward
 
 
 def test_interrupts_anywhere_leave_no_node_behind(kernel):
-    """If interrupted while nodes are created and destroyed, the kernel still tracks all nodes."""
+    """Interrupted while nodes come and go, the kernel knows every node that there is."""
     kernel.run(TALKER)
     coming_and_going = """
 step = 0
@@ -159,12 +159,12 @@ while True:
     ids=['executor', '!command'],
 )
 def test_what_an_interrupt_left_half_made_is_thrown_away_quietly(kernel, making):
-    """Its finalizer runs during a later cell and would report missing attributes."""
+    """Its finalizer comes with some later cell, and would talk of what it misses."""
     assert kernel.run(f'{making}; del left').streams['stderr'] == ''
 
 
 def test_a_finalizer_of_ones_own_that_fails_is_shown(kernel):
-    """Only errors caused by libraries are hidden."""
+    """Only what libraries leave is kept quiet."""
     outputs = kernel.run(
         'class Own:\n  def __del__(self): return self.nothing\nleft = Own(); del left'
     )

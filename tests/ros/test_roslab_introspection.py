@@ -1,4 +1,4 @@
-"""Test pictures and facts of live nodes, in private contexts of the test process."""
+"""Pictures and facts of live nodes, in private contexts of the test process."""
 
 import contextlib
 from contextlib import ExitStack
@@ -30,7 +30,7 @@ from tests.own_domain import own_domain
 pytestmark = pytest.mark.ros
 
 RELIABLE = QoSProfile(depth=10)
-SOON_S = 60.0  # an event that takes milliseconds on an idle machine
+SOON_S = 60.0  # what takes milliseconds on a machine with nothing else to do
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -74,7 +74,7 @@ def session(monkeypatch):
 
 
 def seen(session, text, **options):
-    """Wait until a line of the graph's text contains a string, and return the whole text."""
+    """Wait until the text of the graph has a line with a text, and return all of it."""
     wait_in(session, lambda: text in str(graph_now(session, **options)), SOON_S)
     return str(graph_now(session, **options))
 
@@ -102,7 +102,7 @@ def test_live_nodes_whose_qos_differs_are_not_connected(session):
 
 
 def test_live_nodes_of_different_types_are_not_connected(session):
-    """Two contexts, like two programs, may use one topic with two types without a match."""
+    """Two contexts, like two programs, may use one name for two types; neither hears the other."""
     session.start(Wave)
     other = Session(Context(), domain_id=session.helper.context.get_domain_id())
     try:
@@ -116,7 +116,7 @@ def test_live_nodes_of_different_types_are_not_connected(session):
 
 
 def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
-    """The notebook's own node, /rosout and /parameter_events appear only with all=True."""
+    """The notebook's own node, /rosout and /parameter_events appear with all=True only."""
     session.start(Wave)
     listener = Listener(session, '/lab/number', Float64, RELIABLE)
 
@@ -130,7 +130,7 @@ def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
 
 
 def test_graph_of_one_topic_leaves_the_others_out(session):
-    """A relative name is accepted."""
+    """A relative name is enough."""
     session.start(Wave)
 
     graph = graph_now(session, 'name')
@@ -149,7 +149,7 @@ def test_graph_of_one_topic_leaves_the_others_out(session):
     ],
 )
 def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
-    """A typing mistake gives one sentence."""
+    """A typing mistake costs one sentence."""
     session.start(Wave)
 
     with pytest.raises(NotHereError, match=r'no topic.* /nam now\. Did you mean /name\?'):
@@ -157,14 +157,14 @@ def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
 
 
 def test_impossible_name_of_a_topic_is_refused_with_the_rule(session):
-    """The reason is rcl's message, without the location in its source."""
+    """The reason is rcl's, without the place in its source."""
     with pytest.raises(RoslabError, match="'two words' cannot be the name of a topic: ") as caught:
         graph_now(session, 'two words')
     assert '.c:' not in str(caught.value)
 
 
 def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
-    """The QoS adapts to a best-effort publisher."""
+    """A best-effort publisher is heard without being told how."""
     session.start(Wave)
     print_messages(session, 'name', 2, SOON_S, None)
 
@@ -172,7 +172,7 @@ def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
 
 
 def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
-    """If the QoS is incompatible, the timeout names the publisher and the policy."""
+    """With a QoS that does not fit, the timeout names the publisher and the policy."""
     wave = session.start(Wave)
 
     with pytest.raises(TimeoutError, match='wave publishes there, but the QoS does not match'):
@@ -189,7 +189,7 @@ def test_rate_of_a_timer_is_measured(session, capsys):
     assert re.fullmatch(
         r'average rate: [\d.]+\n\tmin: [\d.]+s max: [\d.]+s std dev: [\d.]+s window: 19\n', out
     )
-    # A busy machine skips ticks: compare with the rate of the messages that were really sent.
+    # A busy machine skips ticks: the rate is that of some twenty messages that were sent.
     rates = [19 / (last - first) for first, last in zip(wave.sent, wave.sent[19:])]
     assert 0.7 * min(rates) < float(out.split()[2]) < 1.3 * max(rates)
 
@@ -223,7 +223,7 @@ def test_topics_are_listed_with_their_types(session, capsys):
 
 
 def test_reception_times_belong_to_their_messages(session):
-    """Each message has one time, in order, after the start of listening; clear() removes both."""
+    """One time a message, in order, after the listener began; clear() forgets both."""
     session.start(Wave)
     heard = Listener(session, '/lab/number', Float64, RELIABLE)
     heard.wait(10)
@@ -253,7 +253,7 @@ def test_timeline_counts_what_listeners_heard(session):
 
 
 def test_plot_waits_for_values_and_shows_them(session):
-    """The values are the published numbers, and the text contains the newest of them."""
+    """The values are the numbers that were published, the text form has the newest of them."""
     session.start(Wave)
     plot = Plot(session, '/lab/number', 'data', 20.0, 3.0)
     values = plot.wait(6, SOON_S)
@@ -266,7 +266,7 @@ def test_plot_waits_for_values_and_shows_them(session):
 
 
 def test_plot_of_a_wrong_field_leaves_no_subscription(session):
-    """The mistake is reported before anything is drawn."""
+    """The mistake is answered before anything is drawn."""
     wave = session.start(Wave)
 
     with pytest.raises(RoslabError, match='Numeric fields: data'):
@@ -307,7 +307,7 @@ def pictures(kernel, seconds, until=lambda found: False):
 
 
 def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
-    """With a frontend, the picture is redrawn a few times a second until stop()."""
+    """With somebody looking, the picture is drawn again a few times a second, then no more."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data", threshold=5.0)', cell_id='b')
     found = pictures(kernel, 20.0, until=lambda found: len(found) > 5)
@@ -340,7 +340,7 @@ def test_plot_of_the_same_field_replaces_the_older_one(kernel):
 
 
 def test_plot_goes_on_after_stop_all(kernel):
-    """Waiting for a restarted node makes the plot follow it again."""
+    """Waiting for a node that was started again makes the plot live again."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data"); curve.wait(3); stop_all()', cell_id='b')
     out = kernel.run(
@@ -352,7 +352,7 @@ def test_plot_goes_on_after_stop_all(kernel):
 
 
 def test_executed_notebook_keeps_the_last_picture_of_a_plot(tmp_path):
-    """Without a frontend, the plot's cell keeps the picture from the time of the wait."""
+    """Without a viewer, the plot's own cell keeps the picture from the time of the wait."""
     notebook = execute(
         [COUNTER, 'curve = plot("number", "data")', 'curve.wait(30); curve.stop()'], tmp_path
     )

@@ -1,4 +1,4 @@
-"""Test roslab in real notebook kernels: live cells, node cells, re-runs and checks."""
+"""roslab in real notebook kernels: live cells, node cells, re-runs and checks."""
 
 import re
 
@@ -14,7 +14,7 @@ kernel_with_node = live_kernels.kernel_with_node
 
 
 def test_notebook_with_live_cells_executes_without_stderr(tmp_path):
-    """A cell receives messages of an earlier cell's node; a re-run replaces the node."""
+    """A node that one cell starts is heard by the next; a re-run replaces it."""
     begin = 'node = start(Talker); heard = listen("chatter", String)'
     notebook = execute(
         [TALKER, begin, 'print(len(heard.wait(3)) >= 3)', begin, 'heard.wait(3); list(nodes())'],
@@ -27,7 +27,7 @@ def test_notebook_with_live_cells_executes_without_stderr(tmp_path):
 
 
 def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
-    """The kernel loads the extension at its start, and starts without it if it is missing."""
+    """The kernel's extension is there from its start; one that is missing stops nothing."""
     loaded = kernel.run('"roslab.guide" in get_ipython().extension_manager.loaded')
     assert loaded.value == 'True'
 
@@ -73,7 +73,7 @@ def test_node_cell_is_saved_run_and_exported(tmp_path):
 
 
 def test_bare_main_call_does_not_block_the_cell(tmp_path):
-    """A file that calls main() at its end runs without that call, and the cell says so."""
+    """A file that calls main() at its end is left without that call, and says so."""
     body = 'def main():\n    import time\n    time.sleep(1e6)\n\nmain()'
     notebook = execute(['import roslab', f'%%node talker\n{body}'], tmp_path)
 
@@ -100,7 +100,7 @@ def test_bare_main_call_does_not_block_the_cell(tmp_path):
     ],
 )
 def test_refused_cell_says_why_in_one_short_text(kernel_of_module, cell, said):
-    """A wrong name or an unsolved stub gives one clear error without frames, and no stderr."""
+    """A wrong name or an unsolved stub is one clear error without frames, and not on stderr."""
     outputs = kernel_of_module.run(cell)
 
     shown = '\n'.join(outputs.error['traceback'])
@@ -111,7 +111,7 @@ def test_refused_cell_says_why_in_one_short_text(kernel_of_module, cell, said):
 
 
 def test_node_does_not_hide_roslab_names(kernel):
-    """A learner's own `check` is not exported, because the notebook needs roslab's."""
+    """A learner's own `check` stays out of the notebook, which needs roslab's."""
     kernel.run('from roslab import *; import roslab')
     outputs = kernel.run('%%node mine\ndef check():\n    return 1\ndef other():\n    return 2')
 
@@ -120,7 +120,7 @@ def test_node_does_not_hide_roslab_names(kernel):
 
 
 def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
-    """A learner's first error shows the learner's own line and what to do."""
+    """The first thing a learner sees goes wrong: their own line, and what to do about it."""
     kernel.run('from roslab import *; from rclpy.node import Node')
     stub = 'class Mine(Node):\n    def __init__(self):\n        raise NotImplementedError()\n'
     outputs = kernel.run(f'{stub}start(Mine)')
@@ -143,7 +143,7 @@ def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
     ],
 )
 def test_code_of_a_program_typed_in_a_cell_is_answered_in_one_line(kernel_with_node, code, said):
-    """Code that would start ROS twice or take the node away is refused; the node continues."""
+    """What would start ROS twice, or take the node away, says so; the node goes on."""
     outputs = kernel_with_node.run(code)
 
     assert said in outputs.error['traceback'][0]
@@ -153,7 +153,7 @@ def test_code_of_a_program_typed_in_a_cell_is_answered_in_one_line(kernel_with_n
 
 
 def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
-    """Line numbers are those of the checks: the magic line is line 1."""
+    """Tracebacks count as the checks do: the magic line is line 1."""
     kernel.run('import roslab')
     kernel.run('%%node broken\ndef f():\n    return 1 / 0')
     shown = re.sub(r'\x1b\[[\d;]*m', '', '\n'.join(kernel.run('f()').error['traceback']))
@@ -172,7 +172,7 @@ def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
     ],
 )
 def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, cell, error):
-    """A beginner sees only lines of the cell and the reason."""
+    """A beginner sees lines of the cell and what is wrong with them, and nothing else."""
     kernel_of_module.run('import roslab')
     raised = kernel_of_module.run(cell).error
     shown = '\n'.join(raised['traceback'])
@@ -183,7 +183,7 @@ def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, 
 
 
 def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
-    """An example is a notebook with the same domain; nodes of this notebook are omitted."""
+    """As of a notebook with the same domain; nodes of the notebook itself are left out."""
     kernel.run('import os\nfrom roslab import *\nfrom rclpy.node import Node')
     domain = kernel.run('os.environ["ROS_DOMAIN_ID"]').value.strip("'")
     world = live_kernels.Kernel(tmp_path, domain=domain)
@@ -205,7 +205,7 @@ def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
 
 
 def test_stop_all_leaves_no_node_and_no_subscription(kernel):
-    """After a lesson's last cell the graph is empty; a listener can subscribe again."""
+    """After a lesson's last cell nothing is in the graph; a listener can begin again."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker); heard = listen("chatter", String); heard.wait(2)')
     kernel.run('stop_all(); probe = rclpy.create_node("probe")')
@@ -217,7 +217,7 @@ def test_stop_all_leaves_no_node_and_no_subscription(kernel):
 
 
 def test_rclpy_shutdown_in_a_cell_can_be_followed_by_a_start(kernel):
-    """A cell that shuts ROS down does not make the kernel unusable."""
+    """The chapter's shutdown cell does not cost the kernel."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker); rclpy.shutdown()')
     outputs = kernel.run('node = start(Talker); wait_until(lambda: node.count > 2)')
@@ -227,7 +227,7 @@ def test_rclpy_shutdown_in_a_cell_can_be_followed_by_a_start(kernel):
 
 
 def test_check_without_saved_files_says_what_to_run(kernel):
-    """check() before the exercise's cells gives one sentence."""
+    """check() before the exercise's cells is one clear sentence."""
     kernel.run('from roslab import check')
     outputs = kernel.run("report = check('temperature_publisher')")
 

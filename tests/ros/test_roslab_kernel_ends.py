@@ -1,4 +1,4 @@
-"""Test that real notebook kernels end quickly and leave nothing behind."""
+"""The end of real notebook kernels: soon, and nothing of them stays."""
 
 from pathlib import Path
 
@@ -7,14 +7,14 @@ import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-FILES = '*fastrtps*'  # LTTng, which rclpy loads, also has a file there, which belongs to no kernel
-# Normally 0.3 s (benchmarks.restart_kernels); Jupyter kills a kernel much later.
+FILES = '*fastrtps*'  # LTTng, which rclpy loads, has a file there that belongs to no kernel
+# It takes 0.3 s (benchmarks.restart_kernels); far from the time after which Jupyter kills.
 SOON_S = 60
 
 
 @pytest.fixture
 def shared_memory(tmp_path):
-    """Return the folder that the kernel uses as /dev/shm."""
+    """Return the folder that a kernel gets as its /dev/shm."""
     folder = tmp_path / 'shm'
     folder.mkdir()
     return folder
@@ -22,7 +22,7 @@ def shared_memory(tmp_path):
 
 @pytest.mark.claim('J9')
 def test_kernel_with_live_nodes_ends_soon_and_leaves_no_shared_memory(tmp_path, shared_memory):
-    """The end of a kernel destroys its nodes, and none of its files stay in /dev/shm."""
+    """The end of a kernel destroys its nodes: no files of its own stay in /dev/shm."""
     kernel = Kernel(tmp_path, shared_memory=shared_memory)
     kernel.run(TALKER)
     kernel.run('node = start(Talker); heard = listen("chatter", String); heard.wait(2)')
@@ -51,11 +51,11 @@ def test_restarts_leave_nothing_behind(tmp_path, shared_memory):
         left += [*Path('/proc').glob(str(pid)), *shared_memory.glob(FILES)]
 
     assert left == []
-    assert max(threads) - min(threads) <= 2  # the size of the kernel's own thread pools may vary
+    assert max(threads) - min(threads) <= 2  # the kernel's own pools are a thread more or less
 
 
 def test_kernel_with_an_endless_callback_ends_soon(tmp_path, shared_memory):
-    """Even a callback that never returns does not delay a restart."""
+    """Not even a callback that never returns holds up a restart."""
     kernel = Kernel(tmp_path, shared_memory=shared_memory)
     kernel.run(TALKER)
     kernel.run(

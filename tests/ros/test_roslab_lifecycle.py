@@ -1,4 +1,4 @@
-"""Test lifecycle nodes in a notebook: the picture of their state, and their end."""
+"""Managed nodes in a notebook: the picture of their state, and their end."""
 
 from contextlib import ExitStack
 import re
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.ros
 
 @pytest.fixture
 def lab(monkeypatch):
-    """Return a session in a private context, which the lesson functions use."""
+    """Return a session in a private context, as the functions of a lesson see it."""
     with ExitStack() as until:
         session = Session(rclpy.context.Context(), domain_id=own_domain(until))
         monkeypatch.setattr(lifecycle_picture, 'session', lambda: session)
@@ -31,7 +31,7 @@ def lab(monkeypatch):
 
 
 def test_picture_follows_the_node(lab):
-    """Each call shows the current state with its possible transitions."""
+    """Each call shows the state of that moment, with the ways on."""
     node = lab.start(lambda: LifecycleNode('valve'))
     before = lifecycle(node)
     node.trigger_configure()
@@ -53,7 +53,7 @@ def test_name_is_as_good_as_the_node(lab):
 
 
 def test_node_elsewhere_is_asked_over_its_service(lab):
-    """A node of another process answers through its get_state service."""
+    """What is not a node of this kernel answers get_state."""
     domain = lab.helper.context.get_domain_id()
     elsewhere = Session(rclpy.context.Context(), domain_id=domain)
     try:
@@ -65,7 +65,7 @@ def test_node_elsewhere_is_asked_over_its_service(lab):
 
 
 def test_ordinary_node_is_refused_with_what_to_do(lab):
-    """An ordinary node has no states, and the message names the class that has."""
+    """It has no states, and the message says which class has."""
     with pytest.raises(
         RoslabError, match=r'expected a LifecycleNode, got a Node.*rclpy\.lifecycle'
     ):
@@ -73,7 +73,7 @@ def test_ordinary_node_is_refused_with_what_to_do(lab):
 
 
 def test_unknown_name_is_refused(lab, monkeypatch):
-    """No node answers, and the message says how long the call waited."""
+    """Nobody answers, and the message says for how long it was waited."""
     monkeypatch.setattr(lifecycle_picture, '_PATIENCE_S', 0.2)
 
     with pytest.raises(NotHereError, match=r"lifecycle\('/nobody'\) found no lifecycle node"):
@@ -107,7 +107,7 @@ def test_drawing_shows_the_state_without_colour_and_in_words(state):
 
 @pytest.mark.parametrize(('state', 'ways'), lifecycle_picture.WAYS.items())
 def test_arrows_that_lead_on_are_solid(state, ways):
-    """Arrows that start at other states are dashed."""
+    """Those of other states are dashed."""
     drawn = LifecyclePicture('/a', state)._repr_html_()
 
     assert drawn.count('<path') - drawn.count('stroke-dasharray') == len(ways)

@@ -1,4 +1,4 @@
-"""Test that a solution cell without its first line is refused, instead of blocking in main()."""
+"""A solution cell that has lost its first line is refused, instead of hanging in main()."""
 
 import live_kernels
 import nbformat
@@ -28,13 +28,13 @@ SENTENCE = (
 
 
 def said(kernel, code, **more):
-    """Return all output of a refused cell."""
+    """Return all that a refused cell shows."""
     return kernel.run(code, **more).error['traceback']
 
 
 @pytest.fixture
 def lesson(kernel):
-    """Return a function that saves a notebook with one cell next to the kernel."""
+    """Return a function that saves a notebook of one cell beside the kernel."""
     folder = kernel.run('import os; os.getcwd()').value.strip("'")
     path = f'{folder}/lesson.ipynb'
 
@@ -67,14 +67,14 @@ def test_program_in_an_ordinary_cell_is_not_run(kernel, program):
     [('talker', 'talker'), ('temperature_publisher', 'temp_publisher'), ('unknown', 'my_node')],
 )
 def test_cell_of_an_exercise_is_told_its_own_first_line(kernel, lesson, grade_id, name):
-    """The cell still has the id that the grader uses."""
+    """The id of its cell, which the grader uses, is still there without the line."""
     lesson(PROGRAM, grade_id=grade_id)
 
     assert said(kernel, PROGRAM) == [SENTENCE.format(name)]
 
 
 def test_notebook_that_was_saved_before_tells_the_lost_line(kernel, lesson):
-    """Lessons also have node cells that are not exercises."""
+    """Lessons have node cells that are no exercises."""
     lesson(f'%%node often_seen\n{PROGRAM}')
 
     assert said(kernel, PROGRAM, cell_id='a-cell') == [SENTENCE.format('often_seen')]
@@ -91,5 +91,5 @@ def test_notebook_that_was_saved_before_tells_the_lost_line(kernel, lesson):
     ],
 )
 def test_other_cells_run_as_before(kernel, cell):
-    """These are node cells, and cells that are not ROS programs."""
+    """Node cells, and cells that are no ROS programs."""
     assert kernel.run(cell).error is None

@@ -1,4 +1,4 @@
-"""Test messages that are typed in a notebook, built by colcon and used in the same kernel."""
+"""Messages that are typed in a notebook, built by colcon and used in the same kernel."""
 
 from pathlib import Path
 import shutil
@@ -64,7 +64,7 @@ def write(kernel, *cells):
 
 
 def test_learners_messages_take_the_place_of_the_courses(kernel):
-    """The messages are built once, reused, loaded from the learner's libraries, and replaced."""
+    """Built once, reused at once, loaded from the learner's libraries, replaced honestly."""
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
     built = kernel.run('report = build_messages()')
     again = kernel.run('bool(build_messages())')
@@ -87,7 +87,7 @@ def test_learners_messages_take_the_place_of_the_courses(kernel):
     rebuilt = kernel.run('report = build_messages()')
     assert 'restart the kernel' in rebuilt.text
     assert kernel.run('bool(report), report.restart').value == '(True, True)'
-    # Loaded libraries continue to work although their files have been replaced.
+    # What was loaded goes on working, although its files have been replaced.
     assert kernel.run(USE).value == '7'
 
 
@@ -124,7 +124,7 @@ def test_course_messages_that_are_in_use_stay(kernel):
     ids=['unknown type', 'no ament_package', 'no messages'],
 )
 def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
-    """The output has one line with the place and one line of advice; the whole log is kept."""
+    """One decisive line with its place and one line of advice; the whole log is kept."""
     write(kernel, *cells)
     outputs = kernel.run('report = build_messages()')
 

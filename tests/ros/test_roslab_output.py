@@ -1,4 +1,4 @@
-"""Test the output of nodes in real notebook kernels: below the right cell, and only once."""
+"""What nodes say in real notebook kernels: beside which cell, how often, and nowhere else."""
 
 import re
 import threading
@@ -18,7 +18,7 @@ kernel = live_kernels.kernel
 
 
 def test_callback_exception_is_printed_with_the_cell_line(kernel):
-    """The learner sees the node, the cell and the line; other nodes continue."""
+    """The learner sees the node, the cell and the line; other nodes go on."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker, name="steady")')
     source = 'class Bad(Talker):\n    def on_timer(self):\n        return self.missing\n'
@@ -42,7 +42,7 @@ def test_callback_exception_appears_beside_the_cell_that_started_the_node(kernel
     outputs = kernel.run('go = True; wait_until(lambda: "bad" not in nodes())', cell_id='second')
     end = time.monotonic() + DEADLINE_S
     while 'bad stopped' not in ''.join(kernel.blocks.values()) and time.monotonic() < end:
-        kernel.run('pass')  # reads output that arrived meanwhile
+        kernel.run('pass')  # what came meanwhile is read with its outputs
 
     assert 'bad stopped' not in outputs.text
     assert 'bad stopped' in ''.join(kernel.blocks.values())
@@ -59,13 +59,13 @@ class Loud(Talker):
 
 @pytest.mark.claim('J3', 'J4')
 def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
-    """An executed notebook shows a node's later output below the cell that started it."""
+    """An executed notebook keeps what a node says later below the cell that started it."""
     start, later = (
         'node = start(Loud); n = wait_until(lambda: node.count > 1)',
         'before = node.count; n = wait_until(lambda: node.count > before + 20, 60)',
     )
     notebook = execute([TALKER + LOUD, start, later], tmp_path)
-    # The last output of the cell itself may arrive just after the block was created.
+    # What the cell itself printed last may come by another way just after the block was begun.
     (block,) = [one for one in notebook.cells[1].outputs if one.output_type == 'display_data']
 
     assert re.search(r'WARN.* \[talker\]: logged 1\b.*\nprinted 1\n', streams(notebook.cells[1]))
@@ -76,7 +76,7 @@ def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
 
 
 def test_lines_of_a_node_are_shown_once(kernel):
-    """Lines that rclpy passes to C code are not shown a second time."""
+    """What rclpy sends through C code does not come back as a second line."""
     kernel.run(TALKER + LOUD)
     outputs = kernel.run('node = start(Loud); wait_until(lambda: node.count > 3); stop_all()')
     logged = re.findall(r'logged (\d+)', outputs.text)
@@ -86,7 +86,7 @@ def test_lines_of_a_node_are_shown_once(kernel):
 
 
 def test_nothing_is_written_to_the_terminal_of_the_server(tmp_path):
-    """By default the kernel copies C code's output there, which includes every log line."""
+    """The kernel copies there what C code prints, which would be every line of every node."""
     with (tmp_path / 'terminal.txt').open('w') as terminal:
         kernel = Kernel(tmp_path, terminal=terminal)
     kernel.run(TALKER + LOUD)
@@ -109,7 +109,7 @@ def test_lines_of_c_code_are_shown_like_others(kernel):
 
 
 def test_line_of_c_code_does_not_get_into_the_middle_of_a_printed_one(monkeypatch):
-    """`print` writes a line and its end separately; another thread reads C code's output."""
+    """`print` writes a line and its end one after the other; C code is read by another thread."""
     monkeypatch.setattr(pages, '_LINE_S', 60.0, raising=False)
     shown = []
     stream = SimpleNamespace(write=shown.append)

@@ -1,4 +1,4 @@
-"""Test nodes that run in the background, in private contexts of the test process."""
+"""Nodes that run in the background, in private contexts of the test process."""
 
 from contextlib import ExitStack
 from io import StringIO
@@ -28,11 +28,11 @@ from tests.own_domain import own_domain
 pytestmark = pytest.mark.ros
 
 RELIABLE = QoSProfile(depth=10)
-SOON_S = 60  # an event that takes milliseconds on an idle machine
+SOON_S = 60  # what takes milliseconds on a machine with nothing else to do
 
 
 class Talker(Node):
-    """Publishes increasing numbers quickly."""
+    """Counts aloud, fast."""
 
     def __init__(self, name='talker', topic='chatter', qos=RELIABLE):
         super().__init__(name)
@@ -42,7 +42,7 @@ class Talker(Node):
         self.create_timer(0.01, self.on_timer)
 
     def on_timer(self):
-        """Publish the next number."""
+        """Say the next number."""
         self.count += 1
         text = f'{self.get_parameter("prefix").value}{self.count}'
         self.publisher.publish(String(data=text))
@@ -50,21 +50,21 @@ class Talker(Node):
 
 
 class Failing(Talker):
-    """Raises an exception in its third callback."""
+    """Raises in its third callback."""
 
     def __init__(self, error=ZeroDivisionError):
         super().__init__('failing', 'failures')
         self.error = error
 
     def on_timer(self):
-        """Publish a number or raise the exception."""
+        """Say a number, or fail."""
         super().on_timer()
         if self.count == 3:
             raise self.error('third')
 
 
 class Endless(Node):
-    """Has a callback that never returns."""
+    """Has a callback that does not come to an end."""
 
     def __init__(self):
         super().__init__('endless')
@@ -72,7 +72,7 @@ class Endless(Node):
         self.create_timer(0.01, self.on_timer)
 
     def on_timer(self):
-        """Run until the executor ends the callback."""
+        """Run until somebody ends it."""
         self.entered.set()
         while True:
             pass
@@ -89,7 +89,7 @@ def session():
 
 @pytest.mark.claim('J1')
 def test_started_node_publishes_while_the_test_waits(session):
-    """A started node runs without further calls."""
+    """A node that was started runs by itself."""
     session.start(Talker)
     heard = Listener(session, 'chatter', String, RELIABLE)
 
@@ -100,7 +100,7 @@ def test_started_node_publishes_while_the_test_waits(session):
 
 @pytest.mark.claim('J5')
 def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
-    """Running a cell twice leaves one node, without warnings of the middleware."""
+    """Running a cell twice leaves one node, and the middleware has nothing to complain about."""
     first = session.start(Talker)
     second = session.start(Talker)
     names = second.get_node_names()
@@ -125,7 +125,7 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
 def test_node_that_is_renamed_by_its_arguments_replaces_the_older_one_without_a_warning(
     session, capfd, rules, full
 ):
-    """The name after remapping is decisive."""
+    """The name after remapping is the one that counts."""
 
     def adam():
         return Node('adam', cli_args=['--ros-args', *rules.split()])
@@ -139,7 +139,7 @@ def test_node_that_is_renamed_by_its_arguments_replaces_the_older_one_without_a_
 
 
 def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(session):
-    """`start(Talker, name=..., parameters=...)` acts like remapping and -p in a terminal."""
+    """`start(Talker, name=..., parameters=...)` acts as remapping and -p do in a terminal."""
     node = session.start(Talker, name='other', parameters={'prefix': 'no. '})
     heard = Listener(session, 'chatter', String, RELIABLE)
 
@@ -148,7 +148,7 @@ def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(sessi
 
 
 def test_plain_node_takes_its_name_from_start(session):
-    """`start(Node, name=...)` needs no subclass."""
+    """`start(Node, name=...)` needs no class of one's own."""
     assert session.start(Node, name='bench').get_name() == 'bench'
 
 
@@ -171,7 +171,7 @@ def test_same_name_in_another_namespace_is_another_node(session):
 
 
 def test_failing_callback_ends_its_node_and_no_other(session, capfd):
-    """The error names the node and the line; other nodes continue; stderr is empty."""
+    """The exception names the node and the line; other nodes go on; nothing is on stderr."""
     talker = session.start(Talker)
     failing = session.start(Failing)
     wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
@@ -189,7 +189,7 @@ def test_failing_callback_ends_its_node_and_no_other(session, capfd):
 
 
 def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypatch):
-    """Its first callback may run before start() returns in the cell's thread."""
+    """Its first callback may run before the cell's own thread has another turn."""
     add = BackgroundExecutor.add
 
     def add_slowly(executor, node):
@@ -204,7 +204,7 @@ def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypat
 
 
 def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
-    """The exception that ends a callback may arrive just after the callback has returned."""
+    """The exception that ends a callback may come when the callback has just ended by itself."""
     began = []
 
     def request():
@@ -218,7 +218,7 @@ def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
 
 
 def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
-    """A cell that waits for the end of the node can read the reason."""
+    """A cell that waits until the node is gone finds the reason on the page."""
     seen = []
 
     class Page(StringIO):
@@ -237,7 +237,7 @@ def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
 
 
 def test_failed_node_can_be_started_again(session):
-    """After a correction, the learner simply runs the cell again."""
+    """After the correction the cell is simply run again."""
     session.start(Failing)
     wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
     node = session.start(lambda: Talker('failing'))
@@ -248,7 +248,7 @@ def test_failed_node_can_be_started_again(session):
 
 @pytest.mark.parametrize('error', [SystemExit, KeyboardInterrupt])
 def test_exit_in_a_callback_ends_its_node_only(session, error):
-    """sys.exit() in a callback ends neither the kernel nor the executor."""
+    """sys.exit() in a callback takes neither the kernel nor the executor along."""
     talker = session.start(Talker)
     session.start(lambda: Failing(error))
     wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
@@ -258,7 +258,7 @@ def test_exit_in_a_callback_ends_its_node_only(session, error):
 
 
 def test_endless_callback_is_named_and_ended_by_stop(session):
-    """A wait names the endless callback, and stop() frees the thread."""
+    """A callback in an endless loop is named by a wait, and stop() gets the thread back."""
     talker = session.start(Talker)
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
@@ -273,7 +273,7 @@ def test_endless_callback_is_named_and_ended_by_stop(session):
 
 
 def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
-    """On a busy machine, the thread may react only to a second request."""
+    """On a busy machine the thread may answer only when it is asked again."""
     session.start(Talker)
     other = session.start(Talker, name='other')
     really, slow = BackgroundExecutor._do, [True]
@@ -292,7 +292,7 @@ def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
 
 
 def test_close_ends_even_an_endless_callback(session):
-    """A callback cannot delay the end of a kernel."""
+    """The end of a kernel is not held up by a callback."""
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
     threads = [t for t in threading.enumerate() if t.name == 'roslab executor']
@@ -306,7 +306,7 @@ def test_close_ends_even_an_endless_callback(session):
 
 
 def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
-    """An incomplete node would be visible as long as the notebook keeps the traceback."""
+    """Half a node would stay visible as long as the notebook keeps the traceback."""
 
     def half():
         Node('half')
@@ -321,7 +321,7 @@ def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
 
 
 def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(session):
-    """A publisher not yet stored by rclpy keeps its node alive while a frame refers to it."""
+    """A publisher that rclpy has made and not yet noted keeps its node while a frame has it."""
 
     class Half(Node):
         def __init__(self):
@@ -335,7 +335,7 @@ def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(se
     with pytest.raises(KeyboardInterrupt) as caught:
         session.start(Half)
 
-    assert caught.tb is not None  # as stored by IPython
+    assert caught.tb is not None  # as IPython keeps it
     assert 'half' not in other.get_node_names()
 
 
@@ -344,13 +344,13 @@ def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(se
     [(lambda: None, 'NoneType'), (String, 'String'), (3, 'node class'), ('x', 'node class')],
 )
 def test_start_of_something_else_says_what_it_expected(session, factory, word):
-    """The error of start() shows the argument."""
+    """start() names what it was given."""
     with pytest.raises(RoslabError, match=word):
         session.start(factory)
 
 
 def test_start_of_main_is_refused(session):
-    """main() spins forever, so the cell would never end."""
+    """main() spins for ever; the cell would never end."""
 
     def main():
         raise AssertionError('was called')
@@ -360,7 +360,7 @@ def test_start_of_main_is_refused(session):
 
 
 def test_stop_is_repeatable_and_names_a_wrong_name(session):
-    """Stopping twice is not an error, but an unknown name is."""
+    """Stopping twice is fine, a node that never was is not."""
     node = session.start(Talker)
     session.stop(node)
     session.stop(node)
@@ -372,7 +372,7 @@ def test_stop_is_repeatable_and_names_a_wrong_name(session):
 
 @pytest.mark.parametrize('name', ['/lab/talker', 'lab/talker'])
 def test_stop_takes_a_name_with_its_namespace(session, name):
-    """The leading slash may be omitted."""
+    """With or without the slash in front."""
     session.start(lambda: Node('talker', namespace='/lab', context=session.executor.context))
     session.stop(name)
 
@@ -380,7 +380,7 @@ def test_stop_takes_a_name_with_its_namespace(session, name):
 
 
 def test_session_starts_anew_after_a_shutdown(session):
-    """A cell that shuts ROS down ends its nodes, but the kernel can continue."""
+    """A cell that shuts ROS down costs its nodes, not the kernel."""
     session.start(Talker)
     session.executor.context.shutdown()
 
@@ -390,7 +390,7 @@ def test_session_starts_anew_after_a_shutdown(session):
 
 
 def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
-    """The session notices destroy_node() in a cell, and the executor continues."""
+    """destroy_node() in a cell is noticed, and the executor goes on."""
     talker = session.start(Talker)
     other = session.start(Talker, name='other')
     other.destroy_node()
@@ -409,7 +409,7 @@ def test_wait_returns_the_value_and_is_woken_by_callbacks(session):
 
 
 def test_wait_from_a_callback_is_refused(session, capfd):
-    """A callback that waits for other callbacks would wait forever."""
+    """A callback that waits for others would wait for ever."""
 
     class Waiting(Node):
         def __init__(self):
@@ -425,27 +425,27 @@ def test_wait_from_a_callback_is_refused(session, capfd):
 @pytest.mark.claim('J10')
 @pytest.mark.parametrize('timeout', [float('inf'), -1, None, 'soon'])
 def test_wait_without_a_bound_is_refused(session, timeout):
-    """Every wait needs a time limit."""
+    """No wait may last for ever."""
     with pytest.raises(RoslabError, match='seconds'):
         wait_until_in(session, lambda: True, timeout, 'it')
 
 
 def test_silence_is_explained_by_a_similar_topic(session):
-    """The message suggests the similar topic."""
+    """A typing mistake in the topic's name is pointed out."""
     session.start(Talker)
     with pytest.raises(TimeoutError, match='did you mean /chatter'):
         Listener(session, 'chater', String, RELIABLE).wait(1, timeout=0.2)
 
 
 def test_silence_is_explained_by_incompatible_qos(session):
-    """A reliable subscription does not match a best-effort publisher."""
+    """A best-effort publisher is not heard by a reliable listener."""
     session.start(lambda: Talker(qos=qos_profile_sensor_data))
     with pytest.raises(TimeoutError, match='QoS'):
         Listener(session, 'chatter', String, RELIABLE).wait(1, timeout=0.2)
 
 
 def test_another_type_on_the_topic_is_named(session, capfd):
-    """The message names the existing type, and stderr is empty."""
+    """Listening with the wrong type says which type there is, and nothing on stderr."""
     talker = session.start(Talker)
     wait_until_in(session, lambda: talker.count > 0, SOON_S, 'the talker')
     with pytest.raises(RoslabError, match='std_msgs/msg/String'):
@@ -454,13 +454,13 @@ def test_another_type_on_the_topic_is_named(session, capfd):
 
 
 def test_topic_and_type_in_the_other_order_are_told(session):
-    """The example has the arguments in the right order."""
+    """The example has them in order, ready to be copied."""
     with pytest.raises(RoslabError, match=r"as in listen\('chatter', String\)"):
         Listener(session, String, 'chatter', RELIABLE)
 
 
 def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
-    """A kernel keeps the last traceback, which must not keep the subscription alive."""
+    """A kernel keeps the last traceback; the subscription must not stay with it."""
     listener = Listener(session, 'chatter', String, RELIABLE)
     with pytest.raises(TimeoutError) as kept:
         listener.wait(1, timeout=0.05)
@@ -473,7 +473,7 @@ def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
 
 
 def test_failed_wait_names_the_exception_that_stopped_the_publisher(session):
-    """The wait reports why the publisher has ended."""
+    """Nobody publishes any more, and the reason is known."""
     session.start(Failing)
     wait_until_in(session, lambda: not session.nodes(), SOON_S, 'the failure')
     with pytest.raises(TimeoutError, match='Node failing stopped: ZeroDivisionError: third'):
@@ -494,7 +494,7 @@ def test_listener_without_a_name_hears_no_more(session):
 
 
 def test_stopped_listener_keeps_what_it_heard(session):
-    """stop() ends the subscription and keeps the messages."""
+    """stop() ends listening, not the notebook's evidence."""
     session.start(Talker)
     heard = Listener(session, 'chatter', String, RELIABLE)
     heard.wait(2)
@@ -518,7 +518,7 @@ def test_logs_are_kept_by_node(session):
 
 
 def test_helper_is_hidden_and_alone(session):
-    """The notebook adds only one node to the graph, with a hidden name."""
+    """What the notebook adds to the graph is one node with a hidden name."""
     talker = session.start(Talker)
     Listener(session, 'chatter', String, RELIABLE)
 
@@ -526,7 +526,7 @@ def test_helper_is_hidden_and_alone(session):
 
 
 def test_mark_in_the_console_is_counted_and_not_shown():
-    """The mark may arrive in pieces, or in the middle of an incomplete line."""
+    """It comes in pieces, too, and in the middle of a line that has no end yet."""
     console = ConsoleLines()
     mark = MARK.decode()
 

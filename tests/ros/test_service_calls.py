@@ -1,4 +1,4 @@
-"""Test that a service is called only when its node has discovered the client."""
+"""A service is called when its node knows the client, with real nodes on both sides."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SERVICE = '/asked/reset'
 
 @pytest.fixture
 def executors() -> Iterator[list[SingleThreadedExecutor]]:
-    """Provide executors of two participants, like those of two processes."""
+    """Provide executors of two participants, as of two processes."""
     with ExitStack() as until:
         domain, made = own_domain(until), []
         for _ in range(2):
@@ -34,14 +34,14 @@ def executors() -> Iterator[list[SingleThreadedExecutor]]:
 
 
 def a_node(executor: SingleThreadedExecutor, name: str, **options: bool) -> Node:
-    """Create a node and add it to the executor."""
+    """Make a node that the executor serves."""
     node = Node(name, context=executor.context, **options)
     executor.add_node(node)
     return node
 
 
 def wait_until_known(node: Node, executor: SingleThreadedExecutor) -> None:
-    """Wait until the node has discovered the service."""
+    """Wait until the node knows who offers the service."""
     end = time.monotonic() + 60.0
     while True:
         with suppress(NodeNameNonExistentError):
@@ -52,7 +52,7 @@ def wait_until_known(node: Node, executor: SingleThreadedExecutor) -> None:
 
 
 def test_a_lost_answer_is_asked_for_again(executors):
-    """Until a response arrives, each poll sends another request."""
+    """Until the first answer has come, each look asks once more."""
     asking, asked = executors
     node, server = a_node(asking, 'asking'), a_node(asked, 'asked')
     server.create_service(GetParameters, SERVICE, lambda _, answer: answer)
@@ -67,7 +67,7 @@ def test_a_lost_answer_is_asked_for_again(executors):
             if condition():
                 return True
             asking.spin_once(timeout_sec=0.01)
-            if len(lost) < 2:  # the server handles the request, but its response is lost
+            if len(lost) < 2:  # the server has taken it, and its answer reaches nobody
                 header = parameters.handle.service_take_request(parameters.srv_type.Request)[1]
                 if header is not None:
                     lost.append(header)
@@ -81,7 +81,7 @@ def test_a_lost_answer_is_asked_for_again(executors):
 
 
 def test_who_answers_nothing_is_not_met(executors):
-    """The server's node is not spun."""
+    """Nobody spins the node that serves."""
     asking, asked = executors
     node, server = a_node(asking, 'asking'), a_node(asked, 'asked')
     server.create_service(GetParameters, SERVICE, lambda _, answer: answer)

@@ -1,4 +1,4 @@
-"""Test programs on the virtual clock without an exam: times, bursts, late subscriptions, ends."""
+"""Programs on the virtual clock without an exam: exact times, bursts, late subscriptions, ends."""
 
 import pytest
 from std_msgs.msg import Float64
@@ -85,7 +85,7 @@ def test_hour_of_a_publisher_has_a_message_at_each_second(virtual_time, program)
 
 
 def test_burst_arrives_at_one_instant_and_two_runs_are_equal(virtual_time, program):
-    """The messages are in the order in which they were sent, in each run."""
+    """In the order in which it was sent, in each run."""
     inputs = numbers(*((1, value) for value in range(8)), (2, 20))
     first, second = (virtual_time(program(DOUBLE), 5, inputs=inputs) for _ in range(2))
 
@@ -97,7 +97,7 @@ def test_burst_arrives_at_one_instant_and_two_runs_are_equal(virtual_time, progr
 
 
 def test_late_subscription_receives_the_stored_messages(virtual_time, program):
-    """It then receives new messages at their times."""
+    """And then the new ones, each at its moment."""
     inputs = numbers(*((second, second) for second in range(1, 8)))
     run = virtual_time(program(DOUBLE), 10, inputs=inputs, late={'double': 5.5})
 
@@ -107,7 +107,7 @@ def test_late_subscription_receives_the_stored_messages(virtual_time, program):
 
 
 def test_crash_ends_the_simulation_and_names_the_exception(virtual_time, program):
-    """The result contains everything before the crash."""
+    """What the program did before is there."""
     run = virtual_time(program(DOUBLE), 10, inputs=numbers((1, 5), (3, 100)))
 
     assert run.times('double') == [1.0]
@@ -116,7 +116,7 @@ def test_crash_ends_the_simulation_and_names_the_exception(virtual_time, program
 
 
 def test_limit_ends_the_simulation_and_keeps_what_came_before(virtual_time, program):
-    """The limit in this test is that of printed text."""
+    """Here the limit of printed text."""
     endless = """
         self.count = getattr(self, 'count', 0) + 1
         while self.count == 4:
@@ -132,7 +132,7 @@ def test_limit_ends_the_simulation_and_keeps_what_came_before(virtual_time, prog
 
 
 def test_topic_that_appears_later_is_recorded(virtual_time, program):
-    """An input makes the program create a publisher."""
+    """A publisher that an input creates."""
     later = """
 import rclpy
 from std_msgs.msg import Empty, String
@@ -152,13 +152,13 @@ rclpy.spin(node)
 
 
 def test_field_that_a_message_lacks_is_named(virtual_time, program):
-    """The error is in the inputs, not in the grader."""
+    """The error is that of the inputs, not of the grader."""
     with pytest.raises(UsageError, match=r"inputs: a message does not fit .* no attribute 'dat'"):
         virtual_time(program(DOUBLE), 5, inputs={'number': [(1, {'dat': 1.0})]})
 
 
 def test_saved_cell_is_simulated_and_drawn(tmp_path, monkeypatch):
-    """The result can be passed to the functions for live messages."""
+    """The pictures of live messages show it."""
     monkeypatch.chdir(tmp_path)
     folder = learner_package().folder / learner_package().name
     folder.mkdir(parents=True)

@@ -13,7 +13,7 @@ from autograder.runs.observe import HERE
 pytestmark = [pytest.mark.ros]
 
 STEADY = Path(HERE, 'inside', 'steady_rclpy.py')
-# An executor processes a list of waitables while another thread destroys one of them.
+# What an executor does with a list of waitables, at the moments when another thread destroys one.
 PROGRAM = """
 import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation as impl
@@ -38,7 +38,7 @@ rclpy.shutdown()
 
 
 def said(*command: str) -> str:
-    """Return the output of a program."""
+    """Return what a program prints."""
     ran = subprocess.run(
         [sys.executable, *command], capture_output=True, text=True, check=True, timeout=60
     )
@@ -59,12 +59,12 @@ def test_plain_rclpy_dies_of_it(program: str):
 
 
 def test_the_launcher_leaves_a_destroyed_event_out(program: str):
-    """The module rclpy does the same with subscriptions, timers, services and clients."""
+    """As rclpy does with subscriptions, timers, services and clients."""
     assert said(str(STEADY), program) == 'left out False None'
 
 
 def test_nothing_is_imported_for_the_program(tmp_path: Path):
-    """A missing import must stay an error of the program."""
+    """A forgotten import stays the mistake that it is."""
     file = tmp_path / 'script.py'
     file.write_text('import sys\nprint(sorted(m for m in sys.modules if "rclpy" in m), __name__)')
 

@@ -1,4 +1,4 @@
-"""Test the course's two nodes as processes, controlled from outside in simulated time."""
+"""The course's two nodes as processes, driven from outside in simulated time."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -34,12 +34,12 @@ GUARD_S = 270.0
 
 
 class Operator:
-    """Acts as a user with a second terminal: starts programs, moves /clock, sets parameters."""
+    """Somebody with a second terminal: starts the programs, moves /clock, asks for parameters."""
 
     def __init__(self, domain_id: int) -> None:
         self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain_id)}
         self._processes: list[subprocess.Popen] = []
-        # The guard ends a program that hangs, so that the wait for its output ends.
+        # The one guard against a program that hangs: a wait for its output then ends.
         self._guard = threading.Timer(GUARD_S, self._kill)
         self._guard.start()
         self._context = rclpy.Context()
@@ -69,7 +69,7 @@ class Operator:
         self._processes.append(process)
         self._clients[node] = AsyncParameterClient(self._node, node)
         self.wait_for(self._clients[node].services_are_ready, f'{node} offers its services')
-        # A response to a client not yet discovered by the node would be lost.
+        # An answer to a client that its node does not know yet would be lost.
         assert meet(self._node, f'/{node}/get_parameters', DEADLINE_S, self._waits)
         self.settle(node)
         return process
@@ -85,12 +85,12 @@ class Operator:
         return holds
 
     def answer_of(self, future, what: str):
-        """Return the response of a service."""
+        """Return what a service answers."""
         self.wait_for(future.done, f'an answer: {what}')
         return future.result()
 
     def settle(self, node: str) -> None:
-        """Wait until a node has handled its messages: two round trips through its executor."""
+        """Let a node finish what it was sent: two round trips through its executor."""
         for _ in range(2):
             self.answer_of(self._clients[node].get_parameters(['use_sim_time']), 'a round trip')
 
@@ -105,7 +105,7 @@ class Operator:
         return self.answer_of(future, f'describe {name}').descriptors[0]
 
     def advance(self, seconds: float, step_s: float = 0.25) -> None:
-        """Advance /clock in small steps; every node does its work at each of them."""
+        """Move /clock on in small steps; every node does its work at each of them."""
         for _ in range(round(seconds / step_s)):
             self._now_ns += round(step_s * 1e9)
             message = Clock()
@@ -125,7 +125,7 @@ class Operator:
         return [re.search(r'-?\d+\.\d\d', line)[0] for line in lines]
 
     def close(self) -> None:
-        """End the programs and destroy this node."""
+        """End the programs and this node."""
         self._guard.cancel()
         for process in self._processes:
             process.terminate()
@@ -142,7 +142,7 @@ class Operator:
 
 @pytest.fixture
 def operator() -> Iterator[Operator]:
-    """Create an operator in an unused domain."""
+    """Make an operator in a domain that nobody else uses."""
     with ExitStack() as until:
         person = Operator(own_domain(until))
         yield person
@@ -150,7 +150,7 @@ def operator() -> Iterator[Operator]:
 
 
 def test_built_package_is_the_source():
-    """Tests and lessons import a package built from the files in this project."""
+    """What the tests and lessons import was built from the files in this project."""
     installed = Path(temp_monitor_pkg.__file__).parent
     stale = [
         path.name
@@ -162,7 +162,7 @@ def test_built_package_is_the_source():
 
 
 def test_one_heating_cycle_warns_for_each_hot_reading_and_no_other(operator):
-    """In 90 simulated seconds, the two programs agree on every reading."""
+    """The chapter's exercise in 90 simulated seconds: the two programs agree on every reading."""
     simulated = ('-p', 'use_sim_time:=true')
     operator.run('temp_subscriber', 'temperature_subscriber', *simulated)
     operator.run('temp_publisher', 'temperature_publisher', *simulated, '-p', 'seed:=7')
@@ -172,7 +172,7 @@ def test_one_heating_cycle_warns_for_each_hot_reading_and_no_other(operator):
         operator.advance(1)
         return bool(operator.readings and infos())
 
-    # Messages published before all endpoints have matched are lost, so they are ignored.
+    # What is published before all have found each other is lost, so that is not judged.
     operator.wait_for(heard, 'a first reading that both have heard')
     operator.advance(90)
     last = int(operator.now_s)
@@ -192,7 +192,7 @@ def test_one_heating_cycle_warns_for_each_hot_reading_and_no_other(operator):
 
 
 def test_parameters_through_services(operator):
-    """The node describes, rejects and sets parameters over the services of `ros2 param`."""
+    """The node explains, refuses and obeys over the same services that `ros2 param` uses."""
     node = 'temperature_publisher'
     operator.run('temp_publisher', node, '-p', 'use_sim_time:=true')
     limits = operator.describe(node, 'rate_hz').floating_point_range[0]
@@ -214,7 +214,7 @@ def test_parameters_through_services(operator):
 
 
 def test_time_stands_still_without_a_clock(operator):
-    """With use_sim_time but no /clock, nothing is published: the timer uses the node's clock."""
+    """With use_sim_time and no /clock nothing is published: the timer is on the node's clock."""
     node = 'temperature_publisher'
     operator.run('temp_publisher', node, '-p', 'use_sim_time:=true', '-p', 'rate_hz:=100.0')
     for _ in range(20):

@@ -1,4 +1,4 @@
-"""Create sources of submissions as each system exports them, and read ``submitted/``."""
+"""Sources of submissions as the systems make them, and what lies in ``submitted/`` afterwards."""
 
 from __future__ import annotations
 
@@ -15,15 +15,13 @@ from autograder.collect.source.tree import opened
 from autograder.layout import Layout
 
 collect = partial(collecting.collect, trust_names=True)
-"""
-All deliveries in these exchanges belong to the user who runs the tests, so names are trusted.
-"""
+"""Deliveries in these exchanges are all of the user who runs the tests."""
 
 TALK, LISTEN, SPIN = '03_talk', '04_listen', '05_spin'
 
 
 def notebook(*ids: str, text: str = 'x = 1') -> bytes:
-    """Return a notebook with cells of the given nbgrader ids."""
+    """Return a notebook with such cells."""
     cells = [
         {
             'cell_type': 'code',
@@ -37,13 +35,13 @@ def notebook(*ids: str, text: str = 'x = 1') -> bytes:
 
 GOOD, OTHER = notebook('talker', 'talk_rate'), notebook('listener')
 OWN = notebook(text='what I tried')
-"""A student's private notes: a notebook without any cell of the course."""
+"""Somebody's own notes: a notebook, but with no cell of the course."""
 DAMAGED = GOOD[:40]
 
 
 @pytest.fixture
 def layout(tmp_path) -> Layout:
-    """Return a course with two assignments and a lesson that is not graded."""
+    """Return a course of two assignments, and of a lesson without a cell to grade."""
     course = Layout(tmp_path / 'course')
     for name, data in ((TALK, GOOD), (LISTEN, OTHER), (SPIN, notebook())):
         folder = course.notebooks / name
@@ -53,7 +51,7 @@ def layout(tmp_path) -> Layout:
 
 
 def packed(path: Path, files: dict[str, bytes]) -> Path:
-    """Write a zip file and return its path."""
+    """Write a zip."""
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             archive.writestr(name, data)
@@ -61,7 +59,7 @@ def packed(path: Path, files: dict[str, bytes]) -> Path:
 
 
 def laid(folder: Path, files: dict[str, bytes]) -> Path:
-    """Write a folder and return its path."""
+    """Write a folder."""
     for name, data in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -70,7 +68,7 @@ def laid(folder: Path, files: dict[str, bytes]) -> Path:
 
 
 def taken(layout: Layout) -> dict[str, bytes]:
-    """Return the contents of all files in ``submitted/``, by relative path."""
+    """Return all that lies in ``submitted/`` now."""
     return {
         path.relative_to(layout.submitted).as_posix(): path.read_bytes()
         for path in sorted(layout.submitted.rglob('*'))
@@ -79,18 +77,18 @@ def taken(layout: Layout) -> dict[str, bytes]:
 
 
 def table(rows) -> dict[tuple[str, str], str]:
-    """Return the reported actions by student and place."""
+    """Return what was done, by student and place."""
     return {(row.student, row.place): row.done for row in rows}
 
 
 def kind(source: Path) -> str:
-    """Return the name of the system as which a source is recognised."""
+    """Return which system a source is taken for."""
     with opened(source) as found:
         return recognised(found)[0]
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:
-    """Return the notes of the table by place."""
+    """Return the notes by place."""
     return {row.place: row.notes for row in rows}
 
 

@@ -1,4 +1,4 @@
-"""Provide a small class for export tests: passed, failed, not run, for review, hostile strings."""
+"""A small class for tests of exports: passed, failed, not run, for review, and hostile words."""
 
 from __future__ import annotations
 
@@ -10,18 +10,16 @@ from autograder.results import CheckResult, ExamResult, Problem, SubmissionResul
 ASSIGNMENT = '01_talker'
 FORMULA = '=HYPERLINK("http://127.0.0.1/?"&A1,"x")'
 EVIL = '</failure>]]><script>&"\'\x00\x1b[31m\ufffe\ud800,\r\n;' + FORMULA
-"""
-Characters that no format may interpret: markup, control characters, half a surrogate, a formula.
-"""
+"""What no format may act on: markup, control characters, half a character, a formula."""
 
 
 def check(name, verdict=Verdict.PASSED, points=2.0, most=2.0, **more):
-    """Return the result of one check."""
+    """Return one check's result."""
     return CheckResult(name, f'It {name}.', verdict, points, most, **more)
 
 
 def failed(name='warns', words='a typo', **more):
-    """Return the result of a failed check."""
+    """Return a check that failed."""
     return check(
         name,
         Verdict.FAILED,
@@ -32,7 +30,7 @@ def failed(name='warns', words='a typo', **more):
 
 
 def submission(student='ann', checks=(), exam='talker', **more):
-    """Return the result of a submission with one exam."""
+    """Return a submission with one exam."""
     waits = check('stops', Verdict.NOT_RUN, 0.0, 1.5, waits_for='warns')
     done = ExamResult(
         exam,
@@ -48,10 +46,10 @@ def submission(student='ann', checks=(), exam='talker', **more):
 
 FULL = submission('bob', (check('runs'), check('warns', points=3.0, most=3.0)))
 VISIBLE = replace(FULL, exams=(replace(FULL.exams[0], mode='none'),))
-"""The result of weak isolation: only visible checks and no mark."""
+"""What isolation that keeps nothing hidden has left: visible checks, no mark."""
 REVIEW = submission('eve', fault='The probe broke off. Grade it again.')
 HOSTILE = submission(
-    f'x{EVIL}'.replace('\ud800', ''),  # a student id is always valid Unicode
+    f'x{EVIL}'.replace('\ud800', ''),  # an id is always text that can be written
     (check('runs'), failed(words=EVIL, observed=EVIL, expected=EVIL)),
     problems=(Problem(EVIL, EVIL, EVIL, EVIL, ('cell',)),),
     noticed=(EVIL,),

@@ -1,4 +1,4 @@
-"""Test which files the grader adds to a Python package that was submitted as cells."""
+"""What the grader adds to a Python package that came as cells."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from autograder.runs.observe import HERE
 
 @pytest.fixture
 def build_package(monkeypatch):
-    """Return the build script, which runs inside the sandbox."""
+    """Return the script, which runs inside the sandbox."""
     monkeypatch.syspath_prepend(str(HERE / 'inside'))
     return importlib.import_module('build_package')
 
 
 def names(folder):
-    """Return the names of the files in a folder."""
+    """Return the files in a folder."""
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob('*.*'))
 
 
 def written(folder, *files):
-    """Create empty files."""
+    """Write empty files."""
     for name in files:
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).touch()
@@ -30,7 +30,7 @@ def written(folder, *files):
 
 
 def test_cells_become_a_package(build_package, tmp_path):
-    """The node moves to the inner folder; other files stay in place."""
+    """The node goes into the inner folder; what is no node stays."""
     folder = written(tmp_path, 'setup.py', 'a.py', 'config/a.yaml')
     build_package.add_what_no_cell_is(folder, 'pack')
 
@@ -47,7 +47,7 @@ def test_cells_become_a_package(build_package, tmp_path):
     ],
 )
 def test_whole_package_stays_as_it_is(build_package, tmp_path, files):
-    """A student's complete package is built unchanged, including its mistakes."""
+    """Its mistakes are the student's."""
     before = names(written(tmp_path, *files))
     build_package.add_what_no_cell_is(tmp_path, 'pack')
 

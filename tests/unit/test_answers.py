@@ -1,4 +1,4 @@
-"""Test graded multiple choice: reading the letter of an ``%%answer`` cell, and its exam."""
+"""Graded multiple choice: the letter of an ``%%answer`` cell, and the exam that reads it."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ STUB = "None  # YOUR CODE HERE: 'a', 'b', 'c' or 'd' in place of None\n"
     ],
 )
 def test_letter_is_read_however_it_is_written(body):
-    """Quotes, case, spaces and comments do not matter."""
+    """Quotes, capitals, blanks and comments are a matter of taste."""
     assert chosen_letter(body) == 'b'
 
 
 @pytest.mark.parametrize('body', ['', '\n', STUB, 'None', "# 'b'\n"])
 def test_cell_without_an_answer_has_no_letter(body):
-    """An unanswered cell is not reported as an error."""
+    """That is no mistake yet."""
     assert chosen_letter(body) is None
 
 
@@ -74,7 +74,7 @@ def test_cell_without_an_answer_has_no_letter(body):
     ],
 )
 def test_anything_else_is_refused_with_a_printable_reason(body, reason):
-    """Any other content is rejected without warnings, and the message shows what was found."""
+    """Whatever it is, reading it ends, warns about nothing and says what it got."""
     with pytest.raises(NotALetterError) as caught:
         chosen_letter(body)
 
@@ -84,7 +84,7 @@ def test_anything_else_is_refused_with_a_printable_reason(body, reason):
 
 
 def test_code_in_an_answer_is_never_executed(tmp_path):
-    """The reader does not evaluate the cell, even if the result would be a letter."""
+    """Not even if it would give a letter."""
     trace = tmp_path / 'trace'
     for body in (f"open('{trace}', 'w') and 'b'", f"__import__('os').system('touch {trace}')"):
         with pytest.raises(NotALetterError):
@@ -93,27 +93,27 @@ def test_code_in_an_answer_is_never_executed(tmp_path):
 
 
 class TestMagic:
-    """Test what a learner sees after running an ``%%answer`` cell."""
+    """What a learner sees who runs an ``%%answer`` cell."""
 
     @pytest.fixture(autouse=True)
     def folder(self, tmp_path, monkeypatch):
-        """Change to an empty folder and return it."""
+        """Work in an empty folder and return it."""
         monkeypatch.chdir(tmp_path)
         return tmp_path
 
     def saved(self, folder):
-        """Return the contents of the saved answer files."""
+        """Return the texts that were saved."""
         return [path.read_text() for path in folder.rglob('answers/q07.txt')]
 
     def test_answer_is_saved_and_said(self, folder, capsys):
-        """The cell saves and prints the letter that the grader will read."""
+        """The letter is the one that will be graded."""
         run_cell('answer', 'q07', '"B"  # sure\n', {})
 
         assert capsys.readouterr() == ('Saved your answer to q07: b\n', '')
         assert self.saved(folder) == ['"B"  # sure\n']
 
     def test_stub_is_not_written_yet(self, folder):
-        """An unchanged stub raises NotImplementedError, as in every exercise."""
+        """As in every other exercise."""
         with pytest.raises(NotImplementedError, match='%%answer q07 is not written yet') as caught:
             run_cell('answer', 'q07', STUB, {})
 
@@ -128,7 +128,7 @@ class TestMagic:
         ],
     )
     def test_no_letter_is_refused_and_replaces_the_older_answer(self, folder, body, said):
-        """The file has the cell's current text, so that no older letter is checked instead."""
+        """The file is what the cell says, so that no older letter is checked instead."""
         run_cell('answer', 'q07', "'a'\n", {})
         with pytest.raises(AnswerRefusedError, match=re.escape(said)):
             run_cell('answer', 'q07', body, {})
@@ -137,12 +137,12 @@ class TestMagic:
 
 
 def answers(**letters):
-    """Return answer files in which every question without a given letter is answered 'a'."""
+    """Return the files of somebody who answers 'a' where nothing else is said."""
     return {path_of(name): f"'{letters.get(name, 'a')}'\n" for name in QUESTIONS}
 
 
 def results(files, hidden):
-    """Return the results of the exam by check, and fail if the exam runs a program."""
+    """Return the results of the exam by check; nothing may be run for it."""
     exam = catalog.load(EXAM, hidden=hidden)
     assert not worth_running(exam, files)
     return {one.check: one for one in judge(exam, Run(files, Recording({}, ()), exam.facts))}
@@ -152,7 +152,7 @@ RIGHT = {name: entry['right'] for name, entry in key().items()}
 
 
 def test_visible_check_looks_at_the_form_only():
-    """Right and wrong letters give the same visible result."""
+    """The same for right letters and for wrong ones."""
     right, wrong = (results(answers(**letters), hidden=False) for letters in (RIGHT, {}))
 
     assert right == wrong
@@ -160,7 +160,7 @@ def test_visible_check_looks_at_the_form_only():
 
 
 def test_visible_check_names_the_questions_without_a_letter():
-    """The message names the first questions and the number of the others."""
+    """Some of them, and how many more."""
     files = {path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}
     (one,) = results(files, hidden=False).values()
 
@@ -171,7 +171,7 @@ def test_visible_check_names_the_questions_without_a_letter():
 
 
 def test_each_question_counts_for_itself():
-    """A wrong letter and a missing file each cost one point."""
+    """One wrong letter and one missing file cost one point each."""
     files = answers(**{**RIGHT, 'q22': 'c'})
     del files[path_of('q03')]
     found = results(files, hidden=True)
@@ -182,7 +182,7 @@ def test_each_question_counts_for_itself():
 
 @pytest.mark.parametrize('letter', 'abcd')
 def test_wrong_answer_is_explained_without_the_right_letter(letter):
-    """The feedback names the misconception and the section to read, but no letter."""
+    """The misconception and where to read on; no sentence names a letter."""
     found = results(answers(**dict.fromkeys(QUESTIONS, letter)), hidden=True)
     for name, one in found.items():
         assert (one.verdict is Verdict.PASSED) == (RIGHT[name] == letter)
@@ -193,12 +193,12 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
 
 
 def test_blind_guessing_does_not_pay():
-    """Every letter is the right answer equally often."""
+    """Each letter is right equally often."""
     assert sorted(list(RIGHT.values()).count(letter) for letter in 'abcd') == [6, 6, 6, 6]
 
 
 def test_key_stays_with_the_instructor():
-    """Students receive neither the file with the answers nor any of its sentences."""
+    """Neither the file nor any of its sentences is in what students receive."""
     layout = Layout.here()
     names = bundled_files(layout)
     texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]
@@ -210,7 +210,7 @@ def test_key_stays_with_the_instructor():
 
 
 def test_release_asks_every_question_with_four_options():
-    """Each question is followed by its answer cell, whose stub shows the letters."""
+    """Text and answer cell follow one another, and the stub shows the letters."""
     cells = read_release(Layout.here().release('09_check_your_understanding'))['cells']
     asked = {}
     for text, cell in pairwise(cells):

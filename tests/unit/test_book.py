@@ -1,4 +1,4 @@
-"""Test the book's pages: the students' text, outputs of solved lessons, no part of a solution."""
+"""The pages of the book: students' text, outputs of a solved lesson, nothing of a solution."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ PICTURE = {'text/plain': 'a graph', 'text/html': '<svg/>'}
 
 
 def lesson(*cells):
-    """Return a notebook with these cells."""
+    """Return a notebook."""
     metadata = {'language_info': {'name': 'python'}}
     return new_notebook(cells=list(cells), metadata=metadata)
 
 
 def made(*outputs, source='show()', **marks):
-    """Return the page for one cell whose solved version has these outputs."""
+    """Return the page of one cell, from its solved version with these outputs."""
     metadata = {'nbgrader': marks} if marks else {}
     one = new_code_cell(source, id='one', metadata=metadata)
     solved = new_code_cell('the solution', id='one', outputs=list(outputs))
@@ -32,7 +32,7 @@ def made(*outputs, source='show()', **marks):
 
 
 def test_demonstration_has_its_picture():
-    """Each output is shown in the best format that needs no kernel."""
+    """Of each output the best form that needs no kernel."""
     widget = {'application/vnd.jupyter.widget-view+json': {}, 'text/html': '<p>?</p>'}
     (cell,) = made(new_output('display_data', PICTURE), new_output('display_data', widget))
 
@@ -43,14 +43,14 @@ def test_demonstration_has_its_picture():
 
 
 def test_line_that_was_cleared_is_left_out():
-    """The counter of seconds that a waiting cell has cleared is not shown."""
+    """A cell that waited has cleared its counter of seconds."""
     (cell,) = made(new_output('display_data', {'text/plain': ''}), new_output('stream', text='a'))
 
     assert [one.output_type for one in cell.outputs] == ['stream']
 
 
 def test_exercise_keeps_its_stub_and_has_no_output():
-    """A line on the page says that the learner writes this cell."""
+    """A line says where it is written."""
     stub = '# YOUR CODE HERE'
     cell, note = made(new_output('stream', text='x'), source=stub, solution=True, grade_id='one')
 
@@ -59,7 +59,7 @@ def test_exercise_keeps_its_stub_and_has_no_output():
 
 
 def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():
-    """Pages need no script."""
+    """Nothing on a page needs a script."""
     text = (
         '# A\n\n```mermaid\nflowchart LR\n  accTitle: Two\n  accDescr: A to B.\n  A --> B\n```\n'
     )
@@ -71,7 +71,7 @@ def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_page_of_a_lesson_has_no_line_of_a_solution(path):
-    """The text that students have to write is on no page."""
+    """What students write is on no page, whatever the solved notebook holds."""
     solved = nbformat.read(PROJECT / 'solutions' / path.parent.name / path.name, as_version=4)
     released = nbformat.read(path, as_version=4)
     known = {line.strip() for cell in released.cells for line in cell.source.splitlines()}
@@ -91,7 +91,7 @@ def test_page_of_a_lesson_has_no_line_of_a_solution(path):
 
 
 def test_first_page_links_to_all_lessons():
-    """The links have the order of the lessons."""
+    """In their order."""
     text = nbformat.writes(first_page(Layout(PROJECT)))
 
     assert [text.index(f'({path.parent.name}/{path.name})') for path in LESSONS] == sorted(

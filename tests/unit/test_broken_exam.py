@@ -1,4 +1,4 @@
-"""Test that a broken exam file or check is reported in one line, with file and line number."""
+"""An exam file that cannot be imported, or a check that breaks: one line with file and line."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ BROKEN = {
 
 @pytest.fixture
 def broken_exam(tmp_path, monkeypatch):
-    """Return a function that writes the only visible exam of a course."""
+    """Return a function that writes the one visible exam of a course."""
     folder = tmp_path / 'broken_exams' / 'visible'
     folder.mkdir(parents=True)
     (tmp_path / 'course.toml').write_text("exams = 'broken_exams'\n")
@@ -41,7 +41,7 @@ def broken_exam(tmp_path, monkeypatch):
 
 
 def forget() -> None:
-    """Forget the course that was chosen before."""
+    """Forget which course was chosen before."""
     for name in [name for name in sys.modules if name.partition('.')[0] == 'broken_exams']:
         del sys.modules[name]
     catalog.load.cache_clear()
@@ -50,7 +50,7 @@ def forget() -> None:
 
 @pytest.mark.parametrize('line', BROKEN)
 def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, capsys, line):
-    """The line has file, line number and message; a learner is told to contact the instructor."""
+    """File, line and message; a learner who checks is sent to the instructor."""
     broken_exam(f'"""A docstring."""\n\n{line}\n')
 
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']
@@ -65,7 +65,7 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
 
 
 def test_check_that_breaks_is_named_with_its_line(broken_exam):
-    """The message blames the exam and names the line."""
+    """The exam is at fault, and says where."""
     broken_exam('def sums(run):\n    """It sums."""\n    return 1 / 0\n\nexam = None\n')
     with pytest.raises(ExamInvalid, match='does not define a complete exam'):
         catalog.load('sample', hidden=False)

@@ -1,4 +1,4 @@
-"""Test the functions that all checks share, with recordings made by hand."""
+"""What checks have in common, asked about recordings made by hand."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def run_of(*events, **process):
 
 
 def message(clock_s, **data):
-    """Return a message received at a virtual time."""
+    """Return a message that came at a virtual time."""
     return {'event': 'message', 'topic': TOPIC, 'clock_ns': round(clock_s * 1e9), 'data': data}
 
 
@@ -33,14 +33,14 @@ def log(text, level=WARN, name='lab.a'):
 
 
 class TestNode:
-    """Test the check for a node's presence."""
+    """Whether a node is there."""
 
     def test_node_of_the_right_name_passes(self):
-        """The full name is compared."""
+        """The name is the full one."""
         checks.require_node(run_of(GRAPH), '/lab/a')
 
     def test_node_in_another_namespace_is_told_so(self):
-        """The message says that the namespace is wrong, not the spelling."""
+        """The plain name is right, so the spelling is not to blame."""
         with pytest.raises(Failed) as failed:
             checks.require_node(run_of(GRAPH), '/kitchen/a')
 
@@ -57,7 +57,7 @@ class TestNode:
         ],
     )
     def test_what_the_code_has_against_the_namespace_is_named(self, line, text, repair):
-        """The feedback names only suspects that the program's code contains."""
+        """No suspect is named that the program does not have."""
         with pytest.raises(Failed) as failed:
             checks.require_node(replace(run_of(GRAPH), files={'a.py': line}), '/kitchen/a')
 
@@ -66,17 +66,17 @@ class TestNode:
 
 
 class TestEndpoint:
-    """Test the check for an endpoint and its QoS profile."""
+    """Whether an endpoint is there and what it promises."""
 
     def test_endpoint_of_another_type_is_named(self):
-        """The cause is the type, not the topic's name."""
+        """The cause is the type and not the topic."""
         with pytest.raises(Failed) as failed:
             checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
 
         assert failed.value.why.cause_id == 'wrong_type'
 
     def test_policies_are_compared_one_by_one(self):
-        """Only the requested policies are compared; periods are shown in seconds."""
+        """Only what is asked for is looked at; a period is told in seconds."""
         checks.require_qos([END], reliability='RELIABLE', deadline_ns=None)
 
         with pytest.raises(Failed) as failed:
@@ -88,10 +88,10 @@ class TestEndpoint:
 
 
 class TestMessages:
-    """Test the checks of message contents and times."""
+    """What messages hold and when they come."""
 
     def test_one_other_value_fails_and_is_shown(self):
-        """A nested field is named with dots."""
+        """A nested field is named with a dot."""
         found = [message(1, unit={'name': 'Celsius'}), message(2, unit={'name': 'celsius'})]
 
         with pytest.raises(Failed) as failed:
@@ -104,10 +104,7 @@ class TestMessages:
         'clocks', [[1.1, 2.1, 3.1], [1.1, 2.105, 3.1], [0.1, 1.1, 2.1, 3.1]], ids=str
     )
     def test_steady_messages_pass_wherever_they_begin(self, clocks):
-        """
-        A program that polls the clock may be some milliseconds late, and the count may differ by
-        one.
-        """
+        """A polled clock is late by some milliseconds, and one message more or less fits."""
         rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
     @pytest.mark.parametrize(
@@ -121,7 +118,7 @@ class TestMessages:
         ids=['one', 'steady', 'a hole', 'flood'],
     )
     def test_rhythm_is_told_in_words(self, clocks, observed):
-        """Only the beginning of a flood is recorded, so its count is not shown."""
+        """What is recorded of a flood is its beginning, so its count says nothing."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
 
@@ -129,7 +126,7 @@ class TestMessages:
 
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
-        """A pause may be the reason although the period in the code is right."""
+        """The period in the code may be the right one."""
         code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(2.0)\n'
         asked = {'event': 'asked', 'node': '/lab/a', 'answered': answered}
         run = replace(run_of(asked), files={'n.py': code})
@@ -150,14 +147,14 @@ class TestMessages:
         ids=['twice as fast', 'a hole', 'silence', 'doubled'],
     )
     def test_other_rhythms_fail(self, clocks, cause):
-        """A cause is named only if the evidence is clear."""
+        """A cause is named only where it is sure."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
         assert (failed.value.why and failed.value.why.cause_id) == cause
 
     def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
-        """The rhythm is correct until the messages stop."""
+        """The rhythm is right as long as it lasts."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(
                 run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
@@ -166,7 +163,7 @@ class TestMessages:
         assert failed.value.why.cause_id == 'stops'
 
     def test_too_few_messages_fail(self):
-        """Silence has a separate cause."""
+        """Silence has a cause of its own."""
         with pytest.raises(Failed) as failed:
             checks.require_messages(run_of(GRAPH), [], 3, 'messages on /lab/reading')
 
@@ -174,7 +171,7 @@ class TestMessages:
         assert failed.value.why.cause_id == 'silent'
 
     def test_one_message_is_asked_for_without_a_number(self):
-        """The text does not say "at least 1 messages"."""
+        """Nobody says at least 1 messages."""
         with pytest.raises(Failed) as failed:
             checks.require_messages(run_of(GRAPH), [], 1, 'messages on /lab/reading')
 
@@ -182,32 +179,32 @@ class TestMessages:
 
 
 class TestLogs:
-    """Test the checks of lines from the node's own logger."""
+    """Log lines of the node's own logger."""
 
     def test_lines_of_others_do_not_count(self):
-        """Child loggers count; a node whose name only begins the same does not."""
+        """Children do; a node whose name begins alike does not."""
         run = run_of(log('mine'), log('child', name='lab.a.kid'), log('other', name='lab.ab'))
 
         assert [one['text'] for one in checks.own_logs(run, '/lab/a')] == ['mine', 'child']
 
 
 class TestAnswers:
-    """Test the checks of service responses."""
+    """What services answer."""
 
     SERVICE = '/lab/a/change_state'
 
     def answer(self, **data):
-        """Return an answered service call."""
+        """Return an answered call."""
         return {'event': 'answer', 'service': self.SERVICE, 'data': data}
 
     def test_wanted_answers_pass(self):
-        """Only the named fields are compared."""
+        """Only the fields that are named count."""
         run = run_of(self.answer(success=True, more=1), self.answer(success=False))
 
         checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')
 
     def test_other_answer_is_told_by_number(self):
-        """The first difference is reported, with the number of the call."""
+        """The first difference counts."""
         run = run_of(self.answer(success=True), self.answer(success=False))
 
         with pytest.raises(Failed) as failed:
@@ -227,7 +224,7 @@ class TestAnswers:
 
 
 def test_lines_of_the_only_node_count_in_each_phase_whatever_its_name():
-    """The graph at the start of the phase shows that there is only one node."""
+    """The graph was seen before the phase; it tells that there is one node only."""
     events = (
         {'event': 'graph', 'when': 'start', 'nodes': ['/mine'], 'endpoints': []},
         {'event': 'mark', 'name': 'silence', 'clock_ns': 0},

@@ -1,4 +1,4 @@
-"""Test the search for calls and names in learners' code: in callbacks or outside functions."""
+"""Find calls and names in a learner's code: in a callback, or outside any def."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NODE = (
 
 
 def node(line: str, call: str = '') -> dict[str, str]:
-    """Return a node file with the given line in its callback."""
+    """Return the file of a node with a line in its callback."""
     return {'n.py': NODE.format(line) + call}
 
 
@@ -41,7 +41,7 @@ def node(line: str, call: str = '') -> dict[str, str]:
     ],
 )
 def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
-    """A suppressed line in __init__(), or at a different level, explains nothing."""
+    """What is said once in __init__() explains nothing, and neither does another level."""
     assert leaves_out(node(line), ('info',)) == found
 
 
@@ -63,7 +63,7 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
     ],
 )
 def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
-    """Python's loggers are blamed only if nothing else logs at that level."""
+    """Only where nothing else logs at that level."""
     assert logs_with_python(node(line), names) is found
 
 
@@ -80,5 +80,5 @@ def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
     ],
 )
 def test_seed_counts_where_a_callback_comes_to_it(line, call, found):
-    """A seed in __init__(), or in a function that only main() calls, is correct."""
+    """A seed in __init__() or in what main() calls is as it should be."""
     assert seed_in_callback(node(line, call)) == found

@@ -1,4 +1,4 @@
-"""Test collecting from every kind of source, valid and invalid, into nbgrader's folders."""
+"""Sources of each kind, good and bad, to nbgrader's folders and one table."""
 
 from __future__ import annotations
 
@@ -55,17 +55,17 @@ from autograder.submission.tree import NotTakenInError
 )
 @pytest.mark.parametrize('how', [packed, laid])
 class TestEveryKind:
-    """Test each system's export as a zip file and as an unpacked folder."""
+    """As a zip, and as the folder that it was unpacked to."""
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
-        """The names of files and folders suffice."""
+        """By names alone."""
         with opened(how(tmp_path / 'source.zip', files)) as found:
             assert recognised(found)[0] == kind
 
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
         self, files, kind, how, tmp_path, layout
     ):
-        """Instructors may collect from the same source every evening."""
+        """Collecting every evening is what people do."""
         source = how(tmp_path / 'source.zip', files)
         before = sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
         collect(source, layout, layout.submitted)
@@ -80,7 +80,7 @@ class TestEveryKind:
 
 
 def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
-    """The cells of a notebook determine the assignment, not its file name."""
+    """Its cells say which it is, whatever the file is called."""
     files = {'ann/talk.ipynb': OTHER, 'bob/talk.ipynb': GOOD}
 
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -90,7 +90,7 @@ def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
 
 
 def test_what_was_collected_can_be_graded(tmp_path, layout):
-    """Names in all alphabets become ids that nbgrader can read."""
+    """Names of all alphabets, and none that nbgrader misreads."""
     files = {
         'Zoë Ünal/talk.ipynb': GOOD,
         '李雷/talk.ipynb': GOOD,
@@ -110,7 +110,7 @@ def test_what_was_collected_can_be_graded(tmp_path, layout):
 
 
 def test_two_names_that_become_one_are_both_left(tmp_path, layout):
-    """No student can get another student's marks."""
+    """Nobody gets somebody else's marks."""
     files = {'ann/talk.ipynb': GOOD, 'hw-ann/talk.ipynb': GOOD}
 
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, prefix='hw-')
@@ -120,17 +120,17 @@ def test_two_names_that_become_one_are_both_left(tmp_path, layout):
 
 
 class TestStudentIds:
-    """Test that each name has one id, at any time and from any source."""
+    """One for each name, on every day and from every source."""
 
     @pytest.mark.parametrize(
         'name', ['ann', 'Ann Example', 'smith-john', '_x', 'b.c', 'bo@x.org', '2024-0001', 'Ünal']
     )
     def test_what_can_be_an_id_is_one(self, name):
-        """A valid id is not changed."""
+        """As it is."""
         assert student_id(name) == name
 
     def test_no_two_names_become_one(self):
-        """Ids differ even without special characters and vowel signs, or if shortened."""
+        """Not if signs go, nor vowels of other alphabets, nor if one is too long."""
         names = ['a,b', 'a;b', 'a_b', 'a_b,', 'अमित', 'अमीत', 'x' * 101, 'x' * 102, ' ann', 'ann']
         names += ['می\u200cخواهم', 'میخواهم', 'O’Neil', "O'Neil", 'O_Neil', student_id('a,b')]
 
@@ -140,12 +140,12 @@ class TestStudentIds:
         assert all(is_student_id(one) for one in ids)
 
     def test_two_ways_to_write_a_letter_are_one(self):
-        """Some systems write letters in composed form, others in decomposed form."""
+        """As some systems write names in parts."""
         assert student_id('Zoe\u0308') == student_id('Zo\xeb') == 'Zo\xeb'
 
     @pytest.mark.parametrize('name', ['Zoë', 'Zoe\u0308', '小明', 'Jose--x'])
     def test_one_from_a_zip_that_does_not_say_utf_8(self, name, tmp_path, layout):
-        """Zips of Finder and ``zip`` lack the UTF-8 flag; their names must give the same id."""
+        """As the Finder and ``zip`` pack folders: nobody becomes two students."""
         source = packed(tmp_path / 's.zip', {f'{name}/talk.ipynb': GOOD})
         data = source.read_bytes()
         for header, flags in ((b'PK\x03\x04', 6), (b'PK\x01\x02', 8)):
@@ -159,12 +159,12 @@ class TestStudentIds:
 
     @pytest.mark.parametrize('name', ['', '--', '***', '_', '\u093f', ' . '])
     def test_a_name_without_a_letter_or_digit_is_none(self, name):
-        """The instructor must provide an id."""
+        """Somebody has to give one."""
         assert student_id(name) == ''
 
 
 class TestHostileSources:
-    """Test names and sizes made with bad intent."""
+    """Names and sizes that somebody made on purpose."""
 
     @pytest.mark.parametrize(
         ('name', 'why'),
@@ -177,7 +177,7 @@ class TestHostileSources:
         ],
     )
     def test_a_path_that_leads_elsewhere_is_left(self, name, why, tmp_path, layout):
-        """The other files are collected."""
+        """The others are taken."""
         source = packed(tmp_path / 's.zip', {name: GOOD, 'ann/talk.ipynb': GOOD, 'b/x.txt': b''})
 
         rows = collect(source, layout, layout.submitted)
@@ -186,7 +186,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """The target of the link does not matter."""
+        """Whatever it points to."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
@@ -197,7 +197,7 @@ class TestHostileSources:
         assert (row.done, row.notes) == (LEFT, ('a link or a special file',))
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
-        """The collection does not block on a pipe."""
+        """Nobody waits for a pipe."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         (source / 'bob').mkdir()
         (source / 'bob' / 'talk.ipynb').symlink_to(source / 'ann' / 'talk.ipynb')
@@ -213,7 +213,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_file_that_grows_when_unpacked_is_bounded(self, tmp_path, layout, monkeypatch):
-        """The size in the zip's directory is not trusted."""
+        """Its table of contents may say what it likes."""
         monkeypatch.setattr(tree, 'MAX_BYTES', 1000)
         source = packed(tmp_path / 's.zip', {'ann/talk.ipynb': b' ' * 100_000})
 
@@ -223,7 +223,7 @@ class TestHostileSources:
         assert 'more than' in row.notes[0]
 
     def test_far_too_many_files_are_refused_as_a_whole(self, tmp_path, layout, monkeypatch):
-        """The message says what to try."""
+        """With what to try."""
         monkeypatch.setattr(tree, 'MOST_ENTRIES', 2)
         source = laid(tmp_path / 's', {f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
@@ -234,7 +234,7 @@ class TestHostileSources:
     def test_what_programs_leave_does_not_make_a_class_too_large(
         self, how, tmp_path, layout, monkeypatch
     ):
-        """These files are ignored up to a limit."""
+        """But there is an end to that, too."""
         work = ('src/ros_ws/build/x', 'install/COLCON_IGNORE', 'install/x.ipynb', '.venv/a/x.py')
         files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
         files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
@@ -253,7 +253,7 @@ class TestHostileSources:
 
     @pytest.mark.parametrize('name', ['build', 'install', 'log'])
     def test_a_students_own_folder_is_no_programs(self, name, tmp_path, layout):
-        """A student's folder is read, whatever its name and contents."""
+        """Whatever it is called, and whatever lies in it."""
         files = {f'{name}/COLCON_IGNORE': b'', f'{name}/talk.ipynb': GOOD, 'ann/talk.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -261,7 +261,7 @@ class TestHostileSources:
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, name: TAKEN}
 
     def test_a_name_of_very_many_slashes_is_left(self, tmp_path, layout):
-        """The name is rejected immediately."""
+        """At once."""
         name = 'ann/' + 'x/' * 30_000 + 'talk.ipynb'
 
         (row,) = collect(packed(tmp_path / 's.zip', {name: GOOD}), layout, layout.submitted)
@@ -269,7 +269,7 @@ class TestHostileSources:
         assert (row.done, row.notes) == (LEFT, ('a path that is far too long',))
 
     def test_metadata_that_is_no_table_is_one_sentence(self, tmp_path, layout):
-        """YAML metadata never creates objects."""
+        """YAML makes no objects here."""
         text = b'!!python/object/apply:os.system ["touch /tmp/evil"]'
         source = laid(tmp_path / 's', {'submission_metadata.yml': text, 'a/b.ipynb': GOOD})
 
@@ -277,7 +277,7 @@ class TestHostileSources:
             collect(source, layout, layout.submitted)
 
     def test_a_damaged_zip_is_one_sentence(self, tmp_path, layout):
-        """A truncated download gives one sentence."""
+        """A download that was cut off."""
         (tmp_path / 's.zip').write_bytes(packed(tmp_path / 'g.zip', MOODLE).read_bytes()[:200])
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
@@ -297,7 +297,7 @@ def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
 
 
 def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
-    """The collection never writes through a link into another folder."""
+    """Into somebody's own files."""
     layout.submitted.mkdir(parents=True)
     (tmp_path / 'elsewhere').mkdir()
     (layout.submitted / 'ann').symlink_to(tmp_path / 'elsewhere')
@@ -309,15 +309,15 @@ def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
 
 
 class TestCommand:
-    """Test the command as typed in a terminal."""
+    """As typed in a terminal."""
 
     @pytest.fixture(autouse=True)
     def here(self, layout, monkeypatch):
-        """Select the small test course."""
+        """Let the course be the small one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_it_prints_a_table_and_tells_by_its_exit_code(self, tmp_path, layout, capsys):
-        """The exit code is 1 if something was not collected."""
+        """1 if something was left."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/x.txt': b''})
 
         assert command.main(['collect', str(source)]) == FOR_REVIEW
@@ -326,7 +326,7 @@ class TestCommand:
         assert '1 not taken, 1 taken.' in said
 
     def test_a_dry_run_writes_nothing(self, tmp_path, layout, capsys):
-        """A dry run reports the same, also as JSON."""
+        """And says the same, as JSON if asked."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--dry-run', '--json']) == OK
@@ -335,7 +335,7 @@ class TestCommand:
         assert not layout.submitted.exists()
 
     def test_the_example_students_leave_when_a_class_comes(self, tmp_path, layout, capsys):
-        """They leave only if something was collected."""
+        """Not before something is taken."""
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
         example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
         everybody = [SubmissionResult(one, TALK) for one in ('ann', 'pass__example')]
@@ -357,7 +357,7 @@ class TestCommand:
         assert 'Removed the 1 example students' in capsys.readouterr().err
 
     def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):
-        """Only one command may write at a time; a dry run may always read."""
+        """Only one of them writes; a dry run may always look."""
         source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
 
         with alone(layout, 'a grading'):
@@ -368,7 +368,7 @@ class TestCommand:
         assert command.main(['collect', source]) == OK
 
     def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
-        """The given prefix is removed, and the table mentions it."""
+        """The one that was named, and the table says so."""
         source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--prefix', 'hw1-', '--json']) == OK
@@ -382,7 +382,7 @@ class TestCommand:
         assert "begin with 'hw2-' (--prefix), got: bob, hw1-ann" in capsys.readouterr().err
 
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
-        """The exit code is 2."""
+        """Exit code 2."""
         assert command.main(['collect', str(tmp_path / 'no.zip')]) == command.USAGE
         assert 'no.zip: cannot be read: no such file' in capsys.readouterr().err
 

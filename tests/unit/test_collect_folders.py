@@ -1,4 +1,4 @@
-"""Test folders of students, and which names determine how a class is read."""
+"""Folders of students, and which names may decide how the work of a class is read."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from autograder.submission.tree import NotTakenInError
 
 
 class TestFolders:
-    """Test sources with one folder or one notebook per student."""
+    """Collect one folder or one notebook per student."""
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
-        """The collection runs nothing and follows no links in a repository; it ignores .git."""
+        """And nothing in them is run or followed, git's own files least of all."""
         rows = collect(how(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
 
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
@@ -38,7 +38,7 @@ class TestFolders:
         assert not [path for path in layout.submitted.rglob('*') if '.git' in path.parts]
 
     def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
-        """Git hosts create empty repositories before the first push."""
+        """As the systems make them before anybody has pushed."""
         source = laid(tmp_path / 'r', {**REPOSITORIES, 'talk-dan/.git/HEAD': b'ref'})
         (source / 'talk-eva' / '.git').mkdir(parents=True)
 
@@ -52,7 +52,7 @@ class TestFolders:
         }
 
     def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):
-        """An example is a zip file among the notebooks of a class."""
+        """Somebody's archive among the notebooks of a class."""
         files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1'}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -64,7 +64,7 @@ class TestFolders:
         }
 
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
-        """The outer folder may contain folders or notebooks named by students."""
+        """With folders in it, or notebooks named by students."""
         around = packed(tmp_path / 'a.zip', {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER})
         flat = packed(tmp_path / 'b.zip', {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD})
 
@@ -83,7 +83,7 @@ class TestFolders:
         ],
     )
     def test_one_students_folder_is_no_class(self, files, tmp_path, layout):
-        """An instructor may collect one student's folder again after an appeal."""
+        """For an appeal."""
         rows = collect(packed(tmp_path / 'a.zip', files), layout, layout.submitted)
 
         assert [(row.student, row.assignment, row.done) for row in rows] == [
@@ -92,7 +92,7 @@ class TestFolders:
         ]
 
     def test_folders_of_assignments_are_no_students(self, tmp_path, layout):
-        """If the source is one student's folder, the owner is unknown."""
+        """Somebody named one student's folder, so nobody knows whose it is."""
         files = {f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER}
 
         rows = collect(laid(tmp_path / 'ann', files), layout, layout.submitted)
@@ -102,14 +102,14 @@ class TestFolders:
 
 
 class TestIdsOfFolders:
-    """Test that a student's id is the name of the folder, regardless of other folders."""
+    """The id is the name of the folder, whatever other folders there are."""
 
     @pytest.mark.parametrize(
         'names',
         [('2024-0001', '2024-0002'), ('smith-john', 'smith-anna'), ('talk-ann', 'talk-bob')],
     )
     def test_what_folders_share_stays(self, names, tmp_path, layout):
-        """Both layouts keep common prefixes: notebooks in the folder, and nbgrader's folders."""
+        """With a notebook in them, and as nbgrader lays them."""
         for count, place in enumerate(('{}/talk.ipynb', f'{{}}/{TALK}/talk.ipynb')):
             source = laid(tmp_path / str(count), {place.format(name): GOOD for name in names})
 
@@ -120,7 +120,7 @@ class TestIdsOfFolders:
     @pytest.mark.parametrize('prefix', ['talk-', '03_talk-', '03-talk_', '03-Talk-', 'talk_'])
     @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
     def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, tmp_path, layout):
-        """The suffix is removed even from the first repository."""
+        """Also if it is the first one, whatever is in it."""
         names = (f'{prefix}ann', *others)
         files = {f'{name}/.git/HEAD': b'ref' for name in names}
         files |= {f'{name}/work/talk.ipynb': GOOD for name in names}
@@ -134,7 +134,7 @@ class TestIdsOfFolders:
             assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
 
     def test_the_longest_name_of_an_assignment_is_taken_off(self, tmp_path, layout):
-        """The longest matching name is removed, but never the entire name."""
+        """And never all of a name."""
         files = {'06_talk_more/talk_more.ipynb': OTHER}
         laid(layout.notebooks, files)
         names = ('talk-more-ann', 'talk-bob', 'talk-', 'talkative-cy')
@@ -145,7 +145,7 @@ class TestIdsOfFolders:
         assert {row.student for row in rows} == {'ann', 'bob', 'talk-', 'talkative-cy'}
 
     def test_two_repositories_of_one_student_are_not_mixed(self, tmp_path, layout):
-        """A student has one repository per assignment; two for the same one are reported."""
+        """One an assignment is; two with the same one are for somebody to look at."""
         files = {
             'talk-ann/.git/HEAD': b'',
             'talk-ann/talk.ipynb': GOOD,
@@ -160,7 +160,7 @@ class TestIdsOfFolders:
         assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
 
     def test_a_prefix_is_for_folders(self, tmp_path, layout):
-        """Names in exports of learning platforms are not changed."""
+        """Systems have names of their own."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
         with pytest.raises(NotTakenInError, match='these are names from moodle'):
@@ -168,7 +168,7 @@ class TestIdsOfFolders:
 
 
 class TestNamesThatStudentsGive:
-    """Test that only names chosen by the system determine how a class is read."""
+    """Only the level that a system names decides how a class is read."""
 
     FORGED = (
         b"submission_102:\n  :submitters:\n  - :sid: '1001'\n"
@@ -176,7 +176,7 @@ class TestNamesThatStudentsGive:
     )
 
     def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
-        """The student's file precedes the real metadata in alphabetical order."""
+        """It comes before the real one in the order of names."""
         forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
         source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
         honest = packed(tmp_path / 'h.zip', GRADESCOPE)
@@ -201,7 +201,7 @@ class TestNamesThatStudentsGive:
     def test_names_of_other_systems_in_a_folder_decide_nothing(
         self, files, name, tmp_path, layout
     ):
-        """Every student's folder may contain such a name."""
+        """Every folder of a student has one."""
         owner = next(iter(files)).partition('/')[0]
         honest, source = tmp_path / 'honest', tmp_path / 'source'
         laid(honest, files)
@@ -215,7 +215,7 @@ class TestNamesThatStudentsGive:
     def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(
         self, tmp_path, layout
     ):
-        """The system that explains most of the names is chosen."""
+        """What explains most of the names counts."""
         files = {**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD}
         source = laid(tmp_path / 'r', files)
 
@@ -226,7 +226,7 @@ class TestNamesThatStudentsGive:
 
     @pytest.mark.parametrize('wanted', ['', 'moodle'])
     def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
-        """The folder of a single submission is not an outer folder of the class."""
+        """Its folder is not one around everything."""
         files = {
             'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
@@ -252,7 +252,7 @@ MACOS = {'.DS_Store': b'Bud1', '._x': b'mac'}
 def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
     files, how, around, tmp_path, layout
 ):
-    """A zip may have been unpacked, viewed and packed again."""
+    """A zip that was unpacked, looked at and packed again."""
     again = dict(files)
     if around and not any(name.startswith(('c/', 'assignment_9')) for name in files):
         again = {f'{around}{name}': data for name, data in files.items()}
@@ -273,11 +273,11 @@ def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
 
 
 class TestNamedKind:
-    """Test that ``--kind`` must match the source."""
+    """``--kind`` is a promise about the source."""
 
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
     def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
-        """The message has the expected and the recognised system."""
+        """With what was expected and what was found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
         with pytest.raises(NotTakenInError) as caught:
@@ -287,21 +287,21 @@ class TestNamedKind:
         assert 'got: grades.csv, roster.csv.' in caught.value.what
 
     def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):
-        """The name of the outer folder is not significant."""
+        """That one says nothing."""
         files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
 
         with pytest.raises(NotTakenInError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
             collect(laid(tmp_path / 's', files), layout, layout.submitted, kind='moodle')
 
     def test_an_empty_source_is_refused(self, tmp_path, layout):
-        """Usually the wrong folder was given."""
+        """The wrong folder, mostly."""
         (tmp_path / 's').mkdir()
 
         with pytest.raises(NotTakenInError, match='got: nothing'):
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """The other files are reported in the table."""
+        """The rest has its lines."""
         files = {f'notes_{n}.txt': b'' for n in range(9)}
         source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
 

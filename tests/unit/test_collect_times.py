@@ -1,4 +1,4 @@
-"""Test the time of submission and lateness, in the table and for a late policy."""
+"""When work was handed in, and whether it was late: in the table and for a late policy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
 
 
 def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
-    """Return an exchange with submissions at these times."""
+    """Return an exchange with hand-ins at such times."""
     return {
         f'{student}+{TALK}+{time}+q3rYx_-a/talk.ipynb': notebook('talker', text=time)
         for time in times_
@@ -42,12 +42,12 @@ def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
 
 @pytest.fixture
 def gradebook(layout) -> Path:
-    """Return a gradebook with the needed columns of nbgrader 0.9 and a due date at noon."""
+    """Return a gradebook with the columns of nbgrader 0.9 that are asked, due at noon."""
     return made_gradebook(layout)
 
 
 def made_gradebook(layout: Layout) -> Path:
-    """Write the gradebook and the settings with its path."""
+    """Write it, and the settings that say where it is."""
     layout.work.mkdir(parents=True)
     path = layout.work / 'gradebook.db'
     settings = f"c = get_config()\nc.CourseDirectory.db_url = 'sqlite:///{path}'\n"
@@ -69,7 +69,7 @@ def made_gradebook(layout: Layout) -> Path:
 
 
 class TestReading:
-    """Test the time formats of nbgrader and Gradescope."""
+    """Times as nbgrader and Gradescope write them."""
 
     @pytest.mark.parametrize(
         ('text', 'hour'),
@@ -87,7 +87,7 @@ class TestReading:
         ],
     )
     def test_offsets_are_understood(self, text, hour):
-        """Times with an offset are converted to UTC."""
+        """To UTC."""
         assert read_time(text) == (NOON.replace(hour=hour), '')
 
     @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ class TestReading:
         ],
     )
     def test_what_is_not_understood_is_no_time(self, text, note):
-        """Abbreviations such as CST are ambiguous."""
+        """Nobody knows which of four zones CST is."""
         assert read_time(text) == (None, note)
 
     @pytest.mark.parametrize(
@@ -121,17 +121,17 @@ class TestReading:
         ],
     )
     def test_lateness_is_told_to_the_minute(self, late, words):
-        """Lateness is shown in days, hours and minutes."""
+        """In the units that people use."""
         assert late_notes('', NOON + late, NOON) == (words,)
         assert late_notes('Canvas', NOON + late, NOON) == (words,)
         assert late_notes('', NOON, NOON) == ()
 
 
 class TestExchange:
-    """Test the time in the name of an exchange folder."""
+    """The time is in the folder's name."""
 
     def test_the_time_is_kept_and_shown(self, tmp_path, layout):
-        """The table shows UTC, to the minute."""
+        """In UTC, to the minute in the table."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
 
         (row,) = collect(source, layout, layout.submitted)
@@ -140,7 +140,7 @@ class TestExchange:
         assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
 
     def test_a_zone_by_name_is_no_time(self, tmp_path, layout):
-        """No time is better than a wrong one."""
+        """Rather than a wrong one."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 CET'))
 
         (row,) = collect(source, layout, layout.submitted)
@@ -151,11 +151,11 @@ class TestExchange:
 
 
 class TestStampBesideANotebook:
-    """Test ``STUDENT/ASSIGNMENT/timestamp.txt``, as written by nbgrader's collect."""
+    """``STUDENT/ASSIGNMENT/timestamp.txt``, as nbgrader's own collect leaves it."""
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_it_is_kept(self, how, tmp_path, layout):
-        """Each assignment has its own time."""
+        """Of each assignment its own."""
         files = {
             f'ann/{TALK}/talk.ipynb': GOOD,
             f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:34:56.789012 UTC',
@@ -176,7 +176,7 @@ class TestStampBesideANotebook:
         ]
 
     def test_one_of_a_student_counts_for_nothing_else(self, tmp_path, layout):
-        """The time of a learning platform is more reliable."""
+        """The system knows better."""
         files = {
             **GRADESCOPE,
             'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
@@ -187,7 +187,7 @@ class TestStampBesideANotebook:
         assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
 
     def test_in_a_repository_it_is_the_students_own(self, tmp_path, layout):
-        """A student can write any time into the file."""
+        """Who can write it can say anything."""
         for n, git in enumerate(('.git/HEAD', '.gitignore')):
             files = {
                 f'ann/{git}': b'',
@@ -202,7 +202,7 @@ class TestStampBesideANotebook:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_elsewhere_it_is_some_file(self, tmp_path, layout):
-        """The file is only used where nbgrader writes it."""
+        """Where nbgrader lays none."""
         files = {
             f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
             f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
@@ -214,12 +214,12 @@ class TestStampBesideANotebook:
 
 
 class TestOlderWork:
-    """Test that an older export never replaces newer work."""
+    """Monday's zip after Tuesday's takes nothing back."""
 
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        """The table reports it, even in a dry run."""
+        """And its line says so, in a dry run too."""
         monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
         tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
         collect(tuesday, layout, layout.submitted)
@@ -234,7 +234,7 @@ class TestOlderWork:
         assert taken(layout) == before
 
     def test_newer_work_replaces_it(self, tmp_path, layout):
-        """Nothing is ambiguous, so there is no note."""
+        """As nothing is in doubt, nothing is said."""
         collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
 
         (row,) = collect(laid(tmp_path / 't', inbound(self.TUESDAY)), layout, layout.submitted)
@@ -243,7 +243,7 @@ class TestOlderWork:
         assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
     def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, tmp_path, layout):
-        """The student submitted the same work twice."""
+        """It was handed in twice."""
         place = f'ann+{TALK}+{{}}+x/talk.ipynb'
         tuesday = laid(tmp_path / 't', {place.format(self.TUESDAY): GOOD})
         collect(tuesday, layout, layout.submitted)
@@ -257,7 +257,7 @@ class TestOlderWork:
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
     def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
-        """The work collected last is kept, and the table says so."""
+        """What is collected last stays, and its line says that."""
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
@@ -269,10 +269,10 @@ class TestOlderWork:
 
 
 class TestStaleTime:
-    """Test that a stored time always belongs to the notebook next to it."""
+    """A time belongs to the notebook beside it."""
 
     def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
-        """Otherwise a late submission would appear to be on time."""
+        """Else a late hand-in looks like one in time."""
         collect(
             laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
             layout,
@@ -290,7 +290,7 @@ class TestStaleTime:
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 
     def test_the_same_work_keeps_its_time(self, tmp_path, layout):
-        """An instructor may have written the time by hand."""
+        """Somebody may have written it there by hand."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         collect(source, layout, layout.submitted)
         laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:00:00 UTC\n'})
@@ -302,10 +302,10 @@ class TestStaleTime:
 
 
 class TestDueDates:
-    """Test due dates from the gradebook."""
+    """As the gradebook has them."""
 
     def test_late_work_is_told(self, tmp_path, layout, gradebook):
-        """Extensions of individual students are included."""
+        """With extensions of single students."""
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {
             **inbound('2026-03-01 11:59:59.999999 UTC', student='bob'),
@@ -324,7 +324,7 @@ class TestDueDates:
         }
 
     def test_looking_makes_no_gradebook_and_changes_none(self, tmp_path, layout, gradebook):
-        """There may be no gradebook before the first grading."""
+        """There may be none before the first grading."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
         before = gradebook.read_bytes()
         collect(source, layout, layout.submitted)
@@ -337,7 +337,7 @@ class TestDueDates:
         assert not gradebook.exists()
 
     def test_a_damaged_gradebook_is_one_line(self, tmp_path, layout, gradebook):
-        """The work is still collected."""
+        """The work is collected anyway."""
         gradebook.write_bytes(b'SQLite format 3\x00' + b'\xff' * 4096)
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
 
@@ -349,7 +349,7 @@ class TestDueDates:
         )
 
     def test_nbgrader_is_not_imported(self, tmp_path, layout, gradebook):
-        """The import takes seconds."""
+        """It takes seconds."""
         before = set(sys.modules)
         due_dates(layout)
 
@@ -358,7 +358,7 @@ class TestDueDates:
     @pytest.mark.slow
     @pytest.mark.nbgrader
     def test_a_gradebook_of_nbgrader_is_read(self, layout, gradebook, monkeypatch):
-        """The gradebook was created by nbgrader itself."""
+        """One that nbgrader itself made."""
         from nbgrader.api import Gradebook
 
         gradebook.unlink()
@@ -377,7 +377,7 @@ class TestDueDates:
 
 
 def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
-    """The time is in the printed table and in the JSON output."""
+    """For people, and in JSON."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
 

@@ -1,4 +1,4 @@
-"""Test the command line: clear errors and stable exit codes."""
+"""The command line: clear errors, stable exit codes."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from autograder.sandboxes.sandbox import Sandbox
 
 @pytest.fixture(autouse=True)
 def undisturbed(monkeypatch):
-    """Allow the command although another grading of this course may be running."""
+    """Let somebody grade in this course meanwhile."""
     monkeypatch.setattr(grading, 'alone', lambda *_: nullcontext())
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):
-    """The exit code is 2 and the message is one line."""
+    """Exit code 2, one line."""
     code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
 
     assert code == command.USAGE
@@ -39,7 +39,7 @@ def test_a_missing_folder_is_named(tmp_path, capsys):
 
 
 def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
-    """A suggestion makes a typing mistake quick to fix."""
+    """The suggestion makes a typo quick to fix."""
     arguments = ['grade', '--submitted', str(tmp_path), '--assignment', '07_temprature_monitor']
 
     assert command.main(arguments) == command.USAGE
@@ -47,7 +47,7 @@ def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
 
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
-    """The grader never runs a program without isolation by default."""
+    """It never falls back to a plain process."""
 
     def refuse():
         raise SandboxUnavailable('No bubblewrap.', 'Install it.')
@@ -59,7 +59,7 @@ def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch)
 
 
 def test_a_check_that_cannot_run_says_so_as_data(tmp_path, capsys):
-    """The notebook shows a fault of the checker, not of the learner's code."""
+    """The notebook shows it as a problem of the checker, not of the code."""
     arguments = ['check', 'nonsense', '--files', str(tmp_path), '--visible', '--json']
 
     assert command.main(arguments) == command.USAGE
@@ -76,7 +76,7 @@ def one_line(captured):
 
 @pytest.fixture
 def no_place_to_write(tmp_path, monkeypatch):
-    """Put the secret at a path that no user, not even root, can create."""
+    """Put the secret where no user, not even root, can create a folder."""
     from autograder.exam import inputs
 
     (tmp_path / 'file').write_text('x')
@@ -91,7 +91,7 @@ def no_place_to_write(tmp_path, monkeypatch):
 def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
-    """The message names the file and has no traceback."""
+    """It names the file, and nobody reads a traceback."""
     from autograder.exam import inputs
 
     monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
@@ -108,7 +108,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
-    """An error for a full disk has no file name."""
+    """A full disk has no name."""
 
     def refuse(*_, **__):
         raise OSError(28, 'No space left on device')
@@ -123,7 +123,7 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
-    """The message names what is missing and the command to type."""
+    """The set-up says what is missing and what to type."""
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
@@ -141,7 +141,7 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
 
 def test_a_python_without_the_packages_is_one_line(tmp_path):
-    """A plain python3 has none of the packages; -S simulates this with any Python."""
+    """Plain python3 has none of them; -S makes any Python so."""
     root = Path(command.__file__).parents[1]
     done = subprocess.run(
         [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
@@ -157,7 +157,7 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
-    """Using another Python would not help."""
+    """Another Python would not help."""
 
     def refuse(*_, **__):
         raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
@@ -169,15 +169,15 @@ def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
 
 
 class TestCheckWithoutTheFile:
-    """Test the messages about a folder, which speak of files instead of cells."""
+    """On a folder, the words are about files: there are no cells."""
 
     def check(self, folder, *options):
-        """Run the publisher's check on a folder."""
+        """Run the check of the publisher on a folder."""
         options = ('--visible', *options)
         return command.main(['check', 'temperature_publisher', '--files', str(folder), *options])
 
     def test_the_line_names_the_folder_the_file_and_what_is_there(self, tmp_path, capsys):
-        """A frequent reason is the wrong folder."""
+        """Often it is the wrong folder."""
         (tmp_path / 'package.xml').write_text('x')
         (tmp_path / 'temp_publsher.py').write_text('x')
 
@@ -190,14 +190,14 @@ class TestCheckWithoutTheFile:
         assert captured.out == ''
 
     def test_an_empty_folder_has_nothing(self, tmp_path, capsys):
-        """There are no files to list."""
+        """There is no list to show."""
         assert self.check(tmp_path) == command.USAGE
 
         line = one_line(capsys.readouterr())
         assert line.endswith('expected temp_publisher.py, got no file of a package.')
 
     def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
-        """The message stays on one line."""
+        """One line stays one line."""
         for number in range(20):
             (tmp_path / f'a{number:02}.py').write_text('x')
 
@@ -206,7 +206,7 @@ class TestCheckWithoutTheFile:
         assert 'a07.py and 12 more.' in one_line(capsys.readouterr())
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
-        """The notebook recognises the check by name and says which cell to run."""
+        """The notebook knows it by its name and says which cell to run."""
         monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
 
         assert self.check(tmp_path, '--json') == OK
@@ -221,7 +221,7 @@ class TestCheckWithoutTheFile:
 
 @pytest.mark.parametrize('jobs', ['0', '-1', 'many', '1.5'])
 def test_jobs_are_a_positive_number(jobs, capsys):
-    """The message contains the expected value."""
+    """The message says what was expected."""
     with pytest.raises(SystemExit) as stopped:
         command.main(['grade', '--jobs', jobs])
 
@@ -230,7 +230,7 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
-    """It has one folder per student, with a folder for each submitted lesson."""
+    """It has one folder per student, with a folder for each lesson that was handed in."""
     assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
@@ -240,7 +240,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
 
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
-    """A new clone gets a sample class; an existing class is not changed."""
+    """A fresh clone has something to grade; an existing class is not changed."""
     from rich.console import Console
 
     layout = Layout.here()
@@ -259,7 +259,7 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
 
 def test_sample_students_never_follow_a_class(tmp_path):
-    """After a grading, an empty folder does not get the sample class again."""
+    """An empty folder is not a request for examples if something was graded before."""
     from rich.console import Console
 
     class Elsewhere(Layout):
@@ -278,7 +278,7 @@ def test_sample_students_never_follow_a_class(tmp_path):
     [(['--jobs', '3'], '--jobs 3'), (['--allow-weak', 'none'], '--allow-weak')],
 )
 def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, capsys):
-    """The cluster would ignore these options."""
+    """They would be ignored."""
     argv = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:1', *options]
 
     assert command.main(argv) == command.USAGE
@@ -293,7 +293,7 @@ def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, cap
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
-    """After Ctrl-C, a grading with --fresh cannot continue where it stopped."""
+    """After Ctrl-C, only a grading without --fresh goes on where it was."""
 
     def stop(*_):
         raise KeyboardInterrupt
@@ -306,16 +306,16 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
-    """Ctrl-C and a job's end signal give a separate exit code and no traceback."""
+    """Ctrl-C, and what ends a job: an exit code of its own, and no traceback."""
 
     def stopped(*_):
         signal.raise_signal(number)
         while True:
-            pass  # Python raises between two instructions, not necessarily at once
+            pass  # Python handles it between two instructions, not necessarily at once
 
     monkeypatch.setattr(grading, '_assignments', stopped)
     before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job has no handler
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
 
     try:
         assert command.main(['grade', '--submitted', str(tmp_path)]) == command.STOPPED
@@ -329,7 +329,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 
 
 def test_starting_imports_neither_nbgrader_nor_ros():
-    """Help and errors appear quickly."""
+    """Help and errors come at once."""
     code = (
         'import sys, autograder.__main__; from autograder.grading import pipeline; '
         'from autograder.submission import inbox; '
@@ -342,7 +342,7 @@ def test_starting_imports_neither_nbgrader_nor_ros():
 
 
 def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
-    """Each assignment is reported once, even if the reason is the same unavailable server."""
+    """Once each: a server that does not answer says the same for all of them."""
 
     def refuses(_, assignment):
         raise NotEnteredError('no server.' if assignment == '09' else f'{assignment}: cells.', ())
@@ -356,7 +356,7 @@ def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
 
 
 def test_a_reader_that_leaves_is_no_trouble(monkeypatch, capfd):
-    """``... | head`` closes the pipe early; neither the command nor Python prints an error."""
+    """As in ``... | head``: nothing is said, and Python itself says nothing at its end."""
     reading, writing = os.pipe()
     os.close(reading)
 

@@ -1,4 +1,4 @@
-"""Test that the files for containers fit together and have the form that their tools read."""
+"""The files of the container routes fit together and are of the form that their tools read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CONTAINER = ROOT / 'deploy' / 'container'
 
 
 def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
-    """The rules of Docker's profile for all other calls are unchanged."""
+    """What Docker's profile says about other calls stays as it is."""
     rules = [{'names': ['read'], 'action': 'SCMP_ACT_ALLOW'}]
     made = with_namespaces({'defaultAction': 'SCMP_ACT_ERRNO', 'syscalls': rules})
     assert made['defaultAction'] == 'SCMP_ACT_ERRNO'
@@ -27,13 +27,13 @@ def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
 
 @pytest.mark.parametrize('wrong', [{}, {'syscalls': []}, {'defaultAction': 'x', 'syscalls': {}}])
 def test_another_file_is_refused(wrong: dict[str, object]) -> None:
-    """A file with a different form is not accepted as a profile."""
+    """A file with a different form is not a profile."""
     with pytest.raises(ValueError, match='expected a seccomp profile'):
         with_namespaces(wrong)
 
 
 def test_paths_and_stages_exist() -> None:
-    """Compose and the development container name the Dockerfile and an existing stage."""
+    """Compose and the development container name the Dockerfile and a stage that it has."""
     compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
     build = compose['build']
     assert (CONTAINER / build['context'] / build['dockerfile']).samefile(CONTAINER / 'Dockerfile')

@@ -1,4 +1,4 @@
-"""Test that only one grading runs at a time, and the clean-up after a killed grading."""
+"""One grading at a time, and what a killed one left unfinished."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ with alone(Layout(Path(sys.argv[1])), 'a grading'):
 
 
 def held(root):
-    """Start another process that holds the lock of a grading."""
+    """Start another process that grades."""
     process = subprocess.Popen(
         [sys.executable, '-c', HOLDER, str(root)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
@@ -34,7 +34,7 @@ def held(root):
 
 
 def unfinished(layout):
-    """Create a temporary file of a killed grading and two other files; return all three."""
+    """Return files that a killed grading leaves: one of its own, two that are not."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
     files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
@@ -44,7 +44,7 @@ def unfinished(layout):
 
 
 def test_a_second_grading_is_told_who_is_there(tmp_path):
-    """The second grading starts after the first one has ended."""
+    """And begins when the first one has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
@@ -58,7 +58,7 @@ def test_a_second_grading_is_told_who_is_there(tmp_path):
 
 
 def test_what_a_killed_grading_left_goes(tmp_path):
-    """The kernel releases the lock of a killed process."""
+    """The kernel gives its lock back."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         half, *others = unfinished(layout)
@@ -70,7 +70,7 @@ def test_what_a_killed_grading_left_goes(tmp_path):
 
 
 def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
-    """`run` may be writing a recording while a class is graded."""
+    """A quick look at one submission keeps its recording beside a grading."""
     layout = Layout(tmp_path)
     path = layout.recordings / 'talker' / 'x.jsonl'
     rename = Path.replace
@@ -88,7 +88,7 @@ def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
 
 
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
-    """After a clean end, the next grading does not search for leftover files."""
+    """So the next one does not look."""
     layout = Layout(tmp_path)
     with alone(layout, 'a grading'):
         pass

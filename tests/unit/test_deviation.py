@@ -1,4 +1,4 @@
-"""Test the search for the moment of a deviation: named by the check or by the shortest prefix."""
+"""Find where a check first saw something else: the check names it, or the shortest beginning."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from autograder.recording import header, Recording
 
 
 def message(second, value):
-    """Return a message at a virtual time [s]."""
+    """Return a message at a virtual second."""
     facts = {'topic': '/t', 'data': {'value': value}}
     return {'event': 'message', 'clock_ns': second * 10**9, 'after_input': None, **facts}
 
@@ -17,33 +17,33 @@ END = ({'event': 'end', 'clock_ns': 9, 'reason': 'complete'}, {'event': 'process
 
 
 def where(judge, *events, end=END, static=False):
-    """Return where a check deviates in a run with these events."""
+    """Return where a check deviates in a run of some events."""
     run = Run({}, Recording(header('x', 'none'), [*events, *end]))
     return deviation(Check('c', 'C.', 1, judge, static=static), run)
 
 
 def all_small(run):
-    """Fail at the first message that is too large."""
+    """Look at one message after the other."""
     for one in run.recording.messages('/t'):
         if one['data']['value'] > 5:
             raise Failed(expected='small', observed='large')
 
 
 def enough(run):
-    """Fail if there are more than two messages."""
+    """Count."""
     if len(run.recording.messages('/t')) > 2:
         raise Failed(expected='at most 2', observed='more')
 
 
 def test_check_that_goes_through_the_events_gives_up_at_one():
-    """Later events do not change the text of the failure."""
+    """What comes afterwards changes no word."""
     found = where(all_small, message(1, 1), message(2, 9), message(3, 9), message(4, 1))
 
     assert (found.index, found.how) == (1, 'cut')
 
 
 def test_a_check_may_name_the_moment():
-    """Checks that compute with times need it, because no single event shows the deviation."""
+    """Where it computes with times and no event shows it."""
 
     def named(run):
         raise Failed(expected='a', observed='b', at=2 * 10**9)
@@ -61,7 +61,7 @@ def test_else_the_shortest_beginning_with_the_same_words_counts():
 
 
 def test_what_is_missing_is_shown_by_the_whole_run_only():
-    """A missing message could still have arrived until the end."""
+    """Until the last moment it might have come."""
 
     def last(run):
         count = len(run.recording.messages('/t'))
@@ -73,7 +73,7 @@ def test_what_is_missing_is_shown_by_the_whole_run_only():
 
 
 def test_a_run_that_broke_off_deviates_where_it_ended():
-    """Otherwise the text about a missing message would match at the very beginning."""
+    """Words about what was never sent would be found at the very beginning."""
 
     def never(run):
         raise Failed(expected='60', observed='the run ended before')
@@ -85,13 +85,13 @@ def test_a_run_that_broke_off_deviates_where_it_ended():
 
 
 def test_a_check_that_passes_or_looks_at_files_has_no_moment():
-    """In both cases there is no moment to show."""
+    """There is nothing to show."""
     assert where(all_small, message(1, 1)) is None
     assert where(enough, *(message(1, 1) for _ in range(5)), static=True) is None
 
 
 def test_a_check_that_cannot_bear_half_a_recording_is_asked_no_more():
-    """The check expects complete recordings, so its exception is ignored."""
+    """It was written for whole ones."""
 
     def brittle(run):
         found = run.recording.messages('/t')

@@ -1,4 +1,4 @@
-"""Test that CMake's results from the set-up are kept for later builds if their format is known."""
+"""What CMake found out in the set-up is kept for later builds, if it has the form that we know."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ COURSE_PACKAGE = 'temp_monitor_pkg'
 
 @pytest.fixture
 def places(tmp_path):
-    """Return a set-up with a built workspace."""
+    """Return a set-up whose workspace has been built."""
     found = Places(tmp_path)
     build = found.workspace / 'build' / COURSE_PACKAGE
     (build / 'CMakeFiles').mkdir(parents=True)
@@ -36,7 +36,7 @@ def places(tmp_path):
 
 
 def test_python_is_kept(places):
-    """The result is in the variables of CMake's FindPython3."""
+    """In the words of CMake's FindPython3."""
     assert keep(places)
 
     lines = (places.cmake / 'known' / 'python.cmake').read_text().splitlines()
@@ -54,7 +54,7 @@ def test_python_is_kept(places):
     ],
 )
 def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, python, written):
-    """The first line of a script is limited in length and cannot contain spaces."""
+    """The first line of a script has neither room for long paths nor for blanks."""
     cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
     cache.write_text(CACHE.replace('/venv/bin/python', python), encoding='utf-8')
     keep(places)
@@ -67,7 +67,7 @@ def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, pyt
 
 @pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'all'])
 def test_a_cache_of_another_form_leaves_nothing(places, gone):
-    """An incomplete note would be worse than none."""
+    """Half a note would be worse than none."""
     keep(places)
     cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
     if gone == 'all':
@@ -90,7 +90,7 @@ CXX_FLAGS = -O3 -DNDEBUG -std=gnu++17 -fPIC -Wall
 
 @pytest.fixture
 def header(places, tmp_path):
-    """Return the header to compile, in a set-up that has built C++ code."""
+    """Return the header that is compiled, in a set-up whose build compiled C++."""
     text = MAKEFILE.format(compiler=shutil.which('c++'), package=COURSE_PACKAGE, folder=tmp_path)
     build = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeFiles'
     flags = build / f'{COURSE_PACKAGE}__{TARGET}.dir' / 'flags.make'
@@ -113,7 +113,7 @@ def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
 
 
 def test_headers_that_do_not_compile_leave_nothing(places, header):
-    """Builds then parse the headers, and the other notes are kept."""
+    """Builds read them then, and the other notes are kept."""
     header.write_text('#include "not_there.hpp"\n')
 
     assert keep(places)

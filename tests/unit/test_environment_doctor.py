@@ -1,4 +1,4 @@
-"""Test the lines of `make doctor`: state, what was found, and what to type."""
+"""The doctor's lines: state, what was found, and what to type."""
 
 import os
 from pathlib import Path
@@ -12,14 +12,14 @@ from environment.places import LOCK_FILE, Places
 
 
 def test_line_ok_has_no_fix():
-    """A requirement in good state needs no advice."""
+    """A good state needs no advice."""
     line = doctor.Finding('make', doctor.OK, 'GNU Make', 'install it').line()
 
     assert line.split() == ['ok', 'make', 'GNU', 'Make']
 
 
 def test_line_missing_names_the_fix():
-    """A missing requirement comes with the command to type."""
+    """A missing requirement says what to type."""
     line = doctor.Finding('make', doctor.MISSING, 'not installed', 'apt-get install make').line()
 
     assert line.startswith('missing ')
@@ -27,7 +27,7 @@ def test_line_missing_names_the_fix():
 
 
 def test_findings_nothing_prepared_names_every_requirement(tmp_path):
-    """In a new clone, every requirement has a line, and missing ones have a fix."""
+    """In a fresh clone every line is there, and what is missing has a fix."""
     (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
@@ -44,7 +44,7 @@ def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     [('doors_msgs', 'programs: none'), ('', 'the course has none')],
 )
 def test_package_of_messages_only_is_complete(tmp_path, package, detail):
-    """A course may have a package without programs, or no package."""
+    """A course need not have programs of its own, nor a package."""
     (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
     places = Places.of('.venv', tmp_path)
     places.prefix.mkdir(parents=True)
@@ -55,7 +55,7 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
 
 
 def test_check_python_none_found_says_what_to_install():
-    """Without a Python, the line says how to install one."""
+    """Without a Python the line says how to get one."""
     finding = doctor.check_python(None, None)
 
     assert finding.state == doctor.MISSING
@@ -63,7 +63,7 @@ def test_check_python_none_found_says_what_to_install():
 
 
 def test_check_python_incomplete_names_the_package():
-    """One package completes a Debian Python without headers."""
+    """A Debian Python without headers is completed by one package."""
     this = interpreters.probe(sys.executable, os.environ)
     bare = interpreters.Interpreter(
         **{**vars(this), 'path': '/usr/bin/python3.12', 'release': '3.12.3', 'has_headers': False}
@@ -76,7 +76,7 @@ def test_check_python_incomplete_names_the_package():
 
 
 def test_check_bubblewrap_blocked_is_weak_with_fix():
-    """If the kernel forbids namespaces, lessons still work, and the line names the setting."""
+    """Where the kernel forbids namespaces lessons go on, and the switch is named."""
     finding = doctor.check_bubblewrap('bwrap: setting up uid map: Permission denied')
 
     assert finding.state == doctor.WEAK
@@ -84,7 +84,7 @@ def test_check_bubblewrap_blocked_is_weak_with_fix():
 
 
 def test_check_packages_wrong_version_is_missing(tmp_path):
-    """The line names the package with the pinned and the installed version."""
+    """If a version differs from the pinned one, the package is named with both versions."""
     site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
     pins = pins_module.pins_for(LOCK_FILE.read_text(), '3.12')
     for name, version in pins.items():
@@ -101,7 +101,7 @@ def test_check_packages_wrong_version_is_missing(tmp_path):
 
 
 def test_check_room_little_is_weak():
-    """Little disk space gives a warning with the required amount."""
+    """Little space is a warning with the wanted amount."""
     finding = doctor.check_room('disk space', Path('/'), 2**40, 'make room')
 
     assert finding.state == doctor.WEAK
@@ -117,7 +117,7 @@ def test_check_room_little_is_weak():
     ],
 )
 def test_command_to_type_is_one_line_of_the_system(have, expected):
-    """One command of this system's package manager installs everything that is missing."""
+    """What is missing is installed by one command of this system's package manager."""
     tools = [tool for tool in system.TOOLS if tool.command in ('g++', 'bwrap')]
 
     command = system.command_to_type(
@@ -128,7 +128,7 @@ def test_command_to_type_is_one_line_of_the_system(have, expected):
 
 
 def test_missing_tools_names_what_is_not_on_the_path():
-    """Each program is looked up by the name of its command."""
+    """Each program is looked up by its command."""
     missing = system.missing_tools(which=lambda name: None if name == 'bwrap' else name)
 
     assert [tool.title for tool in missing] == ['bubblewrap']
@@ -136,7 +136,7 @@ def test_missing_tools_names_what_is_not_on_the_path():
 
 
 def test_bubblewrap_failure_repeats_its_words(tmp_path):
-    """The line contains bubblewrap's error message; no error means that it works."""
+    """What bubblewrap said is passed on; silence means that it ran."""
     program = tmp_path / 'bwrap'
     program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
     program.chmod(0o755)

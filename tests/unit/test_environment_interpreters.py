@@ -1,4 +1,4 @@
-"""Test which Python the set-up chooses."""
+"""Which Python the set-up chooses."""
 
 from dataclasses import replace
 import json
@@ -25,7 +25,7 @@ GOOD = Interpreter(
 
 
 def fake_python(folder, name, **answers):
-    """Create a program that reports the given facts like an interpreter."""
+    """Make a program that answers the probe like an interpreter."""
     answer = {**vars(GOOD), 'path': str(folder / name), **answers}
     program = folder / name
     program.write_text(f"#!/bin/sh\necho '{json.dumps(answer)}'\n")
@@ -34,7 +34,7 @@ def fake_python(folder, name, **answers):
 
 
 def test_choose_several_supported_prefers_3_12():
-    """Among complete interpreters, 3.12 is preferred, wherever it was found."""
+    """Of complete interpreters 3.12 is taken, wherever it was found."""
     found = [replace(GOOD, release=f'{version}.1') for version in ('3.13', '3.10', '3.12', '3.11')]
 
     assert interpreters.choose(found).version == '3.12'
@@ -48,7 +48,7 @@ def test_choose_incomplete_3_12_takes_complete_3_10():
 
 
 def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
-    """The distribution's Python is faster, and 3.11 is tested equally often."""
+    """It is the faster one, and tested as often."""
     by_hand = replace(GOOD, base_prefix='/home/ada/.pyenv/versions/3.12.3')
     found = [by_hand, replace(GOOD, release='3.11.2')]
 
@@ -56,7 +56,7 @@ def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
 
 
 def test_choose_a_tested_version_before_the_distributions():
-    """A tested version is more important than speed."""
+    """Speed is not all."""
     by_hand = replace(GOOD, base_prefix='/usr/local')
     found = [replace(GOOD, release='3.13.1'), replace(GOOD, release='3.10.1'), by_hand]
 
@@ -64,7 +64,7 @@ def test_choose_a_tested_version_before_the_distributions():
 
 
 def test_choose_only_incomplete_takes_it():
-    """An incomplete interpreter is better than none, because the set-up completes it."""
+    """An incomplete interpreter is better than none: the set-up completes it."""
     assert interpreters.choose([replace(GOOD, has_venv=False)]).lacking() == 'venv'
 
 
@@ -72,12 +72,12 @@ def test_choose_only_incomplete_takes_it():
     'other', [{'release': '3.9.1'}, {'release': '3.14.0'}, {'implementation': 'pypy'}]
 )
 def test_choose_unsupported_gives_none(other):
-    """Unsupported versions and implementations are never chosen."""
+    """Other versions and implementations are never taken."""
     assert interpreters.choose([replace(GOOD, **other)]) is None
 
 
 def test_probe_this_python_tells_its_base():
-    """The Python of a venv reports the interpreter that created it."""
+    """A venv's Python answers for the interpreter behind it."""
     answer = interpreters.probe(sys.executable, os.environ)
 
     assert answer.version == f'{sys.version_info[0]}.{sys.version_info[1]}'
@@ -87,7 +87,7 @@ def test_probe_this_python_tells_its_base():
 
 @pytest.mark.parametrize('script', ['exit 127', 'echo no json', 'echo "{}"', 'echo []'])
 def test_probe_broken_shim_gives_none(tmp_path, script):
-    """A pyenv shim without its version, or any other failing program, is skipped."""
+    """A pyenv shim without its version, or any other nonsense, is skipped."""
     shim = tmp_path / 'python3.12'
     shim.write_text(f'#!/bin/sh\n{script}\n')
     shim.chmod(0o755)
@@ -101,7 +101,7 @@ def test_probe_missing_file_gives_none(tmp_path):
 
 
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
-    """A failing shim does not hide a version that pyenv has installed."""
+    """A shim that fails does not hide the version that pyenv really has."""
     shims = tmp_path / 'shims'
     real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
     for folder in (shims, real):
@@ -116,14 +116,14 @@ def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
 
 
 def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
-    """After `runuser -u` or `su`, the variables still name the home of another user."""
+    """Variables that `runuser -u` and `su` leave as they were name the home of another user."""
     closed = tmp_path / 'home'
     (closed / 'pyenv' / 'versions' / '3.12.1' / 'bin').mkdir(parents=True)
     closed.chmod(0)
     code = (
         'import os, sys\n'
         'from environment import interpreters\n'
-        'os.geteuid() or os.setuid(65534)\n'  # root can read everything
+        'os.geteuid() or os.setuid(65534)\n'  # root may read everything
         'print(*interpreters.candidates({"PATH": "/bin", "PYENV_ROOT": sys.argv[1]}))\n'
     )
 
@@ -148,7 +148,7 @@ def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
 
 
 def test_one_in_usr_local_hides_no_other(monkeypatch):
-    """Both interpreters are examined."""
+    """Both are asked."""
     monkeypatch.setattr(interpreters.shutil, 'which', lambda name, path=None: f'{path}/{name}')
 
     found = list(interpreters.candidates({'PATH': '/usr/local/bin'}))
@@ -157,7 +157,7 @@ def test_one_in_usr_local_hides_no_other(monkeypatch):
 
 
 def test_find_request_takes_only_that(tmp_path):
-    """With PYTHON=..., no other interpreter is considered."""
+    """With PYTHON=... nothing else is considered."""
     fake_python(tmp_path, 'python3.12')
     fake_python(tmp_path, 'python3.11', release='3.11.2')
 
@@ -178,7 +178,7 @@ def test_find_request_takes_only_that(tmp_path):
     ],
 )
 def test_wheels_refusal_names_the_reason(change, words):
-    """The message says why this machine cannot use the ROS 2 wheels."""
+    """A machine without ROS 2 wheels is told why."""
     refusal = interpreters.wheels_refusal(replace(GOOD, **change))
 
     assert words in refusal

@@ -1,4 +1,4 @@
-"""Test the lock file: exact, complete, and without addresses."""
+"""The lock file: exact, complete, and free of addresses."""
 
 from dataclasses import replace
 import os
@@ -18,7 +18,7 @@ PINS = [line for line in TEXT.splitlines() if line and not line.startswith('#')]
 
 
 def test_lock_has_digests_and_no_addresses_or_paths():
-    """Any mirror can serve the lock, but only files with the recorded digests are installed."""
+    """Any mirror serves the lock, and only the files that were there when it was written."""
     for line in PINS:
         assert '--hash=sha256:' in line
         assert not re.search(r'://|@|/', line)
@@ -33,7 +33,7 @@ def test_lock_every_line_is_an_exact_pin():
 
 
 def test_lock_is_what_render_writes():
-    """The lock was generated, not edited by hand."""
+    """The lock was not edited by hand."""
     lines = sorted(PINS, key=lambda line: line.split('==')[0])
     releases = re.search(f'{lock.RESOLVED}(.*)', TEXT)[1].split(', ')
 
@@ -43,7 +43,7 @@ def test_lock_is_what_render_writes():
 
 @pytest.mark.parametrize('python', PREFERRED)
 def test_lock_has_every_direct_requirement(python):
-    """Each name in requirements.in is pinned for each Python, at a permitted version."""
+    """For each Python each name of requirements.in is pinned, at the version asked for."""
     pins = pins_module.pins_for(TEXT, python)
     for line in LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8').splitlines():
         match = re.match(r'([A-Za-z0-9._-]+)(?:\[.*\])?(?:==(\S+))?\s*(;.*)?$', line)
@@ -53,7 +53,7 @@ def test_lock_has_every_direct_requirement(python):
 
 
 def test_lock_has_one_owner_of_the_lark_folder():
-    """Of the two packages that contain site-packages/lark, only the new one is installed."""
+    """Of the two packages that own site-packages/lark only the new one is installed."""
     pins = pins_module.pins_for(TEXT, '3.12')
 
     assert 'lark-parser' not in pins
@@ -61,7 +61,7 @@ def test_lock_has_one_owner_of_the_lark_folder():
 
 
 def test_reading_notebooks_compiles_no_grammar():
-    """An optional extra of jsonschema would make reading ten times slower."""
+    """It took ten times as long with an option of jsonschema that nobody here needs."""
     loaded = [sys.executable, '-c', 'import nbformat, sys; print("lark" in sys.modules)']
     said = subprocess.run(loaded, capture_output=True, text=True, check=True, timeout=60)
 
@@ -70,7 +70,7 @@ def test_reading_notebooks_compiles_no_grammar():
 
 
 def test_pins_for_sourced_leaves_ros_and_numpy_out():
-    """A sourced ROS 2 keeps its own packages and the NumPy with which it was compiled."""
+    """A sourced ROS 2 keeps its own packages and the NumPy it was compiled with."""
     pins = pins_module.pins_for(TEXT, '3.12', ros=False)
 
     assert not [name for name in pins if name.startswith('ros-') or name == 'numpy']
@@ -78,7 +78,7 @@ def test_pins_for_sourced_leaves_ros_and_numpy_out():
 
 
 def test_merge_different_versions_get_markers():
-    """Pythons with equal versions share a line; others get the narrowest marker."""
+    """Pythons that agree share a line; others get the narrowest range."""
     pins = {
         '3.10': {'a': '1', 'b': '1', 'c': '1', 'e': '1'},
         '3.11': {'a': '1', 'b': '2', 'c': '2'},
@@ -103,7 +103,7 @@ def test_merge_different_versions_get_markers():
 
 
 def test_pins_of_report_uses_one_spelling():
-    """Names in pip's report are normalised; packages excluded on purpose are dropped."""
+    """Names of pip's report are spelled alike; what is left out on purpose is dropped."""
     named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
     left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
     report = {
@@ -125,7 +125,7 @@ def test_pins_of_report_uses_one_spelling():
 
 
 def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
-    """There is one wheel per Python; the marker comes before the digests."""
+    """A wheel for each; the marker stays in front of them."""
     one, two = 'a' * 64, 'b' * 64
     line = 'x==1 ; python_version < "3.12"'
     (whole,) = lock.with_digests([line], [{'x==1': two}, {'x==1': one}, {'x==1': two}])
@@ -137,7 +137,7 @@ def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
 
 
 def test_oldest_of_each_takes_the_oldest_patch_release():
-    """Newer releases can install what the oldest release of a version resolves."""
+    """What the oldest Python of a version resolves, the newer ones can install too."""
     this = interpreters.probe(sys.executable, os.environ)
     found = [
         replace(this, release=release) for release in ('3.11.7', '3.11.10', '3.11.2', '3.12.1')

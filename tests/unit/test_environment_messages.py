@@ -1,4 +1,4 @@
-"""Test environment/messages.txt: which lines are valid, and which packages are installed."""
+"""Message packages of environment/messages.txt: what the file may say, and what is installed."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from environment.plan import Plan
 from environment.ros import further_messages
 from environment.steps import Job, StepError
 
-pytestmark = pytest.mark.slow  # pip installs small packages
+pytestmark = pytest.mark.slow  # pip installs toy packages
 
 
 def test_comments_and_empty_lines_name_nothing():
-    """The project's file contains an explanation and lists no package."""
+    """The file of the project explains itself and names no package."""
     assert messages.wanted(MESSAGES_FILE.read_text(encoding='utf-8')) == {}
     assert messages.wanted('\nRos-Toy_Msgs==1.0  # for lesson 20\n') == {'ros-toy-msgs': '1.0'}
 
@@ -40,7 +40,7 @@ def test_comments_and_empty_lines_name_nothing():
     ],
 )
 def test_refused_line_is_named_with_the_line_to_write(line, advice):
-    """Metapackages contain nothing without their dependencies, and ranges are not reproducible."""
+    """Metapackages bring nothing without their dependencies, and a range is not reproducible."""
     with pytest.raises(StepError) as caught:
         messages.wanted(f'# first\n{line}\n')
 
@@ -51,13 +51,13 @@ def test_refused_line_is_named_with_the_line_to_write(line, advice):
 
 
 def report(*requires: str) -> dict[str, object]:
-    """Return pip's report of one package with these requirements."""
+    """Return what pip reports of one package with these requirements."""
     metadata = {'name': 'ros-toy-msgs', 'version': '1.0', 'requires_dist': list(requires)}
     return {'install': [{'metadata': metadata}]}
 
 
 def test_requirements_names_the_packages_that_are_used():
-    """Requirements of extras are ignored."""
+    """Extras are never installed."""
     asked = report('ros-std-msgs~=5.3.6', 'ros-a-msgs', 'x; extra == "test"')
 
     found = messages.requirements(asked, {'ros-std-msgs': '5.3.7', 'ros-a-msgs': '1'})
@@ -75,7 +75,7 @@ def test_requirements_names_the_packages_that_are_used():
     ],
 )
 def test_package_of_another_distribution_is_refused(asked, said, advice):
-    """The package's compiled code would not be compatible."""
+    """Its compiled code would not fit."""
     with pytest.raises(StepError) as caught:
         messages.requirements(report(asked), {'ros-std-msgs': '5.3.6'})
 
@@ -86,13 +86,13 @@ def test_package_of_another_distribution_is_refused(asked, said, advice):
 
 class SetUp:
     """
-    The installation step in a small virtual environment, with wheels from a folder.
+    The step in a small virtual environment, with wheels from a folder.
 
-    :param folder: folder for the environment and the wheels
+    :param folder: where all of it lies
     """
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Create the environment; it uses the pip of this Python."""
+        """Make the environment; its pip is the one of this Python."""
         self.file, self.wheels = folder / 'messages.txt', folder / 'wheels'
         self.wheels.mkdir()
         monkeypatch.setattr(stamps, 'MESSAGES_FILE', self.file)
@@ -112,7 +112,7 @@ class SetUp:
         self.plan = Plan(self.places, {**os.environ, **alone}, 'wheels', python)
 
     def wheel(self, name: str, *requires: str) -> None:
-        """Create a wheel with one module."""
+        """Make a wheel with one module."""
         module = name.removeprefix('ros-').replace('-', '_')
         info = f'{name.replace("-", "_")}-1.0.dist-info'
         metadata = ['Metadata-Version: 2.1', f'Name: {name}', 'Version: 1.0']
@@ -124,26 +124,26 @@ class SetUp:
             file.writestr(f'{info}/RECORD', '')
 
     def go(self, text: str) -> None:
-        """Run the step with a file that contains this text."""
+        """Run the step for a file of this text."""
         self.file.write_text(text, encoding='utf-8')
         with (self.places.notes / 'messages.log').open('w', encoding='utf-8') as log:
             messages.install_messages(self.plan, Job(log))
 
     @property
     def modules(self) -> set[str]:
-        """The names of the installed packages."""
+        """The packages that are installed."""
         return {path.name for path in self.places.site_packages().glob('*_msgs')}
 
 
 @pytest.fixture
 def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
-    """Return the step in a separate environment."""
+    """Return the step in an environment of its own."""
     return SetUp(tmp_path, monkeypatch)
 
 
 @pytest.mark.slow
 def test_named_packages_are_installed_and_others_removed(set_up):
-    """The note lists the version of each package and of the listed packages that it uses."""
+    """The note has the version of each package and of the further ones that it uses."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
 
@@ -175,7 +175,7 @@ def test_named_packages_are_installed_and_others_removed(set_up):
     ],
 )
 def test_refused_file_installs_nothing_and_has_no_stamp(set_up, text, said):
-    """So the next make tries again; earlier installations are kept."""
+    """So the next make tries again; what was installed before stays."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')
@@ -190,7 +190,7 @@ def test_refused_file_installs_nothing_and_has_no_stamp(set_up, text, said):
 
 @pytest.mark.slow
 def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
-    """A wheel without a note would remain in the environment unnoticed."""
+    """A wheel without a note would stay in the environment unseen."""
     set_up.wheel('ros-toy-msgs')
 
     def stopped(*_):
@@ -206,7 +206,7 @@ def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypat
 
 
 def test_editing_the_file_needs_only_its_own_step(set_up):
-    """Neither the virtual environment nor the ROS package of the course is built again."""
+    """Neither the virtual environment nor the ROS package of the course is made again."""
     steps = ('venv', 'packages', 'workspace', 'messages')
     set_up.file.write_text('', encoding='utf-8')
     before = {step: set_up.plan.digest(step) for step in steps}
@@ -218,7 +218,7 @@ def test_editing_the_file_needs_only_its_own_step(set_up):
 
 
 def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
-    """The installation determines the versions; nothing is installed from PyPI."""
+    """It decides on their versions; nothing is taken from PyPI."""
     shared = tmp_path / 'ros' / 'share' / 'toy_msgs'
     shared.mkdir(parents=True)
     (shared / 'package.xml').write_text('<version>2.3.4</version>', encoding='utf-8')
@@ -233,7 +233,7 @@ def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
 
 
 def test_doctor_names_the_file_and_what_is_missing(set_up):
-    """The doctor works offline and reads the note in the environment."""
+    """Offline: the note in the environment tells."""
     set_up.wheel('ros-toy-msgs')
     set_up.go('ros-toy-msgs==1.0\n')
 
@@ -250,7 +250,7 @@ def test_doctor_names_the_file_and_what_is_missing(set_up):
 
 
 def test_missing_file_names_nothing(set_up):
-    """A copy of the course may lack the file."""
+    """A copy of the course may lack it."""
     set_up.go('')
     set_up.file.unlink()
 
@@ -261,7 +261,7 @@ def test_missing_file_names_nothing(set_up):
 
 @pytest.mark.parametrize('text', ['', '[]', '{'])
 def test_damaged_note_means_no_further_packages(tmp_path, text):
-    """The next set-up writes the note again."""
+    """The next set-up writes it again."""
     (tmp_path / 'ros_messages.json').write_text(text, encoding='utf-8')
 
     assert further_messages(tmp_path) == {}

@@ -1,4 +1,4 @@
-"""Test the description of the ROS environment: written, read, and complete."""
+"""The description of the ROS environment: written, read, and complete."""
 
 from dataclasses import replace
 import json
@@ -14,7 +14,7 @@ from environment.ros import EnvironmentError_, FILE_NAME, ros_environment, RosEn
 
 @pytest.fixture
 def places(tmp_path):
-    """Return the places of a venv with one folder of bundled libraries and a built package."""
+    """Return the places of a venv with one bundled library folder and a built package."""
     places = Places.of('.venv', tmp_path)
     site = places.venv / 'lib' / 'python3.12' / 'site-packages'
     (site / 'ros_rcl.libs').mkdir(parents=True)
@@ -23,7 +23,7 @@ def places(tmp_path):
 
 
 def test_ros_environment_round_trip_is_equal(places):
-    """The description that is read equals the one that was written."""
+    """What was written is read back equal."""
     ros = describe.describe_wheels(places, '/usr')
     install_files.write_description(places, ros)
 
@@ -31,7 +31,7 @@ def test_ros_environment_round_trip_is_equal(places):
 
 
 def test_course_without_a_package_is_described_without_one(places):
-    """The trial of such a course imports only ROS."""
+    """Its trial loads ROS alone."""
     ros = describe.describe_wheels(places, '/usr')
 
     assert ros.package == ''
@@ -39,7 +39,7 @@ def test_course_without_a_package_is_described_without_one(places):
 
 
 def test_ros_environment_missing_names_doctor(tmp_path):
-    """The error names the missing file and the command to type."""
+    """Without a description the error says which file and what to type."""
     with pytest.raises(EnvironmentError_, match='make doctor') as caught:
         ros_environment(tmp_path)
     assert FILE_NAME in str(caught.value)
@@ -47,7 +47,7 @@ def test_ros_environment_missing_names_doctor(tmp_path):
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '{"kind": "wheels"}'])
 def test_ros_environment_damaged_names_doctor(tmp_path, text):
-    """A damaged description gives an error with the same advice."""
+    """A damaged description is an error with the same way out."""
     (tmp_path / FILE_NAME).write_text(text)
 
     with pytest.raises(EnvironmentError_, match='make doctor'):
@@ -55,7 +55,7 @@ def test_ros_environment_damaged_names_doctor(tmp_path, text):
 
 
 def test_from_json_wrong_type_is_refused(places):
-    """The variables must be a table."""
+    """Variables that are no table are refused."""
     text = replace(describe.describe_wheels(places, '/usr'), variables=[]).to_json()
 
     with pytest.raises(ValueError, match='variables'):
@@ -63,7 +63,7 @@ def test_from_json_wrong_type_is_refused(places):
 
 
 def test_describe_wheels_has_all_that_a_process_needs(places):
-    """Logging goes to stdout, fields are checked, and Python does not re-execute itself."""
+    """Logging goes to stdout, fields are checked, and no Python start re-executes itself."""
     variables = describe.describe_wheels(places, '/usr').variables
 
     assert variables['RCUTILS_LOGGING_USE_STDOUT'] == '1'
@@ -75,7 +75,7 @@ def test_describe_wheels_has_all_that_a_process_needs(places):
 
 
 def test_describe_wheels_only_variables_have_the_workspace(places):
-    """A student's package is built without access to the course's own package."""
+    """A student's package is built without the course's own package in sight."""
     ros = describe.describe_wheels(places, '/usr')
 
     assert str(places.prefix) in ros.variables['AMENT_PREFIX_PATH']
@@ -84,7 +84,7 @@ def test_describe_wheels_only_variables_have_the_workspace(places):
 
 
 def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
-    """A sourced installation has its own paths; none of the wheels' variables are set."""
+    """A sourced installation brings its own paths; nothing of the wheels is set."""
     shell = {
         'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
         'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
@@ -105,7 +105,7 @@ def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
 
 
 def test_read_only_has_outermost_folders_without_usr(tmp_path):
-    """A sandbox gets each folder once, and nothing below /usr, which it always has."""
+    """A sandbox gets each folder once, and nothing below /usr, which it has anyway."""
     inner = tmp_path / 'a' / 'b'
     inner.mkdir(parents=True)
 
@@ -120,7 +120,7 @@ def test_join_paths_keeps_order_and_drops_repeats():
 
 
 def test_kernel_spec_carries_the_environment(places):
-    """The kernel needs no variables of the shell; the learner's own PATH comes last."""
+    """The kernel needs nothing from the shell, and keeps the learner's own PATH behind."""
     ros = describe.describe_wheels(places, '/usr')
 
     spec = install_files.kernel_spec(ros)
@@ -135,7 +135,7 @@ def test_kernel_spec_carries_the_environment(places):
 
 
 def test_install_files_writes_path_file_and_switches_news_off(places):
-    """The venv can import the project, and JupyterLab does not ask about news."""
+    """The project is importable in the venv, and JupyterLab does not ask about news."""
     install_files.install_files(places, describe.describe_wheels(places, '/usr'))
 
     path_file = places.site_packages() / 'ros2_course.pth'
@@ -149,7 +149,7 @@ PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANE
 
 @pytest.mark.parametrize('students', [True, False])
 def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, students):
-    """A copy without hidden exams is a students' copy."""
+    """A copy without hidden exams is a student's."""
     if not students:
         (places.project / 'exams' / 'hidden').mkdir(parents=True)
     install_files.write_jupyter_settings(places)
@@ -167,7 +167,7 @@ def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, studen
 
 @pytest.fixture
 def terminal(places):
-    """Return a function that types lines in a JupyterLab terminal."""
+    """Return a function that types lines in a terminal of JupyterLab."""
     (places.project / 'Makefile').write_text('publisher:\n\t@echo published $(ARGS)\n')
     (places.venv / 'bin').mkdir()
     (places.venv / 'bin' / 'ros2').write_text('#!/bin/sh\necho the ros2 of the course\n')
@@ -176,7 +176,7 @@ def terminal(places):
     (places.project / '.bashrc').write_text('PATH=/usr/bin:/bin\n')
     install_files.write_terminal(places)
     variables = {'HOME': str(places.project), 'PATH': '/usr/bin:/bin', 'SHELL': '/bin/bash'}
-    variables |= {'MAKELEVEL': '1', 'MAKEFLAGS': ' -- ARGS=--no-browser'}  # set by `make lab`
+    variables |= {'MAKELEVEL': '1', 'MAKEFLAGS': ' -- ARGS=--no-browser'}  # of make lab
     bash = ['bash', '--rcfile', str(places.terminal / 'bashrc'), '-i']
 
     def typed(lines, folder, command=bash):
@@ -189,7 +189,7 @@ def terminal(places):
 
 
 def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_path):
-    """Both JupyterLab's default shell and the user's own settings may change PATH."""
+    """Both as JupyterLab starts it, and after the user's own settings."""
     said = ['the ros2 of the course']
 
     assert terminal('ros2\n', tmp_path, [str(places.terminal / 'shell')]) == said
@@ -197,7 +197,7 @@ def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_pat
 
 
 def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, places, tmp_path):
-    """An existing Makefile in the folder, or one that is named, takes precedence."""
+    """But a Makefile that is there, or is named, is the one that counts."""
     notebooks, own = tmp_path / 'notebooks', tmp_path / 'own'
     for folder in (notebooks, own):
         folder.mkdir()
@@ -220,7 +220,7 @@ def test_install_files_has_notebooks_saved_every_few_seconds(places):
 
 
 def test_install_files_has_outputs_wrapped_at_words(places):
-    """JupyterLab loads the course's style, and its own rule does not override it."""
+    """JupyterLab loads a style of the course, which its own rule does not override."""
     install_files.install_files(places, describe.describe_wheels(places, '/usr'))
 
     style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'

@@ -1,4 +1,4 @@
-"""Test running the set-up's steps: resuming, explaining failures, waiting for the lock."""
+"""Running steps: resuming, explaining, waiting for one another."""
 
 import dataclasses
 import io
@@ -17,9 +17,9 @@ from environment.steps import locked, run_steps, Screen, Step, StepError
 
 class FakeSetUp:
     """
-    A set-up of three steps that record their runs in files.
+    A set-up of three steps that remember what they did in files.
 
-    :param folder: folder of these files
+    :param folder: where
     """
 
     def __init__(self, folder):
@@ -42,7 +42,7 @@ class FakeSetUp:
         ]
 
     def run(self, name, job):
-        """Run one step, which fails if the test wants that."""
+        """Do one step, or fail as asked."""
         self.ran.append(name)
         print(f'working on {name}', file=job.log, flush=True)
         if self.fail_in == name:
@@ -50,7 +50,7 @@ class FakeSetUp:
         (self.folder / name).touch()
 
     def go(self, **screen):
-        """Run the steps and return whether all succeeded."""
+        """Run the steps and return whether all went well."""
         return run_steps(self.steps(), self.folder / 'logs', Screen(self.out, **screen))
 
 
@@ -68,7 +68,7 @@ def test_run_steps_all_needed_runs_in_order(fake):
 
 
 def test_run_steps_second_time_does_nothing(fake):
-    """If all steps are complete, nothing runs and nothing is printed."""
+    """When all is done nothing runs and nothing is said."""
     fake.go()
     fake.out.truncate(0)
     fake.ran.clear()
@@ -79,7 +79,7 @@ def test_run_steps_second_time_does_nothing(fake):
 
 
 def test_run_steps_failure_explains_and_stops(fake):
-    """The output names the failed step, the end of its log and what to do."""
+    """A failed step says what failed, shows the end of its log and what to do."""
     fake.fail_in = 'two'
 
     assert not fake.go()
@@ -91,7 +91,7 @@ def test_run_steps_failure_explains_and_stops(fake):
 
 
 def test_run_steps_after_failure_goes_on_there(fake):
-    """A second run only executes the remaining steps."""
+    """Run again, a half-finished set-up does only the rest."""
     fake.fail_in = 'two'
     fake.go()
     fake.fail_in = None
@@ -102,7 +102,7 @@ def test_run_steps_after_failure_goes_on_there(fake):
 
 
 def test_run_steps_killed_step_runs_again(fake):
-    """A killed step has no stamp, so it runs again."""
+    """A step that was killed left no stamp, so it runs again."""
     fake.run = lambda name, job: (_ for _ in ()).throw(KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):
         fake.go()
@@ -113,7 +113,7 @@ def test_run_steps_killed_step_runs_again(fake):
 
 
 def test_run_steps_on_ci_says_one_line_a_step(fake):
-    """On CI, a successful step prints one line."""
+    """On CI a step that works is one line."""
     fake.go(quiet=True)
 
     lines = fake.out.getvalue().splitlines()
@@ -122,7 +122,7 @@ def test_run_steps_on_ci_says_one_line_a_step(fake):
 
 
 def test_job_run_failing_command_tells_its_code(tmp_path):
-    """The error names the command and its exit code, and the output is in the log."""
+    """A command that fails is named with its code, and its output is in the log."""
     command = [sys.executable, '-S', '-c', 'print("some words"); raise SystemExit(3)']
     step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
     out = io.StringIO()
@@ -133,7 +133,7 @@ def test_job_run_failing_command_tells_its_code(tmp_path):
 
 
 def test_job_run_missing_command_is_a_step_error(tmp_path):
-    """A missing command is explained like any other failure."""
+    """A command that is not there is explained like any failure."""
     step = Step('x', 'X', lambda: True, lambda job: job.run(['/no/such/tool'], {}))
     out = io.StringIO()
 
@@ -142,7 +142,7 @@ def test_job_run_missing_command_is_a_step_error(tmp_path):
 
 
 def test_locked_second_holder_waits(tmp_path):
-    """While one process holds the lock, the other prints that it waits, and then continues."""
+    """While one process holds the lock another says that it waits, and then goes on."""
     lock = tmp_path / 'venv.lock'
     code = (
         'import sys, pathlib; from environment.steps import locked, Screen\n'
@@ -167,7 +167,7 @@ def test_locked_second_holder_waits(tmp_path):
 
 
 def test_clear_venv_foreign_folder_is_refused(tmp_path):
-    """A folder with a user's files is never emptied."""
+    """A folder with somebody's files is never emptied."""
     (tmp_path / '.venv').mkdir()
     (tmp_path / '.venv' / 'thesis.txt').touch()
 
@@ -177,7 +177,7 @@ def test_clear_venv_foreign_folder_is_refused(tmp_path):
 
 
 def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
-    """The target belongs to another copy of the course, which would lose its venv."""
+    """It belongs to another copy of the course, which would be without one."""
     other = tmp_path / 'other'
     other.mkdir()
     (other / 'pyvenv.cfg').touch()
@@ -189,7 +189,7 @@ def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
 
 
 def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
-    """An incomplete venv is removed with its stamps; the log in use is kept."""
+    """A half-made venv is removed with its stamps; the log being written stays."""
     places = Places.of('.venv', tmp_path)
     (places.venv / 'lib').mkdir(parents=True)
     (places.venv / 'lib64').symlink_to('lib')
@@ -208,7 +208,7 @@ def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
 
 
 def test_make_plan_existing_venv_keeps_its_python(tmp_path):
-    """A venv keeps its Python until the user requests another one."""
+    """A venv made with another Python keeps it until another one is asked for."""
     subprocess.run([sys.executable, '-m', 'venv', '--without-pip', tmp_path / 'v'], check=True)
     environ = {'PATH': '/nowhere', 'HOME': '/nowhere'}
 
@@ -219,20 +219,20 @@ def test_make_plan_existing_venv_keeps_its_python(tmp_path):
 
 
 def test_make_plan_unknown_source_is_refused(tmp_path):
-    """A misspelt ROS_SOURCE is an error."""
+    """A misspelt ROS_SOURCE is an error, not a guess."""
     with pytest.raises(StepError, match='expected wheels or sourced'):
         make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'apt'})
 
 
 def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
-    """ROS_SOURCE=sourced without a sourced ROS 2 gives an error that says what to source."""
+    """ROS_SOURCE=sourced without a sourced ROS 2 says what to source."""
     with pytest.raises(StepError) as caught:
         make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'sourced'})
     assert 'setup.bash' in caught.value.try_this
 
 
 def test_the_sample_in_environment_md_shows_the_steps_as_they_are():
-    """Numbers, titles and hints agree; the first step is for machines that lack a program."""
+    """Numbers, titles and hints; the first step is for machines that lack a program."""
     page = (PROJECT / 'environment.md').read_text(encoding='utf-8')
     steps = prepare.steps_of(SimpleNamespace(places=Places.of('.venv')))
     for number, step in list(enumerate(steps, start=1))[1:]:
@@ -241,7 +241,7 @@ def test_the_sample_in_environment_md_shows_the_steps_as_they_are():
 
 
 def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
-    """The output must not say "done", because users would believe it."""
+    """A failed step must not print "done", because users believe it."""
     one, two, three = fake.steps()
     fake.fail_in = 'two'
     steps = [one, dataclasses.replace(two, optional=True), three]

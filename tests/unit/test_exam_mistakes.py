@@ -1,4 +1,4 @@
-"""Test that mistakes in an exam are refused with their location before a class is graded."""
+"""Mistakes in an exam are refused with their place, before a class is graded with it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STRING = 'std_msgs/msg/String'
 
 
 def exam(**scenario) -> Exam:
-    """Return an exam with this scenario."""
+    """Return an exam with a scenario."""
     facts = {'file': 'a.py', **scenario}
     return Exam(
         'sample',
@@ -38,12 +38,12 @@ def exam(**scenario) -> Exam:
 
 
 def feed(topic, *messages, **facts):
-    """Return a step that sends messages."""
+    """Return a step that sends."""
     return Feed(topic, messages or [{'data': 'x'}], **facts)
 
 
 class TestWhenItIsMade:
-    """Test the checks of a scenario on its own."""
+    """What a scenario says of itself."""
 
     @pytest.mark.parametrize(
         ('scenario', 'said'),
@@ -77,14 +77,14 @@ class TestWhenItIsMade:
         ],
     )
     def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
-        """The message names exam, step, expected and actual value."""
+        """It names exam, step, what was expected and what was found."""
         with pytest.raises(ExamInvalid) as refused:
             exam(**scenario)
 
         assert said in str(refused.value)
 
     def test_what_comes_and_goes_in_order_is_fine(self):
-        """An offered publisher may send until it is removed."""
+        """A publisher that was offered may send until it has left."""
         steps = (
             Offer('one', '/t', STRING),
             feed('one'),
@@ -97,7 +97,7 @@ class TestWhenItIsMade:
 
 
 class TestWithRos:
-    """Test what requires ROS: the probe's own code tries to build each message."""
+    """What only an installation knows: the probe's own code tries to send it."""
 
     @pytest.mark.parametrize(
         ('scenario', 'said'),
@@ -121,14 +121,14 @@ class TestWithRos:
         ],
     )
     def test_a_type_or_field_that_is_not_there_is_named(self, scenario, said):
-        """The message has the location and what to do."""
+        """With its place, and what to do."""
         (line,) = unsendable([exam(**scenario)])
 
         assert line.startswith(said)
         assert 'environment/messages.txt' in line
 
     def test_values_that_their_fields_cannot_hold_are_named(self):
-        """The message names exam, step, message and field; otherwise the probe would fail."""
+        """With exam, step, message and field: the probe would break off with them."""
         wrong = [
             ('std_msgs/msg/Bool', {'data': 'yes'}, "'data'"),
             ('std_msgs/msg/Bool', {'data': 1}, "'data'"),
@@ -163,7 +163,7 @@ class TestWithRos:
         assert len(lines) == len(wrong)
 
     def test_a_request_is_tried_too(self):
-        """Requests are checked down to the value of a parameter."""
+        """Down to the value of a parameter."""
         kind = 'rcl_interfaces/srv/SetParameters'
         wanted = {'parameters': [{'name': 'a', 'value': {'type': 2, 'integer_value': 'two'}}]}
         wrong = exam(steps=(Call('/a', 'set_parameters', kind, wanted),))
@@ -174,7 +174,7 @@ class TestWithRos:
         assert "'integer_value'" in line
 
     def test_what_can_be_sent_is_fine(self):
-        """A float may be given as a string, as in JSON, and constants are not fields."""
+        """A float may be a string, as in JSON, and constants are not fields."""
         fine = [
             ('std_msgs/msg/Float64', {'data': 'nan'}),
             ('std_msgs/msg/Float32', {'data': float('inf')}),
@@ -195,7 +195,7 @@ class TestWithRos:
         assert unsendable(exams) == []
 
     def test_every_exam_of_the_course_is_free_of_them(self):
-        """`make check` runs the same check."""
+        """The same as ``make check`` says."""
         assert course.unfit_exams(Layout.here()) == []
 
 
@@ -203,11 +203,11 @@ HEADINGS = {'01_x': {'Part 1: Doors', 'Summary'}, '02_y': {'Part 2: Timers'}}
 
 
 class TestWithTheLessons:
-    """Test the references to sections of the lessons."""
+    """Where a learner is sent to read."""
 
     @staticmethod
     def reads(section='', own=''):
-        """Return an exam with one check, both with a reference to a section."""
+        """Return an exam with one check, and where the two send a learner."""
         made = exam()
         made.read = section
 
@@ -236,7 +236,7 @@ class TestWithTheLessons:
         ],
     )
     def test_a_section_that_no_lesson_has_is_refused(self, section, own, said):
-        """A check's own reference takes precedence over the exam's."""
+        """A check's own comes before the exam's."""
         (line,) = read_mistakes(self.reads(section, own), HEADINGS)
 
         assert line.startswith('exam sample, check opens: ')
@@ -252,16 +252,16 @@ class TestWithTheLessons:
         ],
     )
     def test_a_heading_is_fine(self, section, own):
-        """The heading may be in this lesson or in another one."""
+        """Of this lesson or of another one."""
         assert list(read_mistakes(self.reads(section, own), HEADINGS)) == []
 
     def test_without_the_lesson_only_an_empty_section_is_refused(self):
-        """Without the lesson, its headings are unknown."""
+        """Its headings cannot be known."""
         assert list(read_mistakes(self.reads('Part 7'), {})) == []
         assert len(list(read_mistakes(self.reads(), {}))) == 1
 
     def test_headings_are_those_of_the_released_lessons(self, tmp_path: Path):
-        """A file that is not a notebook has no headings."""
+        """A file that is no notebook has none."""
         for name, text in (
             ('01_x', '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'),
             ('02_y', '{}'),
@@ -273,10 +273,10 @@ class TestWithTheLessons:
 
 
 class TestBeforeItIsUsed:
-    """Test the visible and the hidden version of an exam, and the self-check on this machine."""
+    """Two versions of one exam, and the proof on this machine."""
 
     def test_the_graded_exam_is_the_visible_one_with_other_inputs(self):
-        """Different cells would mean different answers."""
+        """Other cells would be other answers."""
         graded, visible = exam(), exam()
         graded.cells = ('b',)
 
@@ -285,7 +285,7 @@ class TestBeforeItIsUsed:
         assert "expected the same cells as in the visible exam, ('a',), got ('b',)" in line
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
-        """A run that cannot end normally would be reported as a fault of the probe."""
+        """A run that cannot end well would be told as the probe's fault."""
         from autograder.authoring import self_check as module
 
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})

@@ -1,4 +1,4 @@
-"""Test that advice with code uses the names of the judged exam, never those of another exam."""
+"""Advice that shows code has the names of the exam that is judged, never those of another."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ SHARED = (
     'causes/of_builds.txt',
     'checks.py',
 )
-"""Modules and tables of advice for any exam; the others explain one exercise."""
+"""Modules and tables of advice that any exam may get; the others explain one exercise."""
 
 
 def rover() -> Exam:
-    """Return an exam whose names occur in no lesson."""
+    """Return an exam of which no lesson has the names."""
     exam = Exam(
         'rover',
         title='The rover',
@@ -60,7 +60,7 @@ def rover() -> Exam:
 
 
 def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
-    """Return a run that ended with an exception in line 5, or whose node has these publishers."""
+    """Return a run that ended with an exception in line 5, or whose node has some publishers."""
     where = 'Traceback (most recent call last):\n  File "/submission/rover.py", line 5, in x\n'
     ends = [
         {'kind': 'publisher', 'node': '/qqqqqq/rover', 'topic': topic, 'type': kind}
@@ -78,7 +78,7 @@ def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
 
 
 def told(line: str, error: str) -> str:
-    """Return the feedback on a program that ended with an exception in a line."""
+    """Return what a learner reads about a program that died in a line."""
     exam = rover()
     run = Run({'rover.py': CODE.format(line)}, recording(error), exam.facts)
     (check,) = judge(exam, run)
@@ -137,7 +137,7 @@ def told(line: str, error: str) -> str:
     ],
 )
 def test_advice_has_the_names_of_the_exam(line, error, words):
-    """Names are topics without namespace, types and parameters, or the learner's own names."""
+    """Topics without their namespace, types, parameters; or what the learner has written."""
     said = told(line, error)
 
     assert words in said
@@ -146,7 +146,7 @@ def test_advice_has_the_names_of_the_exam(line, error, words):
 
 
 def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
-    """Only the exception shows which of several parameters is meant."""
+    """Which of several parameters is meant, only the exception tells."""
     asked = 'rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared '
 
     assert 'the parameter max_turn, which' in told('x', f'{asked}parameter(s): max_turn')
@@ -154,7 +154,7 @@ def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
 
 
 def test_names_come_from_all_steps():
-    """Names from later steps are used, too; an exam without names gets general terms."""
+    """Also from those that come later, and without any there are words."""
     names = Names.of(
         Scenario(
             steps=(
@@ -174,7 +174,7 @@ def test_names_come_from_all_steps():
 
 @pytest.mark.parametrize('name', SHARED)
 def test_shared_advice_names_no_exercise(name):
-    """Shared advice contains no topic, parameter or message type of the course's exams."""
+    """Neither a topic, a parameter nor a message type of the course's exams."""
     every = [catalog.load(one, hidden=False).facts['exam_names'] for one in catalog.names(False)]
     topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
     parameters = {one for names in every for one in names.parameters}
@@ -198,7 +198,7 @@ def test_shared_advice_names_no_exercise(name):
 
 
 def test_bare_require_messages_asks_did_you_mean():
-    """The message names a publisher on another topic, as in the exams of the course."""
+    """A publisher on another topic is named, as in the exams of the course."""
     exam = rover()
     near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
     (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
@@ -209,7 +209,7 @@ def test_bare_require_messages_asks_did_you_mean():
 
 
 def test_bare_require_messages_names_another_type():
-    """The topic is right, but the type is not."""
+    """The topic is right, and the type is not."""
     exam = rover()
     other = recording('', ('/qqqqqq/cmd_vel', 'std_msgs/msg/String'))
     (check,) = judge(exam, Run({'rover.py': CODE}, other, exam.facts))
@@ -219,7 +219,7 @@ def test_bare_require_messages_names_another_type():
 
 
 def test_bare_require_messages_takes_what_came_on_the_topic():
-    """The check passes with the required number of messages."""
+    """As many as are asked for."""
     exam = rover()
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     end = {
@@ -237,7 +237,7 @@ def test_bare_require_messages_takes_what_came_on_the_topic():
 
 
 def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
-    """Whether messages of a program that ends at once arrive varies from run to run."""
+    """A program that ends at once is heard by chance."""
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     run = Run({}, Recording({}, (event, event)), rover().facts)
 
@@ -247,7 +247,7 @@ def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
 
 @pytest.mark.parametrize('topic', ['', '/cmd_val'])
 def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
-    """The message lists the topics that the scenario watches."""
+    """The message has those that it watches."""
     exam = rover()
     with pytest.raises(ExamInvalid, match=r"which are '/qqqqqq/cmd_vel', got"):
         require_messages(Run({}, recording(), exam.facts), topic=topic)

@@ -1,7 +1,7 @@
 """
-Test the CSV export: RFC 4180, section 2, and no formulas.
+CSV by the rules of RFC 4180, section 2, and safe from formulas.
 
-A strict parser in this module checks the rules, because Python's csv module is tolerant.
+The rules are checked by a reader of their own, letter by letter: Python's csv module forgives.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from autograder.exports.table import (
 )
 
 FIELD = re.compile(r'"(?:[^"]|"")*"|[^",\r\n]*')
-"""``escaped`` or ``non-escaped`` in the grammar; TEXTDATA is wider, because the file is UTF-8."""
+"""``escaped`` or ``non-escaped`` of the grammar; TEXTDATA is wider, as the file is UTF-8."""
 
 
 def rfc4180(data):
-    """Return the rows of a file, and fail if it violates the grammar."""
+    """Return the rows of a file, refusing whatever the grammar does not allow."""
     text, place, rows = data.decode('utf-8'), 0, [[]]
     while place < len(text):
         field = FIELD.match(text, place)
@@ -56,7 +56,7 @@ def marks_of(graded):
 
 
 def test_each_submission_has_a_line():
-    """Numbers are written as numbers."""
+    """With numbers as numbers."""
     ann, bob, _, hostile = marks_of(CLASS)
 
     assert (ann['points'], ann['max_points'], ann['status']) == ('2', '6.5', 'graded')
@@ -66,14 +66,14 @@ def test_each_submission_has_a_line():
 
 
 def test_for_review_is_an_empty_cell():
-    """The cell is never a zero."""
+    """Never a zero."""
     eve = marks_of(CLASS)[2]
 
     assert (eve['student'], eve['status'], eve['points']) == ('eve', 'for review', '')
 
 
 def test_checks_of_a_submission_for_review_have_no_points():
-    """The existing verdicts are still listed."""
+    """The verdicts that there are can be read."""
     rows = rfc4180(checks_csv([CLASS]))
     lines = [dict(zip(rows[0], row)) for row in rows[1:]]
 
@@ -86,7 +86,7 @@ def test_checks_of_a_submission_for_review_have_no_points():
 
 
 def test_a_mark_that_is_not_complete_is_an_empty_cell():
-    """Work that has to be graded by hand has no mark yet."""
+    """What is to be graded by hand has no mark yet."""
     graded = ClassResults('01_talker', (submission(),))
     rows = rfc4180(
         marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])], {'ann': 'Ann Example'})
@@ -97,14 +97,14 @@ def test_a_mark_that_is_not_complete_is_an_empty_cell():
 
 @pytest.mark.parametrize('start', FORMULA_STARTS)
 def test_no_cell_begins_like_a_formula(start):
-    """The test covers OWASP's list for CSV injection and full-width forms."""
+    """Each of the signs that OWASP lists for CSV injection, and their full-width forms."""
     for text in (f'{start}1+1', f' {start}cmd', f'\n{start}x', start):
         ((shown,),) = rfc4180(csv_bytes(['a'], [[text]]))[1:]
         assert shown.startswith("'"), repr(text)
 
 
 def test_hostile_words_stay_in_their_cell():
-    """Formulas, quotes, line breaks and control characters may be in names and causes."""
+    """Formulas, quotes, line breaks and control characters in names and causes."""
     for table in (
         marks_csv([(CLASS, [automatic(one) for one in CLASS.results])], {'ann': EVIL}),
         checks_csv([CLASS]),
@@ -121,7 +121,7 @@ def test_hostile_words_stay_in_their_cell():
 @settings(deadline=None, max_examples=40)
 @given(strategies.lists(strategies.lists(strategies.text(), min_size=2, max_size=2), max_size=5))
 def test_any_text_keeps_the_grammar(rows):
-    """Python's csv module reads the same cells."""
+    """And Python's reader gets the same cells."""
     data = csv_bytes(['a', 'b'], rows)
 
     read = rfc4180(data)
@@ -130,7 +130,7 @@ def test_any_text_keeps_the_grammar(rows):
 
 
 def test_the_hostile_text_is_hostile():
-    """Otherwise the tests above would prove nothing."""
+    """Else the tests above would prove nothing."""
     assert FORMULA in EVIL
     assert '\x00' in EVIL
 
@@ -139,7 +139,7 @@ def test_the_hostile_text_is_hostile():
     'text', ['x;=1+1', 'x; =cmd', 'a\t@b', 'a\n-b', 'a;"=1', 'x\xa0;=1', 'x\x85;\u2003=1']
 )
 def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula(text):
-    """A spreadsheet with decimal commas splits at semicolons, even inside quotes."""
+    """Where the comma is the decimal point; quotes do not stop it."""
     line = csv_bytes(['a', 'b'], [['1', text]]).decode().split('\r\n', 1)[1]
 
     for cell in re.split('[;\t\n]', line)[1:]:
@@ -147,7 +147,7 @@ def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula
 
 
 def test_ordinary_words_with_semicolons_stay():
-    """Flags are joined with semicolons."""
+    """Flags are joined with them."""
     ((shown,),) = rfc4180(csv_bytes(['a'], [['one; two - three; 4 = 4']]))[1:]
 
     assert shown == 'one; two - three; 4 = 4'

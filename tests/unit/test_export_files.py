@@ -12,7 +12,7 @@ from autograder.files import keep, LONGEST_NAME, refuse_existing, safe_name
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
-    """No temporary file is left."""
+    """No temporary file stays."""
     keep(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
 
     assert (tmp_path / 'new' / 'marks.csv').read_bytes() == b'data'
@@ -21,7 +21,7 @@ def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
 
 
 def test_a_file_that_is_there_stays_unless_forced(tmp_path):
-    """The error names the option to force it."""
+    """The error says how."""
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
@@ -33,7 +33,7 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path):
 
 
 def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
-    """An example is a full disk."""
+    """As when the disk is full."""
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
@@ -49,7 +49,7 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
 
 
 def test_a_link_is_something_that_is_there(tmp_path):
-    """The target of the link does not matter."""
+    """Wherever it leads."""
     (tmp_path / 'marks.csv').symlink_to('nowhere')
 
     with pytest.raises(GraderError, match='already exists'):
@@ -57,7 +57,7 @@ def test_a_link_is_something_that_is_there(tmp_path):
 
 
 def test_a_folder_is_not_replaced(tmp_path):
-    """A folder is not replaced, even if forced."""
+    """Not even if forced."""
     with pytest.raises(GraderError, match='this is a folder'):
         refuse_existing([tmp_path], force=True)
 
@@ -65,7 +65,7 @@ def test_a_folder_is_not_replaced(tmp_path):
 @pytest.mark.parametrize('letter', ['x', 'ü', 'Щ', '漢', '\N{GRINNING FACE}', '~', '.'])
 @pytest.mark.parametrize('count', [1, 42, 100, 1000])
 def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
-    """The name with its prefix and suffix is shortened; the last letter still matters."""
+    """With what is put around it, also while it is written; its last letter still counts."""
     names = [safe_name(letter * count + end) for end in ('', 'a', 'b')]
 
     assert len(set(names)) == 3
@@ -75,13 +75,13 @@ def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
 
 
 def test_short_names_stay_as_they_are():
-    """The limit does not change the file names of short ids."""
+    """Nobody's page is moved by the bound."""
     assert safe_name('x' * LONGEST_NAME) == 'x' * LONGEST_NAME
     assert safe_name('ü b') == '~C3~BC~20b'
 
 
 def test_signs_that_stand_for_others_stand_for_themselves_too():
-    """An id may look like the encoded form of another id."""
+    """An id may look like what is made of another one."""
     for one, two in (('a b', 'a~20b'), ('', '~'), ('Щ' * 42, safe_name('Щ' * 42))):
         assert safe_name(one) != safe_name(two)
 
@@ -90,11 +90,11 @@ def test_signs_that_stand_for_others_stand_for_themselves_too():
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=20), strategies.text(max_size=20))
 def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
-    """Different ids give different file names, whatever characters they contain."""
+    """Whatever a student's id is."""
     try:
         names = safe_name(one), safe_name(two)
     except UnicodeEncodeError:
-        return  # a lone surrogate cannot be in a file name; such ids are never graded
+        return  # a lone surrogate is not a file name; such ids are never graded
 
     for name in names:
         assert name

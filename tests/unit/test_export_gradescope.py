@@ -1,8 +1,8 @@
 """
-Test ``results.json`` and the zip against Gradescope's autograder specification.
+``results.json`` and the zip by the rules of Gradescope's autograder specification.
 
-The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") are data here:
-fields, their types and permitted values; a score at the top or for each test.
+The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") are data here: which
+fields there are, of which types, which words they may have; a score at the top or at each test.
 """
 
 from __future__ import annotations
@@ -73,16 +73,16 @@ ASSIGNMENT = LAYOUT.assignments()[0]
 
 @pytest.fixture(scope='module')
 def archive():
-    """Return the autograder zip of this course."""
+    """Return the autograder of this course."""
     with zipfile.ZipFile(io.BytesIO(autograder_zip(LAYOUT, ASSIGNMENT))) as opened:
         yield opened
 
 
 class TestResults:
-    """Test the file for one submission."""
+    """The file of one submission."""
 
     def test_every_graded_submission_keeps_the_rules(self):
-        """Hostile strings are shown as text."""
+        """Hostile words included, which are shown as text."""
         for result in CLASS.results:
             if not result.fault:
                 data = json.loads(results_bytes(result))
@@ -100,7 +100,7 @@ class TestResults:
         assert data['execution_time'] == 1.25
 
     def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
-        """The output has the five parts of a verdict."""
+        """The five things of a verdict."""
         _, warns, stops = results_of(submission())['tests']
 
         assert warns['output'].splitlines() == [
@@ -111,12 +111,12 @@ class TestResults:
         assert stops['output'] == 'Not checked, because it depends on: It warns.'
 
     def test_for_review_has_no_file(self):
-        """Gradescope refuses a file without a score, and a zero would be wrong."""
+        """A file without a score is refused there, and a zero would be wrong."""
         with pytest.raises(GraderError, match='eve: for review'):
             results_bytes(REVIEW)
 
     def test_visible_checks_alone_are_no_result(self):
-        """Without isolation, only visible checks run, and they give no grade."""
+        """Without isolation nothing else is run, and it makes no grade."""
         visible = ExamResult('talker', (check('runs'),), mode='none')
 
         with pytest.raises(GraderError, match='only visible checks were run'):
@@ -124,7 +124,7 @@ class TestResults:
 
     @pytest.mark.parametrize('visibility', VISIBILITIES)
     def test_students_see_tests_when_it_was_chosen(self, visibility):
-        """Output of the grader is always visible to instructors only."""
+        """What the grader prints is for instructors at any time."""
         data = results_of(FULL, visibility)
 
         assert {data['visibility'], *(test['visibility'] for test in data['tests'])} == {
@@ -133,7 +133,7 @@ class TestResults:
         assert data['stdout_visibility'] == 'hidden'
 
     def test_weak_isolation_is_said(self):
-        """Every result names the weak isolation."""
+        """In every result."""
         weak = ExamResult(
             'talker', (), mode='landlock-uid', not_protected=('the network is shared',)
         )
@@ -144,23 +144,23 @@ class TestResults:
 
 
 class TestZip:
-    """Test the autograder for Gradescope's container."""
+    """The autograder for the container."""
 
     def test_the_two_files_of_the_specification_are_executable_at_the_root(self, archive):
-        """They are not in a folder, as Gradescope's documentation requires."""
+        """Not in a folder, as Gradescope's documentation warns."""
         for name in ('setup.sh', 'run_autograder'):
             entry = archive.getinfo(name)
             assert stat.S_IMODE(entry.external_attr >> 16) == 0o755
             assert archive.read(name).startswith(b'#!/usr/bin/env bash\n')
 
     def test_the_scripts_are_scripts(self, archive, tmp_path):
-        """Bash can parse them."""
+        """Bash reads them."""
         for name in ('setup.sh', 'run_autograder'):
             (tmp_path / name).write_bytes(archive.read(name))
             subprocess.run(['bash', '-n', tmp_path / name], check=True)
 
     def test_it_holds_what_grading_needs(self, archive):
-        """The zip has hidden exams, release, set-up, and the reference for the self-check."""
+        """Hidden exams, the release, the reference for the set-up's own proof, the set-up."""
         names = archive.namelist()
 
         for name in (
@@ -180,7 +180,7 @@ class TestZip:
         assert imported <= {name.partition('/')[0] for name in names}
 
     def test_it_has_the_same_hidden_inputs(self, archive):
-        """The zip contains the secret, but nothing else from the work folder."""
+        """The secret goes along, and nothing else of the work folder."""
         work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
 
         assert work == ['autograder/_work/course_secret']
@@ -188,7 +188,7 @@ class TestZip:
         assert stat.S_IMODE(archive.getinfo(work[0]).external_attr >> 16) == 0o600
 
     def test_it_is_small_enough_and_of_plain_names(self, archive):
-        """It contains no build results, no links and no paths outside the folder."""
+        """Nothing that was built, no link, no way out of the folder."""
         for entry in archive.infolist():
             assert not os.path.isabs(entry.filename)
             assert not {'..', '__pycache__', 'ros_ws', '.git'} & set(entry.filename.split('/'))
@@ -196,11 +196,11 @@ class TestZip:
         assert sum(entry.file_size for entry in archive.infolist()) < 100 * 1024 * 1024
 
     def test_the_same_course_gives_the_same_bytes(self):
-        """The time of creation does not matter."""
+        """Whenever it is made."""
         assert autograder_zip(LAYOUT, ASSIGNMENT) == autograder_zip(LAYOUT, ASSIGNMENT)
 
     def test_the_choices_go_along(self):
-        """The options are stored as data; no script is assembled from them."""
+        """As data, no script is put together from them."""
         made = autograder_zip(LAYOUT, ASSIGNMENT, 'visible', 'landlock-uid')
         with zipfile.ZipFile(io.BytesIO(made)) as opened:
             assert json.loads(opened.read(SETTINGS)) == {
@@ -210,11 +210,11 @@ class TestZip:
             }
 
     def test_no_isolation_at_all_is_refused(self):
-        """Visible checks give no grade."""
+        """Visible checks make no grade."""
         with pytest.raises(GraderError, match='hidden exams never run'):
             autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
-        """The students' copy has no hidden exams."""
+        """It has no hidden exams."""
         with pytest.raises(GraderError, match='copy of the course for students'):
             autograder_zip(Layout(tmp_path), ASSIGNMENT)

@@ -1,4 +1,4 @@
-"""Test the JSON export against docs/results.schema.json."""
+"""JSON as docs/results.schema.json describes it."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ VALID = Draft202012Validator(SCHEMA)
 
 @pytest.fixture
 def document():
-    """Return the exported class."""
+    """Return the class as it is exported."""
     return json.loads(results_json([CLASS]))
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
-    """The schema names the exported format and version, too."""
+    """And of the format and version that are written."""
     Draft202012Validator.check_schema(SCHEMA)
 
     assert SCHEMA['properties']['format']['const'] == FORMAT
@@ -34,7 +34,7 @@ def test_the_schema_is_one_of_the_draft_that_it_names():
 
 
 def test_a_class_follows_the_schema(document):
-    """The class includes failed, waiting, for-review and hostile entries."""
+    """Failed, waiting, for review and hostile ones."""
     VALID.validate(document)
 
     assert [one['status'] for one in document['submissions']] == [
@@ -47,7 +47,7 @@ def test_a_class_follows_the_schema(document):
 
 
 def test_for_review_has_no_points_anywhere():
-    """Neither the submission nor its exams and checks have points."""
+    """Not of the submission, its exams or its checks."""
     (one,) = json.loads(results_json([ClassResults(REVIEW.assignment, (REVIEW,))]))['submissions']
 
     assert one['points'] is None
@@ -69,7 +69,7 @@ def test_for_review_has_no_points_anywhere():
     ],
 )
 def test_the_schema_refuses_what_contradicts_itself(document, number, change):
-    """Examples are a review with points, a grade without points, unknown values and fields."""
+    """A review with points, a grade without, unknown words and fields."""
     wrong = copy.deepcopy(document)
     wrong['submissions'][number].update(change)
 
@@ -78,7 +78,7 @@ def test_the_schema_refuses_what_contradicts_itself(document, number, change):
 
 
 def test_every_field_is_required(document):
-    """So readers of the file can rely on every field."""
+    """So a reader can rely on them."""
     parts = [
         (document, '$'),
         (document['submissions'][0], 'submission'),
@@ -95,7 +95,7 @@ def test_every_field_is_required(document):
 
 
 def test_visible_checks_alone_have_no_points_anywhere():
-    """Other exports behave in the same way."""
+    """As in every other export."""
     data = json.loads(results_json([ClassResults(VISIBLE.assignment, (VISIBLE,))]))
     VALID.validate(data)
     (one,) = data['submissions']

@@ -1,8 +1,8 @@
 """
-Test the JUnit XML export against the schema of Jenkins' xUnit plugin (junit-10.xsd), as data.
+JUnit XML by the rules of the schema of Jenkins' xUnit plugin (junit-10.xsd), as data.
 
-The schema gives elements, children, attributes and the pattern of times. Further tests are about
-what readers rely on: numbers that add up, and a unique name per test case.
+Its elements, their children and attributes, and the pattern of times; beside it what readers count
+on: numbers that add up, and a name for each case that no other has.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ RULES = {
     'skipped': (set(), set(), WORDS),
     'system-out': (set(), set(), set()),
 }
-"""Element -> permitted children, required attributes, optional attributes."""
+"""Element -> elements allowed in it, attributes required, attributes allowed besides."""
 
 
 def read(*results):
-    """Return the root element of a document, and fail if it violates the rules."""
+    """Return the root of a document that keeps the rules."""
     root = ElementTree.fromstring(junit_xml([ClassResults('01_talker', results)]))  # noqa: S314
     assert root.tag == 'testsuites'
     for element in root.iter():
@@ -59,7 +59,7 @@ def read(*results):
 
 
 def test_verdicts_become_passed_failure_and_skipped():
-    """The text has the five parts that a learner sees."""
+    """With the five things that a learner is told."""
     (suite,) = read(submission())
     runs, warns, stops = suite.findall('testcase')
 
@@ -72,7 +72,7 @@ def test_verdicts_become_passed_failure_and_skipped():
 
 
 def test_for_review_is_an_error_of_its_own():
-    """Such a submission is not reported as a failure of the student."""
+    """Not a failure of the student."""
     _, suite = read(REVIEW)
 
     assert (suite.get('errors'), suite.get('failures')) == ('1', '0')
@@ -82,7 +82,7 @@ def test_for_review_is_an_error_of_its_own():
 
 
 def test_a_class_keeps_the_rules_whatever_it_wrote():
-    """Results may contain markup and characters that XML does not permit."""
+    """Markup and characters that XML does not have."""
     root = read(*CLASS.results)
 
     assert [len(list(suite)) > 0 for suite in root] == [True] * 5
@@ -91,7 +91,7 @@ def test_a_class_keeps_the_rules_whatever_it_wrote():
 
 @pytest.mark.parametrize('character', ['\x00', '\x0b', '\x1b', '\ud800', '\ufffe', '\uffff'])
 def test_what_xml_does_not_have_is_replaced(character):
-    """The permitted characters are those of production Char in XML 1.0, section 2.2."""
+    """Production Char of XML 1.0, section 2.2."""
     assert clean(f'a{character}b') == 'a\N{REPLACEMENT CHARACTER}b'
     assert character in EVIL + '\x0b\uffff'
 
@@ -99,5 +99,5 @@ def test_what_xml_does_not_have_is_replaced(character):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(strategies.characters()))
 def test_any_words_give_a_document(words):
-    """The text may come from a student's program."""
+    """Text of a student's program."""
     read(submission(student=words, fault=words), submission('other'))

@@ -1,4 +1,4 @@
-"""Test the feedback of a check: complete, short, and equal as text and as HTML."""
+"""The words of a check: complete, short, and the same as text and as HTML."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'
 
 
 def failing(**changes):
-    """Return a failed check with all five parts."""
+    """Return a check that failed, with the five things to say."""
     facts = {
         'expected': 'one message every 0.5 s',
         'observed': '3 messages in 6 s',
@@ -33,14 +33,14 @@ def failing(**changes):
 
 
 class Facts(HTMLParser):
-    """Collects terms and descriptions of the definition lists of a page, its tags and links."""
+    """Collects the terms and texts of the definition lists of a page, its tags and links."""
 
     def __init__(self):
         super().__init__()
         self.facts, self.tags, self.links, self._open = [], [], [], ''
 
     def handle_starttag(self, tag, attrs):
-        """Store to which element the next text belongs."""
+        """Note where words belong."""
         self.tags.append(tag)
         self.links += [value for name, value in attrs if name in ('href', 'src')]
         if tag in ('dt', 'dd'):
@@ -48,25 +48,25 @@ class Facts(HTMLParser):
             self.facts.append('')
 
     def handle_endtag(self, tag):
-        """Store where the text of an element ends."""
+        """Note where they end."""
         if tag == self._open:
             self._open = ''
 
     def handle_data(self, data):
-        """Store text."""
+        """Note words."""
         if self._open:
             self.facts[-1] += data
 
 
 def facts_of(page):
-    """Return (name, text) of all facts that a page shows about its checks."""
+    """Return (name, text) of all that a page says about its checks."""
     reader = Facts()
     reader.feed(page)
     return list(zip(reader.facts[::2], reader.facts[1::2]))
 
 
 def test_a_failed_check_says_five_things_in_order():
-    """The parts are below the sentence of the check and its points."""
+    """Below the sentence that was checked, with its points."""
     lines = check_lines(failing(), {})
 
     assert lines == [
@@ -80,7 +80,7 @@ def test_a_failed_check_says_five_things_in_order():
 
 
 def test_what_is_not_known_is_not_said():
-    """There is no empty line for an unknown cause."""
+    """No empty line for a cause that nobody knows."""
     assert [name for name, _ in told(failing(cause='', try_this=' '), {})] == [
         'expected',
         'observed',
@@ -89,7 +89,7 @@ def test_what_is_not_known_is_not_said():
 
 
 def test_a_check_that_waits_names_the_sentence_it_waits_for():
-    """The text shows the title of the other check, not its name in the code."""
+    """The title of the other check, not its name in the code."""
     waiting = CheckResult('text', 'It counts.', Verdict.NOT_RUN, 0, 1, waits_for='rate')
 
     assert told(waiting, {'rate': 'It speaks.'}) == [('waits for', 'It speaks.')]
@@ -99,7 +99,7 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
 @pytest.mark.parametrize('text', [LONG, 'x' * 3000, 'word\n' * 300])
 def test_twelve_lines_are_enough_for_any_text(name, text):
-    """Only the longest part is cut, and marked as cut."""
+    """The longest part is cut, and says so; the others stay whole."""
     check = failing(**{name: text})
     lines = check_lines(check, {})
 
@@ -110,7 +110,7 @@ def test_twelve_lines_are_enough_for_any_text(name, text):
 
 
 def test_all_parts_may_be_long():
-    """Each part keeps at least one line."""
+    """Each keeps a line at least."""
     check = failing(**dict.fromkeys(('expected', 'observed', 'cause', 'try_this', 'read'), LONG))
 
     assert len(check_lines(check, {})) <= MOST_LINES
@@ -118,7 +118,7 @@ def test_all_parts_may_be_long():
 
 
 def test_cause_is_printed_once_and_then_referred_to():
-    """Text and HTML refer to the check with the cause; a different fix is still printed."""
+    """Text and HTML name the check that has it; another repair is printed too."""
     first = failing()
     again = replace(first, check='again', title='It speaks for a minute.')
     other = replace(again, check='other', try_this='Call spin().')
@@ -134,7 +134,7 @@ def test_cause_is_printed_once_and_then_referred_to():
 
 
 def test_points_stay_together():
-    """No line break falls inside the points, such as (1 of 1)."""
+    """No line begins in the middle of them."""
     for length in range(60, 90):
         check = CheckResult('a', f'{"x " * (length // 2)}end.', Verdict.PASSED, 1, 1)
 
@@ -143,7 +143,7 @@ def test_points_stay_together():
 
 @pytest.mark.parametrize('text', ['short', LONG, EVIL])
 def test_html_says_the_same_words(text):
-    """The texts are equal even where they are cut."""
+    """Also where they are cut."""
     check = failing(observed=text)
     page = exam_html(ExamResult('talker', (check,)))
 
@@ -151,7 +151,7 @@ def test_html_says_the_same_words(text):
 
 
 def test_words_of_a_program_stay_words():
-    """No markup and no control character in the output of a program takes effect."""
+    """No tag and no control character of them is acted on."""
     result = ExamResult('talker', (failing(observed=EVIL, cause=EVIL, read=EVIL),), note=EVIL)
     page = exam_html(result, lesson='')
     reader = Facts()
@@ -162,7 +162,7 @@ def test_words_of_a_program_stay_words():
 
 
 def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
-    """The link's address is that of the heading in notebooks and in their HTML."""
+    """The address is that of the heading in notebooks and in their HTML."""
     result = ExamResult('talker', (failing(),))
 
     assert 'href="#Part-2:-Names"' in exam_html(result, lesson='')
@@ -174,7 +174,7 @@ def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
 
 
 def test_no_colour_says_anything_alone():
-    """The verdict is also given as a word and a sign."""
+    """The verdict is a word and a sign."""
     page = exam_html(ExamResult('talker', (failing(),)))
 
     assert '\N{BALLOT X} Failed:' in html.unescape(re.sub('<[^>]+>', '', page))

@@ -1,4 +1,4 @@
-"""Test the pictures of failed checks: contents, secrets that they omit, and size."""
+"""Pictures of failed checks: what they show, what they never show, and how large they get."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def recorded(*events, ends=None, nodes=('/lab/talker',)):
 
 
 def drawn(recording, failure, hidden=False, **scenario):
-    """Return the picture of a check with this failure, None if there is none."""
+    """Return the picture of a check that fails like this, None if there is none."""
     whole = {
         'file': 'talker.py',
         'watch': {TOPIC: TYPE, '/chatter': TYPE},
@@ -94,10 +94,10 @@ RATE = {'expected': 'one message every 1 s for 10 s', 'observed': 'others'}
 
 
 class TestGraph:
-    """Test the picture of endpoints that do not connect."""
+    """What does not connect."""
 
     def test_another_topic_is_beside_the_expected_one(self):
-        """The expected topic is dashed, with the reason."""
+        """The expected one is dashed, with the reason."""
         picture = drawn(recorded(ends=[end('/lab/chater')]), WRONG)
         shown = {
             (one['node'], one['topic'], one['matched'], one['remark']) for one in picture['arrows']
@@ -109,7 +109,7 @@ class TestGraph:
         assert '/chatter' not in {topic for _, topic, _, _ in shown}
 
     def test_another_type_names_both(self):
-        """The expected and the observed type are shown."""
+        """The expected and the observed one."""
         picture = drawn(
             recorded(ends=[end(type_name='std_msgs/msg/Int32')]),
             WRONG,
@@ -120,7 +120,7 @@ class TestGraph:
         )
 
     def test_a_quality_of_service_is_that_of_the_check(self):
-        """The text is that of the check."""
+        """In the words of the check."""
         failure = Failed(
             expected='reliability RELIABLE',
             observed='reliability BEST_EFFORT',
@@ -134,7 +134,7 @@ class TestGraph:
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
-        """The subscription is right if it receives from another publisher of the probe."""
+        """Where another one of ours is heard, the subscription asks for the right thing."""
         facts = {'event': 'offered', 'clock_ns': 0, 'topic': '/scan'}
         lazy = {**facts, 'publisher': 'lazy', 'matched': False, 'refused': ['DEADLINE']}
         right = {**facts, 'publisher': 'right', 'matched': matched, 'refused': []}
@@ -150,21 +150,21 @@ class TestGraph:
         assert any('does not fit' in arrow['remark'] for arrow in arrows) is not matched
 
     def test_a_value_in_a_message_needs_no_picture(self):
-        """All endpoints are connected, and no message was late."""
+        """All is connected, and nothing was late."""
         failure = Failed(expected="unit 'Celsius' in every message", observed='others')
 
         assert drawn(recorded(said(1.0)), failure) is None
 
     def test_a_program_that_made_no_node_has_no_picture(self):
-        """There is nothing to draw."""
+        """There is nothing to see."""
         assert drawn(recorded(ends=[], nodes=[]), Failed(**RATE)) is None
 
 
 class TestTimeline:
-    """Test the timeline of messages that arrived too rarely, too often or too late."""
+    """The timeline of messages that arrived too rarely, too often or too late."""
 
     def test_the_rows_are_what_was_due_and_what_came(self):
-        """The moment that the check names is marked."""
+        """With the moment that the check names."""
         failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one + 0.1) for one in (1, 2, 4))), failure)
         due, came = picture['rows']
@@ -174,7 +174,7 @@ class TestTimeline:
         assert (came['label'], came['times'], came['count']) == (TOPIC, [1.1, 2.1, 4.1], 3)
 
     def test_words_tell_the_part_that_is_shown_from_the_whole(self):
-        """If the picture shows a few of a hundred messages, the text gives both numbers."""
+        """A hundred messages of which few are in the picture are not a hundred in its seconds."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
         words = timeline_words(picture)
@@ -183,13 +183,13 @@ class TestTimeline:
         assert f'59 in all, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
-        """The expected ticks are above an empty row."""
+        """The expected ticks above nothing."""
         picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
 
         assert [row['count'] for row in picture['rows']] == [10, 0]
 
     def test_inputs_and_log_lines_are_numbered_by_message(self):
-        """The numbers show which line followed which message."""
+        """Which line came after which message."""
         log = {'event': 'log', 'level': 30, 'text': 'SECRET', 'after_input': 1, 'clock_ns': None}
         failure = Failed(
             expected='one WARN line after a reading above 30', observed='no WARN line'
@@ -209,7 +209,7 @@ class TestTimeline:
         ]
 
     def test_lines_are_those_of_the_node_that_is_meant(self):
-        """A program with two nodes shows the lines of the node that the check is about."""
+        """Of two nodes in one program, the one that the check speaks of."""
         log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
         failure = Failed(expected='7 INFO lines from /lab/keeper in 14 s', observed='none')
         picture = drawn(
@@ -221,7 +221,7 @@ class TestTimeline:
         ]
 
     def test_a_long_run_is_shown_around_the_difference(self):
-        """Sixty ticks in two rows would be a grey area."""
+        """Sixty ticks in two rows are a grey field."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
 
@@ -234,16 +234,16 @@ class TestTimeline:
 
 
 class TestSecrets:
-    """Test that pictures of a hidden exam show only names and times."""
+    """Of a hidden exam, names and times, and no more."""
 
     def test_no_value_is_in_any_picture(self):
-        """No value of a message or a log line is shown."""
+        """Neither of a message nor of a log line."""
         picture = drawn(recorded(said(1.0)), Failed(**RATE, at=SECOND, every_s=1.0))
 
         assert 'SECRET' not in json.dumps(picture)
 
     def test_a_hidden_namespace_and_moment_stay_hidden(self):
-        """Pictures show the names of node and topic without namespace."""
+        """The name of the node and the topic are enough."""
         graph = drawn(recorded(ends=[end('/lab/x')]), WRONG, hidden=True)
         line = drawn(recorded(said(1.137)), Failed(**RATE, at=SECOND), hidden=True)
 
@@ -251,7 +251,7 @@ class TestSecrets:
         assert line['rows'][0]['times'] == [1.1]
 
     def test_the_order_of_hidden_inputs_is_not_shown(self):
-        """The positions of messages with a warning would reveal the answer."""
+        """A list of the messages that are warned about would be an answer."""
         inputs = fed(1, TOPIC)
         failure = Failed(expected='one WARN line', observed='no WARN line')
 
@@ -260,11 +260,11 @@ class TestSecrets:
 
 
 class TestDrawing:
-    """Test the SVG and its description."""
+    """SVG with words."""
 
     @pytest.fixture(params=['graph', 'timeline'])
     def picture(self, request):
-        """Return a picture of each type, with a hostile name in it."""
+        """Return a picture of each kind, with a hostile name in it."""
         if request.param == 'graph':
             ends = [end(EVIL, node=EVIL)]
             return drawn(recorded(ends=ends, nodes=[EVIL]), WRONG)
@@ -272,7 +272,7 @@ class TestDrawing:
         return drawn(recorded(said(1, EVIL), ends=[end(EVIL)]), failure, watch={EVIL: TYPE})
 
     def test_it_is_well_formed_and_has_a_name_and_words(self, picture):
-        """The picture is accessible to screen readers and loads or runs nothing."""
+        """For those who cannot see it; nothing is run or loaded."""
         page = picture_html(picture)
         tree = ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
         names = {one.tag.rpartition('}')[2] for one in tree.iter()}
@@ -284,16 +284,16 @@ class TestDrawing:
         assert 'http' not in page.replace('http://www.w3.org/2000/svg', '')
 
     def test_equal_results_give_equal_pages(self, picture):
-        """The picture contains no number that depends on the process."""
+        """No number of the process is in them."""
         assert picture_html(picture) == picture_html(json.loads(json.dumps(picture)))
 
     def test_it_is_part_of_the_feedback(self, picture):
-        """The picture is below the text of its check; some checks have none."""
+        """Below the words of its check; without one there is none."""
         assert picture_html({}) == ''
         assert '<svg' not in exam_html(ExamResult('talker', ()))
 
     def test_size_is_bounded(self, monkeypatch):
-        """A program may send without end, with a very long name."""
+        """A program may send for ever, under a name without end."""
         monkeypatch.setattr(picture_data, 'MOST_EVENTS', 1000)
         topic = f'/{"x" * 255}'
         events = [said(one / 1000, topic) for one in range(20_000)]

@@ -1,4 +1,4 @@
-"""Test the exams of lessons 01 and 03 with recordings made by hand: rhythm, count and level."""
+"""The exams of lessons 01 and 03, asked about recordings made by hand: rhythm, count and level."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def log(clock_s, text, level=INFO, name='n.night_watch'):
 
 def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
     """
-    Return a run of the night watch with these lines, one per second; None is silence.
+    Return a run of the night watch with these lines, one a second; None is silence.
 
-    :param start: messages that the node logs when it starts
+    :param start: texts that it logs when it starts
     """
     before = [log(0.1, text) for text in start]
     events = [log(1.0 + second, *line) for second, line in enumerate(lines) if line]
@@ -39,24 +39,24 @@ def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
 
 
 def watches(level=lambda number: INFO if number % 5 else WARN, text='watch {}', first=1, step=1):
-    """Return the log lines of a night."""
+    """Return the lines of a night."""
     numbers = [first + step * place for place in range(SECONDS)]
     return [(text.format(one), level(place)) for place, one in enumerate(numbers, 1)]
 
 
 def cause_of(check, run):
-    """Return the cause of a check's failure."""
+    """Return the cause for which a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why and failed.value.why.cause_id
 
 
 class TestNightWatch:
-    """Test the night watch: one numbered line per second, every fifth one a warning."""
+    """Lines of a night: one a second, numbered, every fifth a warning."""
 
     @pytest.mark.parametrize('text', ['watch {}', '{:03d}', '{} of 99', 'watch={}.0'])
     def test_any_form_of_the_number_passes(self, text):
-        """The number may have leading zeros or stand next to another number."""
+        """A number is a number, with zeros in front or another one beside it."""
         run = night(*watches(text=text))
 
         night_watch.reports_every_second(run)
@@ -68,7 +68,7 @@ class TestNightWatch:
         [('', None), (', throttle_duration_sec=2.0', 'left_out')],
     )
     def test_logger_that_leaves_lines_out_is_told(self, argument, cause_id):
-        """A single line has no rate, and a timer with the right period is not blamed."""
+        """One line has no rate; and no timer is blamed that has the right period."""
         code = f'create_timer(1.0, tick)\ndef tick():\n    log.info(number{argument})\n'
         run = night(watches()[0], code=code)
 
@@ -83,7 +83,7 @@ class TestNightWatch:
         ],
     )
     def test_line_of_the_start_may_be_the_first_watch(self, start, first):
-        """Many nodes log that they have started; some log at once and then once per second."""
+        """Many nodes say that they have started; some log at once, and then once a second."""
         levels = watches(
             level=lambda place: INFO if (place + first - 1) % 5 else WARN, first=first
         )
@@ -106,7 +106,7 @@ class TestNightWatch:
         ],
     )
     def test_wrong_number_is_explained(self, lines, cause_id):
-        """Each wrong way of counting has its own cause."""
+        """Each way to count wrongly has a name of its own."""
         assert cause_of(night_watch.lines_are_numbered, night(*lines)) == cause_id
 
     @pytest.mark.parametrize(
@@ -124,13 +124,13 @@ class TestNightWatch:
         ],
     )
     def test_wrong_level_is_explained(self, level, cause_id):
-        """Each wrong choice of level has its own cause."""
+        """Each way to warn wrongly has a name of its own."""
         run = night(*watches(level))
 
         assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
 
     def test_fifth_watch_that_is_left_out_is_told_everywhere(self):
-        """All later lines are shifted by the missing one, so no other cause would be true."""
+        """All later lines are shifted by it, so no other cause would be true."""
         run = night(*[line if number % 5 else None for number, line in enumerate(watches(), 1)])
 
         assert cause_of(night_watch.reports_every_second, run) == 'fifth_missing'
@@ -147,7 +147,7 @@ class TestNightWatch:
         ],
     )
     def test_fifth_watch_that_is_elsewhere_is_not_called_missing(self, form, code, cause_id):
-        """The fifth line may be printed, filtered or logged by another logger instead."""
+        """Printed, dropped or said by another logger: what it lacks is not an else."""
         lines = [line if number % 5 else None for number, line in enumerate(watches(), 1)]
         numbers = (1, 2) if 'ready' in form else (5, 10)
         run = night(*lines, code=code, printed=''.join(map(form.format, numbers)))
@@ -164,7 +164,7 @@ class TestNightWatch:
         ],
     )
     def test_period_is_not_blamed_where_only_the_fifths_are_logged(self, form, code, cause_id):
-        """The numbers of the logged lines show that the others were counted."""
+        """Their numbers show that the others were counted."""
         lines = [None if number % 5 else line for number, line in enumerate(watches(), 1)]
         run = night(*lines, code=code, printed=''.join(map(form.format, (1, 2, 3, 4))))
 
@@ -172,7 +172,7 @@ class TestNightWatch:
         assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
     def test_rate_that_is_even_is_told_and_one_with_holes_is_not(self):
-        """One line every two seconds is a rate; an irregular rhythm is not."""
+        """Every other second has a rate of its own; a rhythm with holes has none."""
         other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
         holes = [None if number in (4, 9) else line for number, line in enumerate(watches(), 1)]
         check = night_watch.reports_every_second
@@ -182,18 +182,18 @@ class TestNightWatch:
 
 
 class TestHarbour:
-    """Test the harbour: reports of one node, one per period."""
+    """Reports of one node, once a period."""
 
     @staticmethod
     def keeper(*moments, code='create_timer(2.0, self.report)'):
-        """Return a run in which the keeper reports at these times [s]."""
+        """Return a run in which the keeper reports at these moments [s]."""
         lines = [log(moment, 'light on', name='harbour.keeper') for moment in moments]
         events = (log(0.1, 'I begin', name='harbour.keeper'), WATCHED, *lines, *RUNS)
         return Run({'harbour.py': code}, Recording({}, events), {'seconds': 8})
 
     @pytest.mark.parametrize('moments', [(2.0, 4.0, 6.0, 8.0), (1.1, 3.1, 5.1, 7.1)])
     def test_it_does_not_matter_in_which_second_the_rhythm_begins(self, moments):
-        """The exercise asks for one line every two seconds."""
+        """One line every two seconds is what is asked for."""
         harbour.keeper_reports_every_two_seconds(self.keeper(*moments))
 
     @pytest.mark.parametrize(
@@ -209,18 +209,18 @@ class TestHarbour:
         ],
     )
     def test_other_rhythm_is_explained(self, moments, code, cause_id):
-        """The source code helps to explain silence."""
+        """What the text of the program says helps to explain silence."""
         run = self.keeper(*moments, code=code)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
 
 
 class TestTalker:
-    """Test the talker: times and texts of the greetings."""
+    """When greetings come, and what they say."""
 
     @staticmethod
     def run_of(texts, lost=0, period_s=0.5, code=''):
-        """Return a run with these greetings, after some that no subscriber received."""
+        """Return a run in which these greetings are heard, and some before them are not."""
         end = {'topic': '/lab/chatter', 'kind': 'publisher', 'node': '/lab/talker'}
         graph = {'event': 'graph', 'nodes': [], 'endpoints': [end]}
         said = [
@@ -250,11 +250,11 @@ class TestTalker:
         ],
     )
     def test_wrong_text_is_explained(self, texts, cause_id):
-        """Each wrong way of counting has its own cause."""
+        """Each way to count wrongly has a name of its own."""
         assert cause_of(talker.counts_its_greetings, self.run_of(texts)) == cause_id
 
     def test_greeting_that_nobody_could_hear_counts(self):
-        """A loop may publish hello 1 before a subscriber exists; the next number shows it."""
+        """A loop publishes hello 1 at once, and the publisher has counted it."""
         talker.counts_its_greetings(self.run_of([f'hello {one}' for one in range(2, 9)], lost=1))
 
         run = self.run_of([f'hello {one}' for one in range(1, 8)], lost=1)
@@ -275,14 +275,14 @@ class TestTalker:
         ],
     )
     def test_wrong_rate_is_explained(self, period_s, code, cause_id):
-        """Regular gaps show the period; a callback that sleeps explains a longer one."""
+        """Even gaps show the period; a callback that sleeps explains a longer one."""
         run = self.run_of([''] * round(6.0 / (period_s or 0.25)), period_s=period_s, code=code)
 
         assert cause_of(talker.speaks_twice_a_second, run) == cause_id
 
 
 class TestCourier:
-    """Test the courier: time and receiver of the parcel."""
+    """When the parcel comes, and to whom."""
 
     @staticmethod
     def run_of(
@@ -292,8 +292,8 @@ class TestCourier:
         Return a run of the courier.
 
         :param heard: phase and listener of each parcel
-        :param lost: how many parcels were sent earlier without a receiver
-        :param lives: the graphs that contain its publisher
+        :param lost: how many were sent to nobody before
+        :param lives: the graphs in which its publisher is seen
         """
         end = {
             'topic': courier.TOPIC,
@@ -330,7 +330,7 @@ class TestCourier:
         return Run({'courier.py': code}, Recording({}, (*graphs, *events, ended, process)))
 
     def test_parcel_that_comes_with_the_second_listener_is_late(self):
-        """The exercise asks for delivery as soon as a subscription is connected."""
+        """As soon as a subscription is connected, says the exercise."""
         run = self.run_of(('second', 'first'))
 
         assert cause_of(courier.delivers_to_who_comes_late, run) == 'waits_for_two'
@@ -345,13 +345,13 @@ class TestCourier:
         ],
     )
     def test_silence_is_explained_by_the_text(self, code, cause_id):
-        """A program that already waits for a listener gets no advice to wait."""
+        """A program that looks for listeners is not told to look for listeners."""
         run = self.run_of(code=code)
 
         assert cause_of(courier.delivers_to_who_comes_late, run) == cause_id
 
     def test_parcel_that_is_kept_is_delivered_again(self):
-        """A subscription with transient local durability receives it at any time."""
+        """A subscription that asks for old messages gets it, at any time."""
         run = self.run_of(('first', 'first'), durability='TRANSIENT_LOCAL')
 
         courier.delivers_to_who_comes_late(run)
@@ -367,11 +367,11 @@ class TestCourier:
         ],
     )
     def test_second_parcel_is_explained(self, heard, cause_id):
-        """It may go to the same listener, to the next one, or after all have left."""
+        """To the same one, to the next one, or when the others have left."""
         assert cause_of(courier.delivers_once, self.run_of(*heard)) == cause_id
 
     def test_parcel_that_nobody_could_receive_counts(self):
-        """The number of a message shows how many messages its publisher sent before."""
+        """The number of a message tells what its publisher has sent before."""
         courier.delivers_once(self.run_of(('first', 'first')))
 
         early = self.run_of(('first', 'first'), lost=1)
@@ -379,7 +379,7 @@ class TestCourier:
 
     @pytest.mark.parametrize('exit', [None, 0])
     def test_node_that_goes_after_the_delivery_has_delivered_by_chance(self, exit):
-        """A node that ends some time later has delivered, but fails to stay alive."""
+        """If it goes some time later, it has delivered and does not live on."""
         at_once = self.run_of(('first', 'first'), lives=(), exit=exit)
         later = self.run_of(('first', 'first'), lives=('delivered',), exit=exit)
 
@@ -389,7 +389,7 @@ class TestCourier:
 
 
 class TestRunningMean:
-    """Test the explanations of wrong means."""
+    """Which mean it is instead."""
 
     @pytest.mark.parametrize(
         ('answers', 'cause_id'),
@@ -405,7 +405,7 @@ class TestRunningMean:
         ],
     )
     def test_wrong_mean_is_explained(self, answers, cause_id):
-        """A cause must explain every answer."""
+        """Only what fits each answer is named."""
         events = [
             event
             for place, answer in enumerate(answers)
@@ -424,7 +424,7 @@ class TestRunningMean:
         assert cause_of(judge_of(running_mean, 'publishes_the_mean'), run) == cause_id
 
     def test_two_topics_that_changed_places_are_named_together(self):
-        """Neither name is misspelt."""
+        """The name of neither is wrong."""
         ends = [
             {'topic': topic, 'kind': kind, 'node': '/running_mean', 'type': running_mean.TYPE}
             for topic, kind in (('/mean', 'subscription'), ('/readings', 'publisher'))
@@ -438,7 +438,7 @@ class TestRunningMean:
         assert cause_of(check, run) == 'wrong_direction'
 
     def test_message_before_the_first_number_is_no_answer(self):
-        """The message was not published by the callback."""
+        """It comes from somewhere other than the callback."""
         early = {'event': 'message', 'topic': '/mean', 'after_input': None, 'data': {'data': 0.0}}
         run = Run({}, Recording({}, (early, *RUNS)), running_mean.exam.facts)
 

@@ -1,4 +1,4 @@
-"""Test the messages about a gradebook that cannot be read."""
+"""What is said of a gradebook that cannot be asked."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
 
 
 def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
-    """The message is the same with and without the driver, an optional package."""
+    """With or without the driver, which is an extra."""
     url = 'postgresql+psycopg://grader:secret@127.0.0.1:1/marks'
 
     with pytest.raises(GraderError) as caught, connected(course(tmp_path, url)):
@@ -51,7 +51,7 @@ def filled(tmp_path):
 
 
 def execute(layout, *statements):
-    """Execute SQL statements on the gradebook of a course."""
+    """Execute statements on the gradebook of a course."""
     with connected(layout) as gradebook:
         for statement in statements:
             gradebook.exec_driver_sql(statement)
@@ -69,7 +69,7 @@ def execute(layout, *statements):
     ],
 )
 def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advice):
-    """The message about a file does not mention a server."""
+    """A file has no server, so nothing is said of one."""
     with pytest.raises(GraderError) as caught:
         execute(filled, *statements)
 
@@ -80,7 +80,7 @@ def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advic
 
 @pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
-    """The advice is to end the program that has locked the file."""
+    """The program that has locked it is what has to end."""
     with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:
         other.execute('begin exclusive')
         with pytest.raises(GraderError) as caught:
@@ -92,7 +92,7 @@ def test_a_locked_gradebook_file_is_one_line(filled):
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
-    """Otherwise nbgrader would create an empty table, and the loss would remain unnoticed."""
+    """Otherwise nbgrader creates an empty table, and nothing tells that its rows are lost."""
     layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
     refuse_incomplete(layout)
     make_gradebook(layout)
@@ -106,7 +106,7 @@ def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
 
 @pytest.mark.nbgrader
 def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkeypatch):
-    """A later nbgrader can upgrade it from that version."""
+    """A later nbgrader upgrades it from there; its command is not needed for that."""
     from nbgrader.api import get_alembic_version
 
     monkeypatch.setenv('PATH', str(Path(sys.prefix) / 'bin'))
@@ -123,7 +123,7 @@ def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkey
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
-    """The message has no traceback of SQLAlchemy."""
+    """And no traceback of SQLAlchemy's."""
     from autograder.gradebook.converters import opened_gradebook
 
     (tmp_path / 'gradebook.db').write_bytes(b'no database' * 100)

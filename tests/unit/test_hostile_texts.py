@@ -1,4 +1,4 @@
-"""Test strings made to keep the grader busy for hours, or to break a check."""
+"""Texts made to keep the grader busy for hours, or to break a check: they cost nothing."""
 
 import time
 
@@ -12,12 +12,12 @@ from autograder.judging.causes.ended import why_it_ended, why_late
 from autograder.recording import header, Recording
 from autograder.submission.intake import with_node_files
 
-BOUND_S = 10.0  # naive patterns took hours, linear ones take milliseconds
+BOUND_S = 10.0  # hours before; milliseconds now
 ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': ''},))
 
 
 def seconds_of(work) -> float:
-    """Return the CPU time of a function call [s]."""
+    """Return the processor time of something."""
     began = time.process_time()
     work()
     return time.process_time() - began
@@ -40,30 +40,30 @@ def test_a_file_of_line_ends_is_searched_once(text):
 
 
 def test_a_constant_in_another_unit_is_still_found():
-    """A period of 500 probably means milliseconds."""
+    """A period of 500 is meant in milliseconds."""
     run = Run({'x.py': 'class A:\n    PERIOD = 500\n\n    create_timer(PERIOD, f)\n'}, ENDED)
     assert why_late(run).cause_id == 'period_unit'
 
 
 def test_a_setup_file_of_one_word_is_searched_once():
-    """The search does not start again at each character."""
+    """The search does not start again at each letter."""
     files = {'setup.py': 'a' * 1_000_000, 'x/talker.py': ''}
     assert seconds_of(lambda: with_node_files(files, ['talker.py'])) < BOUND_S
 
 
 def test_a_line_of_one_word_in_the_output_of_a_build_is_searched_once():
-    """The search does not start again at each character."""
+    """The search does not start again at each letter."""
     assert seconds_of(lambda: diagnose('_' * 130_000, {})) < BOUND_S
 
 
 def test_no_node_file_is_put_where_a_folder_is():
-    """The exam then reports the file as missing."""
+    """The exam then says that the file is missing."""
     files = {'talker.py/x.py': '', 'pkg/talker.py': ''}
     assert 'talker.py' not in with_node_files(files, ['talker.py'])
 
 
 def test_a_giant_event_of_a_managed_node_breaks_no_check():
-    """An event whose recording contains only its size has no data."""
+    """What is recorded by its size alone has no data."""
     exam = {one.name: one for one in catalog.for_assignment('06_managed_lifecycle', False)}[
         'managed_pressure'
     ]

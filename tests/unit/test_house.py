@@ -1,4 +1,4 @@
-"""Test that imports in the grader go one way: a folder imports only from the folders below it."""
+"""Imports in the grader go one way: a folder imports only from the folders below it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def modules() -> dict[str, Path]:
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Yield the modules of the grader that a file imports, including imports inside functions."""
+    """Yield the modules of the grader that a file imports, also inside functions."""
     for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
         if isinstance(node, ast.ImportFrom) and node.module:
             inner = [f'{node.module}.{one.name}' for one in node.names]
@@ -44,19 +44,19 @@ def imported(path: Path) -> Iterator[str]:
 
 
 def floor_of(module: str) -> str:
-    """Return the folder or single module below ``autograder`` to which a module belongs."""
+    """Return the folder or single module below ``autograder`` that a module belongs to."""
     return module.split('.')[1] if '.' in module else ''
 
 
 def order() -> list[str]:
-    """Return the levels from the top, in the order of the list in ARCHITECTURE.md."""
+    """Return the floors from the top, as ARCHITECTURE.md draws them."""
     text = (ROOT / 'ARCHITECTURE.md').read_text(encoding='utf-8')
     block = text.partition('```\nautograder/\n')[2].partition('```')[0]
     return re.findall(r'^  (\w+) ', block, re.MULTILINE)
 
 
 def test_the_drawing_has_every_folder_and_module():
-    """The list in ARCHITECTURE.md and the folder have the same entries."""
+    """Nothing is in the house that the drawing leaves out, and the other way round."""
     there = {floor_of(name) for name in modules()} - {''}
 
     assert sorted(order()) == sorted(there)
@@ -64,7 +64,7 @@ def test_the_drawing_has_every_folder_and_module():
 
 @pytest.mark.parametrize('floor', order())
 def test_a_folder_imports_only_what_stands_below_it(floor):
-    """So a lower level can be understood without the levels above it."""
+    """So what is on the ground can be read without what stands on it."""
     allowed = {'', *order()[order().index(floor) :]}
     above = {
         (name, other)
@@ -78,7 +78,7 @@ def test_a_folder_imports_only_what_stands_below_it(floor):
 
 
 def test_no_file_imports_itself_through_others():
-    """An import cycle would be one module in several files."""
+    """A circle would be one module in several files."""
     TopologicalSorter(
         {name: set(imported(path)) - {name} for name, path in modules().items()}
     ).prepare()
@@ -86,7 +86,7 @@ def test_no_file_imports_itself_through_others():
 
 @pytest.mark.parametrize('floor', ['probe', 'inside'])
 def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
-    """The sandbox contains only the text of these files."""
+    """Only its text is there."""
     others = {
         other
         for name, path in modules().items()
@@ -98,7 +98,7 @@ def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
 
 
 def test_no_folder_has_more_modules_than_can_be_seen_at_once():
-    """A folder with more modules should be divided."""
+    """A folder with more is several."""
     counts: dict[str, int] = {}
     for path in modules().values():
         if path.name != '__init__.py':
@@ -110,7 +110,7 @@ def test_no_folder_has_more_modules_than_can_be_seen_at_once():
 
 
 def test_nothing_outside_the_exams_names_the_package_of_this_course():
-    """The grader serves any course: specific settings are in course.toml and in the exams."""
+    """The grader serves any course: what is its own stands in course.toml and in its exams."""
     naming = [
         str(path.relative_to(GRADER))
         for path in GRADER.rglob('*.py')

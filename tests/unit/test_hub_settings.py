@@ -1,4 +1,4 @@
-"""Test the settings of a hub, and the files that give each kernel a separate ROS network."""
+"""The settings of a hub, and the files that give each kernel a ROS world of its own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ GOOD = {
 
 
 def written(where: Path, **changed: str | None) -> Path:
-    """Write a settings file with some lines changed, or omitted if None."""
+    """Write a file of settings with some lines changed, or left out if None."""
     lines = {**GOOD, **changed}
     file = where / 'hub.toml'
     file.write_text(''.join(f'{name} = {value}\n' for name, value in lines.items() if value))
@@ -51,13 +51,13 @@ def test_the_settings_of_the_course_can_be_read() -> None:
 def test_a_value_that_cannot_be_used_is_named(
     tmp_path: Path, changed: dict[str, str | None], said: str
 ) -> None:
-    """The error names the wrong line and the permitted values."""
+    """The error says which line is wrong and what is expected."""
     with pytest.raises(SettingsError, match=said):
         read(written(tmp_path, **changed))
 
 
 def test_a_kernel_starts_in_its_own_world_and_the_server_reaches_it(tmp_path: Path) -> None:
-    """The script occurs once before the kernel's command, and the server uses Unix sockets."""
+    """The script stands once before the kernel's command, and the server uses Unix sockets."""
     kernel = tmp_path / 'share' / 'jupyter' / 'kernels' / 'ros2_jazzy' / 'kernel.json'
     config = tmp_path / 'etc' / 'jupyter' / 'jupyter_server_config.json'
     for path, content in ((kernel, {'argv': ['python', '-m', 'kernel']}), (config, {'A': 1})):

@@ -1,4 +1,4 @@
-"""Test reading the folder of submissions: only real folders and regular files are read."""
+"""The folder of submitted work: only real folders and regular files are looked into."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def look(tmp_path, known=(LESSON, '02_other')):
 
 
 def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
-    """The order makes reports reproducible."""
+    """A report is the same every time."""
     for name in ('zoe', 'ann', 'bob-2', 'x.y@z'):
         hand_in(name)
 
@@ -40,7 +40,7 @@ def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
 
 
 def test_a_regular_notebook_is_read(tmp_path, hand_in):
-    """The contents are read unchanged."""
+    """The bytes come as they are."""
     hand_in('ann', data=b'\xff')
 
     found = look(tmp_path)['ann']
@@ -50,7 +50,7 @@ def test_a_regular_notebook_is_read(tmp_path, hand_in):
 
 
 def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
-    """Instructors may keep notes in that folder."""
+    """Instructors keep notes there."""
     hand_in('ann')
     (tmp_path / 'notes.txt').write_text('x')
     (tmp_path / '.DS_Store').write_text('x')
@@ -68,7 +68,7 @@ def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
     ],
 )
 def test_a_folder_without_a_notebook_of_the_course_is_no_student(tmp_path, hand_in, path, why):
-    """Otherwise the gradebook would get a new student with zero points in every lesson."""
+    """A zero in every lesson would be its first entry in the gradebook."""
     hand_in('zoe')
     place = tmp_path / path
     place.parent.mkdir(parents=True)
@@ -79,14 +79,14 @@ def test_a_folder_without_a_notebook_of_the_course_is_no_student(tmp_path, hand_
 
 
 def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
-    """A student gets no zero for work that was not due."""
+    """Nobody gets a zero for what was not due."""
     hand_in('ann', assignment='02_other')
 
     assert look(tmp_path) == {}
 
 
 def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
-    """The notebook may belong to this assignment under a wrong name."""
+    """It may be this one under a wrong name."""
     hand_in('ann', assignment='1_talker')
     hand_in('ann', assignment='02_other')
 
@@ -120,7 +120,7 @@ def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
 
 
 def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
-    """The message names the missing file."""
+    """The line says which file is missing."""
     hand_in('ann', name='readme.txt')
     hand_in('ann', assignment='02_other')
 
@@ -128,7 +128,7 @@ def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
 
 
 def test_links_are_refused_at_every_level(tmp_path, hand_in):
-    """A link could reveal another student's work or the gradebook."""
+    """A link could show another student's work or the gradebook."""
     secret = tmp_path.parent / 'secret.ipynb'
     secret.write_text('secret')
     folder = hand_in('file_link', name='x')
@@ -148,7 +148,7 @@ def test_links_are_refused_at_every_level(tmp_path, hand_in):
 
 
 def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
-    """Reading a pipe would wait forever."""
+    """Reading it would wait for ever."""
     folder = hand_in('ann', name='x')
     (folder / 'x').unlink()
     os.mkfifo(folder / FILE)
@@ -159,7 +159,7 @@ def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
 
 
 def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
-    """The other students are still graded."""
+    """The others go on."""
     hand_in('ann')
     hand_in('bob')
     listdir = os.listdir
@@ -178,7 +178,7 @@ def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, mon
 
 @pytest.mark.parametrize('name', ['a*', 'a,b', '=1+1', '-rf', 'a\nb', 'x' * 101, ' a', 'a '])
 def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, name):
-    """The id is used in glob patterns, split at commas and exported unquoted by nbgrader."""
+    """It globs with ids, splits them at commas and exports them unquoted."""
     hand_in(name)
 
     (found,) = look(tmp_path).values()
@@ -188,7 +188,7 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
 
 def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
-    """The file system permits such a name, the gradebook does not."""
+    """The file system has it, the gradebook cannot."""
     folder = os.path.join(os.fsencode(tmp_path), b'\xff\xfe', LESSON.encode())
     os.makedirs(folder)
     Path(os.fsdecode(folder), FILE).write_bytes(b'{}')
@@ -200,7 +200,7 @@ def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
 
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
-    """The message gives the size of the file."""
+    """The line says how large it is."""
     monkeypatch.setattr(reading, 'MAX_BYTES', 2**20)
     hand_in('ann', data=b' ' * (3 * 2**20))
 
@@ -212,7 +212,7 @@ def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
 
 
 def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
-    """All notebooks together would exceed the grader's memory."""
+    """Their bytes together are more than the grader's memory."""
     for name in ('ann', 'bob'):
         hand_in(name)
     monkeypatch.setattr(inbox, 'read_file', lambda *_: pytest.fail('a notebook was read'))
@@ -221,7 +221,7 @@ def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
 
 
 def test_a_file_that_is_gone_when_it_is_read_is_a_problem_of_one_student(tmp_path, hand_in):
-    """The file existed when the folder was listed."""
+    """It was there when the folder was looked at."""
     folder = hand_in('ann')
     found = look(tmp_path)['ann']
     (folder / FILE).unlink()

@@ -1,4 +1,4 @@
-"""Test submissions as a script, a folder or a zip: read completely and safely, or refused."""
+"""What is handed in as a script, a folder or a zip: taken in whole and safely, or refused."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ PACKAGE = [
 
 
 class TestWhatIsTakenIn:
-    """Test that the three forms give the same files with the same names."""
+    """The three forms give the same files by the same names."""
 
     def test_a_zip_and_its_folder_are_the_same(self, tmp_path):
-        """The outer folder of the package does not matter."""
+        """The folder around the package has no meaning."""
         folder = tmp_path / 'anything'
         for name, text in PACKAGE:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -53,13 +53,13 @@ class TestWhatIsTakenIn:
         ]
 
     def test_a_script_is_one_file(self, tmp_path):
-        """The script keeps its name."""
+        """It keeps its name."""
         (tmp_path / 'talker.py').write_text('x = 1')
 
         assert read_handed_in(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
-        """These are builds, caches, version control and macOS metadata."""
+        """Builds, caches, version control and the other files of a Mac."""
         extra = [
             ('my_pkg/build/a.py', 'x'),
             ('my_pkg/.git/config.txt', 'x'),
@@ -73,7 +73,7 @@ class TestWhatIsTakenIn:
         assert len(found) == len(PACKAGE)
 
     def test_links_in_a_folder_are_not_followed(self, tmp_path):
-        """Links to files and to folders are ignored."""
+        """Neither to a file nor to a folder."""
         (tmp_path / 'package.xml').write_text('x')
         (tmp_path / 'passwd.txt').symlink_to('/etc/passwd')
         (tmp_path / 'etc').symlink_to('/etc')
@@ -81,14 +81,14 @@ class TestWhatIsTakenIn:
         assert read_handed_in(tmp_path) == {'package.xml': 'x'}
 
     def test_two_packages_are_one_too_many(self, tmp_path):
-        """The message lists the packages."""
+        """It is said which there are."""
         both = [*PACKAGE, ('other/package.xml', 'x')]
 
         with pytest.raises(NotTakenInError, match=r'expected one package, got 2: my_pkg, other'):
             read_handed_in(zip_of(tmp_path / 'a.zip', both))
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
-        """Examples are a tar file, a picture, or nothing."""
+        """A tar file, a picture, or nothing."""
         (tmp_path / 'a.tar').write_text('x')
 
         with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got another file'):
@@ -98,7 +98,7 @@ class TestWhatIsTakenIn:
 
 
 def info(name, **facts):
-    """Return a zip entry with these attributes."""
+    """Return a zip entry with some facts of its own."""
     entry = zipfile.ZipInfo(name)
     for fact, value in facts.items():
         setattr(entry, fact, value)
@@ -110,7 +110,7 @@ PIPE = (stat.S_IFIFO | 0o644) << 16
 
 
 class TestWhatAZipMayNotHold:
-    """Test the forbidden entries of a zip, although no entry is ever written to disk."""
+    """All of these entries are refused, although no entry is ever written to disk."""
 
     @pytest.mark.parametrize(
         ('entry', 'said'),
@@ -130,14 +130,14 @@ class TestWhatAZipMayNotHold:
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
-        """The message names the entry and the reason."""
+        """The entry and the reason are named."""
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
         with pytest.raises(NotTakenInError, match=said):
             read_handed_in(path)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
-        """The file on disk is a thousand times smaller than its contents."""
+        """A thousandth of its size on disk."""
         monkeypatch.setattr(intake, 'LARGEST_FILE', 1 << 16)
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
@@ -146,7 +146,7 @@ class TestWhatAZipMayNotHold:
             read_handed_in(path)
 
     def test_a_size_that_lies_is_not_believed(self, tmp_path):
-        """The zip's directory gives one byte, but the contents are larger."""
+        """The table of contents says one byte; what comes out is another thing."""
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * 100_000)])
         data = bytearray(path.read_bytes())
         directory = data.index(b'PK\x01\x02')
@@ -157,7 +157,7 @@ class TestWhatAZipMayNotHold:
             read_handed_in(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
-        """The zip contains many files of a permitted size."""
+        """Many files of a permitted size."""
         monkeypatch.setattr(intake, 'LARGEST_WHOLE', 1000)
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
@@ -165,7 +165,7 @@ class TestWhatAZipMayNotHold:
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
-        """Both the entries and the files of a package are limited."""
+        """Of entries, and of files of a package."""
         many = [(f'a{number}.py', '') for number in range(intake.MOST_FILES + 1)]
         with pytest.raises(NotTakenInError, match=f'more than {intake.MOST_FILES}'):
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
@@ -176,7 +176,7 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
     def test_a_name_has_one_meaning(self, tmp_path):
-        """A name must not belong to two files, or to a file and a folder."""
+        """Not two files, and not a file that is also a folder."""
         with pytest.raises(NotTakenInError, match='twice'):
             read_handed_in(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
         with pytest.raises(NotTakenInError, match='both a file and a folder'):
@@ -184,14 +184,14 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
-        """The same holds for a truncated zip."""
+        """As is one that was broken off."""
         (tmp_path / 'a.zip').write_bytes(data)
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
             read_handed_in(tmp_path / 'a.zip')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
-        """Links are not followed anywhere in a submission."""
+        """As everywhere in a submission."""
         zip_of(tmp_path / 'a.zip', PACKAGE)
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
@@ -200,22 +200,22 @@ class TestWhatAZipMayNotHold:
 
 
 class TestNodeFiles:
-    """Test that exams find a node by the file name of its executable."""
+    """Exams know a node by the name of its executable's file."""
 
     def test_a_module_of_that_name_is_found_in_its_package(self):
-        """The original file is kept, so that other modules can import it."""
+        """Its own place stays, so that others can import it."""
         files = {'pkg/talker.py': 'node', 'test/talker.py': 'test', 'launch/talker.py': 'launch'}
 
         assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
 
     def test_an_entry_point_names_another_module(self):
-        """setup.py of a Python package defines entry points."""
+        """As in setup.py of a Python package."""
         files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
 
     def test_an_entry_point_may_call_another_function(self):
-        """Then the file has the contents that ROS would generate."""
+        """Then the file is what ROS would write for it."""
         files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
 
         text = with_node_files(files, ['talker.py'])['talker.py']
@@ -223,12 +223,12 @@ class TestNodeFiles:
         assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
 
     def test_a_file_at_the_top_is_not_replaced(self):
-        """The student submitted this file under that name."""
+        """It is what was handed in under that name."""
         files = {'talker.py': 'mine', 'pkg/talker.py': 'other'}
 
         assert with_node_files(files, ['talker.py']) == files
 
     def test_without_a_package_file_the_only_folder_is_the_package(self):
-        """Beginners' packages may lack package.xml."""
+        """Nodes of beginners come without package.xml."""
         assert in_package({'my/a.py': '1', 'my/b.py': '2'}, 'x') == {'a.py': '1', 'b.py': '2'}
         assert in_package({'my/a.py': '1', 'b.py': '2'}, 'x') == {'my/a.py': '1', 'b.py': '2'}

@@ -1,4 +1,4 @@
-"""Test the report of changed cells, which is empty for a notebook with only ordinary work."""
+"""Changed cells are told in words, and a notebook that a student only worked in gives none."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from autograder.submission.submission import open_submission
 
 
 def cell(grade_id, source, kind='code', **marks):
-    """Return a cell as in a release."""
+    """Return a cell as it is in a release."""
     marks = {'grade_id': grade_id, 'grade': False, 'solution': False, 'locked': True, **marks}
     return {'cell_type': kind, 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -34,12 +34,12 @@ TITLE, SPEC, ANSWER, CHECK = range(4)
 
 @pytest.fixture
 def student():
-    """Return a copy of the release, for a student's changes."""
+    """Return a copy of the release, as a student would change it."""
     return copy.deepcopy(RELEASE)
 
 
 def flags(notebook):
-    """Return the flags of a notebook."""
+    """Return what is said about a notebook."""
     text = notebook if isinstance(notebook, str) else json.dumps(notebook)
     release = copy.deepcopy(RELEASE)
     for one in release['cells']:
@@ -48,7 +48,7 @@ def flags(notebook):
 
 
 def test_work_in_a_notebook_is_no_change(student):
-    """Answers, outputs, new cells and changes made by editors give no flag."""
+    """Answers, outputs, new cells and what editors write by themselves give no line."""
     student['cells'][ANSWER]['source'] = '%%node talker\nprint(1)'
     student['cells'][ANSWER]['metadata']['tags'] = ['mine']
     student['cells'][CHECK].update(outputs=[{'output_type': 'stream'}], execution_count=7, id='x')
@@ -67,7 +67,7 @@ def test_points_with_a_fraction_of_nothing_are_the_same_points(student):
 
 
 def test_points_of_a_fraction_are_points(student, monkeypatch):
-    """A check may be worth 2.5 points."""
+    """A check may be worth two and a half."""
     monkeypatch.setitem(RELEASE['cells'][CHECK]['metadata']['nbgrader'], 'points', 2.5)
     student['cells'][CHECK]['metadata']['nbgrader']['points'] = 2.5
 
@@ -108,14 +108,14 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
     ],
 )
 def test_change_is_one_line(student, change, line):
-    """Each change is reported once, with the name of the cell."""
+    """Each change is told once, with the cell's name."""
     change(student['cells'])
 
     assert flags(student) == (line,)
 
 
 def test_lines_are_bounded(student):
-    """Thousands of unknown cells give twenty lines and a count."""
+    """Thousands of strange cells make twenty lines and a number."""
     student['cells'] += [cell(f'x{number}', '') for number in range(1000)]
     found = flags(student)
 
@@ -137,5 +137,5 @@ def test_lines_are_bounded(student):
     ],
 )
 def test_numbers_are_small_or_just_numbers(text, number):
-    """The parser never converts a huge number."""
+    """No large number is ever made."""
     assert small_number(text) is number or small_number(text) == number

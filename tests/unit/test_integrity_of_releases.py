@@ -1,8 +1,8 @@
 """
-Test the real releases, as saved by various editors and with systematic damage.
+The real releases, saved again as editors do and damaged as nobody should.
 
-An honest copy gives no flag, whatever editor wrote it. A damaged copy never stops the grader and
-never changes a cell that is not an answer.
+An honest copy gives no line whatever wrote it; a damaged one never stops the grader and never
+changes a cell that is not an answer.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ LESSONS = LAYOUT.assignments()
 
 
 def release_of(lesson: str) -> tuple[Path, dict]:
-    """Return the path and the contents of a release."""
+    """Return the path and the content of a release."""
     path = LAYOUT.release(lesson)
     return path, read_release(path)
 
 
 def as_jupyterlab(path: Path) -> str:
-    """Return the notebook as nbformat and Jupyter's server write it, with a final line end."""
+    """Return the notebook as nbformat, and so Jupyter's server, writes it, with a line end."""
     return nbformat.writes(nbformat.read(path, as_version=4)) + '\n'
 
 
 def as_compact_json(path: Path) -> str:
-    """Return it on one line, with keys in reverse order and Windows line ends in strings."""
+    """Return it in one line, keys in reverse order, texts as strings with Windows line ends."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for cell in notebook['cells']:
         cell['source'] = ''.join(cell['source']).replace('\n', '\r\n')
@@ -45,7 +45,7 @@ def as_compact_json(path: Path) -> str:
 
 
 def after_running(path: Path) -> str:
-    """Return it with outputs, counts, times, new ids, collapsed cells and a byte order mark."""
+    """Return it with outputs, counts, timing, new ids and folded cells, with a byte order mark."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for number, cell in enumerate(notebook['cells']):
         cell['id'] = f'new-{number}'
@@ -59,7 +59,7 @@ def after_running(path: Path) -> str:
 
 
 def without_ids(path: Path) -> str:
-    """Return it in an older minor format, as old versions of Jupyter save it."""
+    """Return it in an older minor format, as an old Jupyter saves it."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for cell in notebook['cells']:
         cell.pop('id', None)
@@ -69,7 +69,7 @@ def without_ids(path: Path) -> str:
 @pytest.mark.parametrize('lesson', LESSONS)
 @pytest.mark.parametrize('saved', [as_jupyterlab, as_compact_json, after_running, without_ids])
 def test_saving_again_is_no_change(lesson, saved):
-    """There is no flag and no problem, and the notebook is unchanged."""
+    """No flag, no problem, and the same notebook as before."""
     path, release = release_of(lesson)
     opened = open_submission(saved(path).encode(), release, path.name)
     untouched = open_submission(path.read_bytes(), release, path.name)
@@ -91,7 +91,7 @@ ODD = st.one_of(
 
 
 def places(value, path=()):
-    """Yield the path of every element of a notebook."""
+    """Yield the way to every part of a notebook."""
     if not isinstance(value, (dict, list)):
         return
     for key, part in value.items() if isinstance(value, dict) else enumerate(value):
@@ -139,7 +139,7 @@ PLACES = list(places(SMALL))
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), ODD), min_size=1, max_size=4))
 def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
-    """With any value at any place, the graded notebook is the release with the answers' text."""
+    """Whatever is put in whatever place: what is graded is the release with texts of answers."""
     release = copy.deepcopy(SMALL)
     for cell in release['cells']:
         cell['source'] = ''.join(cell['source'])
@@ -151,7 +151,7 @@ def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
                 place = place[key]
             place[path[-1]] = value
         except (TypeError, KeyError, IndexError, AttributeError):
-            continue  # an earlier change has removed this element
+            continue  # an earlier damage has taken this place away
     opened = open_submission(json.dumps(student).encode(), release, 'x.ipynb')
 
     for wanted, found in zip(release['cells'], opened.notebook['cells'], strict=True):

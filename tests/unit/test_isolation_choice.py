@@ -1,4 +1,4 @@
-"""Test the choice of an isolation mode: advice on refusals, weak modes, and remarks in results."""
+"""Refusals say the exact repair, weak modes are named, and results say what was not protected."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ PIVOT = 'bwrap: pivot_root: Operation not permitted'
     ],
 )
 def test_each_refusal_has_its_repair(said, system, words):
-    """The command to type depends on bubblewrap's output and on the system."""
+    """What bubblewrap printed and what the system is decide the command to type."""
     assert words in fix_for(said, system)
 
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
-    """The command can be pasted into a terminal."""
+    """The line can be pasted."""
     monkeypatch.setattr(choose.shutil, 'which', lambda name: None)
     choose.strongest.cache_clear()
     try:
@@ -69,7 +69,7 @@ def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monk
 def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     said, tmp_path, monkeypatch
 ):
-    """The complete path is tested, from bubblewrap's output to the message."""
+    """Not only the table is right: the way from bubblewrap's mouth to the message is, too."""
     program = tmp_path / 'bwrap'
     program.write_text(f'#!/bin/sh\necho "{said}" >&2\nexit 1\n', encoding='utf-8')
     program.chmod(0o755)
@@ -96,7 +96,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     ],
 )
 def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
-    """A weak mode is only used if it is named; root never runs programs as root."""
+    """Without a name there is no weak mode; root never runs programs as root."""
     assert isolation.permitted(named, root) == tried
 
 
@@ -111,7 +111,7 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
-    """The message contains the kernel's own error."""
+    """The kernel is asked, and its own words are passed on."""
 
     def ask() -> int:
         if error:
@@ -135,7 +135,7 @@ def test_a_banner_says_what_is_not_protected():
 
 
 def test_a_weak_mode_runs_one_submission_at_a_time():
-    """The banner is printed, and only one run is executed at a time."""
+    """The banner is printed and the number of runs is one; full isolation keeps the number."""
     told = Console(file=io.StringIO(), width=200)
 
     def engine(mode):
@@ -148,7 +148,7 @@ def test_a_weak_mode_runs_one_submission_at_a_time():
 
 
 def weak_result() -> SubmissionResult:
-    """Return a result that was made with Landlock alone."""
+    """Return a result that was made behind Landlock alone."""
     check = CheckResult('c', 'It runs.', Verdict.PASSED, 1, 1)
     lacks = isolation.not_protected('landlock')
     exam = ExamResult('talker', (check,), mode='landlock', not_protected=lacks)
@@ -156,7 +156,7 @@ def weak_result() -> SubmissionResult:
 
 
 def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
-    """Pages, JSON, terminal and notebook name the mode."""
+    """Pages, JSON, terminal and notebook carry the stamp."""
     result = weak_result()
     write_reports(tmp_path, '03_topics', [result])
     pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
@@ -180,7 +180,7 @@ CLOSED = (
 
 @pytest.fixture
 def built(tmp_path):
-    """Return a description of ROS with a built package of a source and a compiled module."""
+    """Return a description of ROS with a built package: one module of text, one compiled."""
     workspace = tmp_path / 'workspace' / 'install' / 'temp_monitor_pkg'
     for name in (f'{PACKAGE}/__init__.py', *CLOSED, 'share/x.msg', 'lib/libx.so'):
         (workspace / name).parent.mkdir(parents=True, exist_ok=True)
@@ -191,7 +191,7 @@ def built(tmp_path):
 
 
 def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
-    """The files next to a hidden one are opened one by one; folders above only by name."""
+    """Neighbours of a closed file are opened one by one, and folders above by their names only."""
     workspace = Path(built.workspace)
     read, names = landlock.readable(built, course_messages=True)
     assert {str(tmp_path / 'bin'), str(workspace / PACKAGE / '__init__.py')} <= set(read)
@@ -205,7 +205,7 @@ def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
 
 
 def test_bubblewrap_covers_the_course_s_own_answer(built):
-    """Source and compiled modules become empty, and so does the folder of executables."""
+    """A text module and a compiled one become empty; the folder of executables, too."""
     workspace = Path(built.workspace)
     options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
 
@@ -216,7 +216,7 @@ def test_bubblewrap_covers_the_course_s_own_answer(built):
 
 
 def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
-    """Both a claim and open ports in the kernel's table mean that the domain is in use."""
+    """A claim and ports in the kernel's table both mean that the domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
     monkeypatch.setattr(landlock, 'ports', lambda pid: used)
@@ -233,7 +233,7 @@ def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
 
 
 def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_path):
-    """Files and bytes below the folder are counted; links are not followed."""
+    """Files and bytes below its folder; links are not followed."""
     (tmp_path / 'deep' / 'er').mkdir(parents=True)
     (tmp_path / 'deep' / 'er' / 'file').write_bytes(b'x' * 8192)
     (tmp_path / 'link').symlink_to('/usr')
@@ -245,7 +245,7 @@ def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_pa
 
 
 def test_a_folder_that_is_closed_to_others_is_named(tmp_path):
-    """A temporary user cannot enter the folder, so the message names it."""
+    """A throw-away user cannot pass it, so the refusal has to say which one it is."""
     inner = tmp_path / 'closed' / 'python'
     inner.mkdir(parents=True)
     (tmp_path / 'closed').chmod(0o700)

@@ -1,4 +1,4 @@
-"""Test the judge, which has no side effects, with recordings made by hand."""
+"""The judge is pure: recordings made by hand are enough to test it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def breaks(run):
 
 
 class TestJudge:
-    """Test all verdicts and the points that they give."""
+    """Every verdict, and where points go."""
 
     def test_passed_check_earns_its_points(self):
         """A check that returns has passed."""
@@ -54,7 +54,7 @@ class TestJudge:
         ],
     )
     def test_exception_is_read_about_where_it_is_explained(self, cause_id, place):
-        """Otherwise the check's own section takes precedence over the exam's."""
+        """Else the check's own section comes before the exam's."""
         exam = make_exam(read='Part 1')
 
         def dies(run):
@@ -68,7 +68,7 @@ class TestJudge:
         assert result.read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
-        """For example, the messages of a node with a wrong name are judged as usual."""
+        """For example a wrong node name: its messages are judged as if the name were right."""
         exam = make_exam()
 
         @exam.check(points=1)
@@ -81,7 +81,7 @@ class TestJudge:
         assert [one.points for one in judge(exam, Run({}, NOTHING))] == [0, 4]
 
     def test_failed_check_tells_five_things(self):
-        """The result has expected, observed, cause, what to try and what to read."""
+        """Expected, observed, cause, what to try and where to read reach the result."""
         exam = make_exam(read='Part 1')
         exam.check(points=2)(fails)
 
@@ -93,7 +93,7 @@ class TestJudge:
         assert (result.try_this, result.read, result.cause_id) == ('this', 'Part 1', 'because')
 
     def test_check_whose_need_failed_is_not_run_and_names_it(self):
-        """A check that cannot be judged does not count as failed."""
+        """A check that cannot be looked at is not failed."""
         exam = make_exam()
         exam.check(points=1)(fails)
         exam.check(points=4, needs=['fails'])(passes)
@@ -104,7 +104,7 @@ class TestJudge:
         assert 'It fails.' in result.observed
 
     def test_share_gives_part_of_the_points(self):
-        """Partial points are a share of the check's own points."""
+        """Partial points are a share of the check's own."""
         exam = make_exam()
 
         @exam.check(points=4)
@@ -115,7 +115,7 @@ class TestJudge:
         assert judge(exam, Run({}, NOTHING))[0].points == 2
 
     def test_broken_check_is_the_graders_fault(self):
-        """An unexpected exception gives no verdict."""
+        """An unexpected exception is not a verdict."""
         exam = make_exam()
         exam.check(points=1)(breaks)
 
@@ -124,10 +124,10 @@ class TestJudge:
 
 
 class TestWorthRunning:
-    """Test that nothing runs if the files alone decide every verdict."""
+    """Nothing is run when the files alone decide every verdict."""
 
     def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
-        """The only check of a run needs a static check that fails."""
+        """The only dynamic check waits for a static one that fails."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -135,7 +135,7 @@ class TestWorthRunning:
         assert not worth_running(exam, {})
 
     def test_independent_check_makes_the_run_worth_it(self):
-        """One check of a run that needs no failed check is enough."""
+        """One dynamic check without such a need is enough."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1)(passes)
@@ -143,7 +143,7 @@ class TestWorthRunning:
         assert worth_running(exam, {})
 
     def test_blocking_passes_on(self):
-        """A check that needs a blocked check is blocked, too."""
+        """A dynamic check that waits for a blocked one is blocked too."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -156,10 +156,10 @@ class TestWorthRunning:
 
 
 class TestExam:
-    """Test that mistakes in an exam are refused with their location."""
+    """Mistakes in an exam are refused with the place."""
 
     def test_unknown_need_is_refused_with_the_earlier_names(self):
-        """The message lists the valid names."""
+        """The message lists what could have been meant."""
         exam = make_exam()
         exam.check(points=1)(passes)
 
@@ -167,7 +167,7 @@ class TestExam:
             exam.check(points=1, needs=['pases'])(fails)
 
     def test_name_used_twice_is_refused(self):
-        """Two checks with the same name could not be distinguished."""
+        """Two checks of one name could not be told apart."""
         exam = make_exam()
         exam.check(points=1)(passes)
 
@@ -175,12 +175,12 @@ class TestExam:
             exam.check(points=1)(passes)
 
     def test_check_without_points_is_refused(self):
-        """Nobody would notice if a check without points were missing."""
+        """A check of no points would never be noticed missing."""
         with pytest.raises(ExamInvalid, match='points > 0'):
             make_exam().check(points=0)(passes)
 
     def test_check_without_docstring_is_refused(self):
-        """The docstring is the sentence that the learner reads."""
+        """The docstring is what the learner reads."""
 
         def silent(run):
             pass
@@ -189,7 +189,7 @@ class TestExam:
             make_exam().check(points=1)(silent)
 
     def test_check_of_a_run_is_refused_where_nothing_runs(self):
-        """An exam on files alone has only static checks and never needs a run."""
+        """An exam on files alone has static checks only, and is never worth a run."""
         exam = make_exam(scenario=Scenario(program=''))
         exam.check(points=1, static=True)(passes)
 

@@ -1,4 +1,4 @@
-"""Test stored recordings: each is complete or missing, and missing ones are made by a new run."""
+"""Recordings are the journal of a class: each is complete or missing, and missing ones are run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WHOLE = Recording(
 
 
 class Runs:
-    """A fake run that counts its calls."""
+    """Runs something, and counts."""
 
     def __init__(self):
         self.count = 0
@@ -39,12 +39,12 @@ class Runs:
 
 @pytest.fixture
 def path(tmp_path):
-    """Return the path of a recording."""
+    """Return where a recording is to be kept."""
     return tmp_path / 'talker' / 'abc.jsonl'
 
 
 def test_a_kept_recording_is_read_and_nothing_is_run(path):
-    """The program is not run again, however often the recording is needed."""
+    """Any number of times."""
     runs = Runs()
 
     first, _ = _kept_or_run(path, False, runs)
@@ -56,7 +56,7 @@ def test_a_kept_recording_is_read_and_nothing_is_run(path):
 
 @pytest.mark.parametrize('left', [0, 1, 40, -1], ids=['empty', 'a byte', 'a piece', 'all but one'])
 def test_a_recording_that_was_cut_off_is_made_again(path, left):
-    """A power cut may truncate a file on some file systems."""
+    """As a power cut leaves it, on a file system that tells lies."""
     runs = Runs()
     WHOLE.save(path)
     path.write_bytes(path.read_bytes()[:left])
@@ -68,7 +68,7 @@ def test_a_recording_that_was_cut_off_is_made_again(path, left):
 
 
 def test_lines_that_were_lost_are_noticed_though_the_rest_is_sound(path):
-    """Fewer messages would give fewer points."""
+    """Fewer messages would be fewer points."""
     runs = Runs()
     WHOLE.save(path)
     lines = path.read_bytes().splitlines(keepends=True)
@@ -80,7 +80,7 @@ def test_lines_that_were_lost_are_noticed_though_the_rest_is_sound(path):
 
 
 def test_a_recording_of_an_older_format_is_made_again(path):
-    """Its times come from a different clock."""
+    """Its times are from a different clock."""
     runs = Runs()
     path.parent.mkdir()
     path.write_bytes(WHOLE.to_bytes().replace(b'"version": 3', b'"version": 1'))
@@ -92,7 +92,7 @@ def test_a_recording_of_an_older_format_is_made_again(path):
 
 
 def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):
-    """No recording is better than an incomplete one."""
+    """Absent is better than half."""
 
     def dies():
         raise KeyboardInterrupt
@@ -132,7 +132,7 @@ FILES = {'talker.py': 'x = 1'}
 
 
 def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
-    """The recording also stores versions; a rerun does not claim that it ran now."""
+    """And so is what it was made with; of a rerun nothing says that it was run now."""
     first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
     again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
 
@@ -145,7 +145,7 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
 
 
 def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):
-    """A run is repeated only once after a machine that was too busy or a probe that ended."""
+    """A machine that was too busy, or an observer that died, ends a run only once."""
     whole, ended = module.observe, []
 
     def ends_once(*given):

@@ -1,4 +1,4 @@
-"""Test which course is used, and how its file is read."""
+"""Which course is meant, and what its file says."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
     ],
 )
 def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
-    """The message names the file and quotes its contents."""
+    """The file is named, and what it says."""
     (tmp_path / FILE).write_text(text)
 
     with pytest.raises(GraderError) as caught:
@@ -33,7 +33,7 @@ def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
 
 
 def test_what_the_file_leaves_out_is_usual(tmp_path):
-    """So a course without a package needs only one line."""
+    """So a course without a package needs one line."""
     (tmp_path / FILE).write_text("name = 'doors'")
 
     course = Layout(tmp_path)
@@ -50,7 +50,7 @@ def test_what_the_file_leaves_out_is_usual(tmp_path):
     ],
 )
 def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
-    """The set-up has the same defaults, but no TOML parser."""
+    """With the same defaults, without a reader of TOML."""
     (tmp_path / FILE).write_text(text)
 
     found = Layout(tmp_path).facts
@@ -59,7 +59,7 @@ def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
 
 
 def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
-    """The default would make the set-up prepare another course."""
+    """Taking the default for it would prepare another course."""
     (tmp_path / FILE).write_text("package = '''doors_msgs'''")
 
     with pytest.raises(ValueError, match="expected a line package = 'NAME', got package"):
@@ -67,16 +67,16 @@ def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
 
 
 class TestHere:
-    """Test which course is used if none is named."""
+    """The course that is meant where nobody names one."""
 
     def test_it_is_the_one_that_was_chosen(self, tmp_path, monkeypatch):
-        """The chosen course is used in any folder."""
+        """Whatever the folder."""
         (tmp_path / FILE).touch()
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         assert Layout.here().root == tmp_path
 
     def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
-        """Grading another course would be worse than an error."""
+        """Grading another course would be worse."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         with pytest.raises(
             GraderError, match=f'this is not the folder of a course; it has no {FILE}'
@@ -84,7 +84,7 @@ class TestHere:
             Layout.here()
 
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
-        """Without a course around the folder, the grader's own course is used."""
+        """As for a notebook of a lesson; else it is the one that the grader came with."""
         inside = tmp_path / 'notebooks' / '01_doors'
         inside.mkdir(parents=True)
         monkeypatch.delenv(CHOSEN, raising=False)

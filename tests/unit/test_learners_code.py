@@ -1,4 +1,4 @@
-"""Test reading learners' code: comments and strings are ignored, and files need not be Python."""
+"""What a learner's code says: comments and texts say nothing, and files need not be Python."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
 
 
 def node(callback: str, made: str = 'self.create_timer(1.0, self.tick)') -> dict[str, str]:
-    """Return a node file with one callback, whose body is in line 5."""
+    """Return the file of a node with one callback, whose body is in line 5."""
     code = f'class N(Node):\n    def __init__(self):\n        {made}\n    def tick(self):\n'
     return {'n.py': f'{code}        {callback}\n'}
 
 
 class TestTexts:
-    """Test that comments and strings are blanked without moving other code."""
+    """Comments and texts are blanked, and the rest stays where it is."""
 
     @pytest.mark.parametrize(
         ('code', 'left'),
@@ -37,7 +37,7 @@ class TestTexts:
         ],
     )
     def test_only_code_is_left(self, code, left):
-        """An f-string has code in its braces, so it is kept."""
+        """An f-string has code in its braces, so it stays."""
         found = without_texts(code)
 
         assert found.count('\n') == code.count('\n')
@@ -45,19 +45,19 @@ class TestTexts:
 
     @pytest.mark.parametrize('code', ['a = (', "a = 'open\n", 'if a:\n  b\n c\n', '\x00'])
     def test_what_is_no_python_stays_as_it_is(self, code):
-        """Text that is not Python cannot be analysed."""
+        """Nothing is known of it."""
         assert without_texts(code) == code
         assert not Code({'n.py': code}).calls
 
     def test_texts_and_calls_are_found_in_python_files_only(self):
-        """A package also contains other files."""
+        """A package has other files too."""
         files = {'n.py': "math.isnan(a) or 'Farenheit'", 'package.xml': "<a b='c'>isfinite(1)</a>"}
 
         assert texts_in(files) == {'Farenheit'}
         assert set(Code(files).calls) == {'isnan'}
 
     def test_an_escape_that_python_warns_of_is_the_learners(self):
-        """The grader prints no warnings about it."""
+        """The grader prints no warnings of it."""
         assert texts_in({'n.py': "a = '\\d'"}) == {'\\d'}
 
 
@@ -76,12 +76,12 @@ class TestTexts:
     ],
 )
 def test_what_is_done_with_a_field(code, use):
-    """A variable with the same name does not count."""
+    """A variable of the same name is none."""
     assert use_of_field({'n.py': code}, 'timestamp') == use
 
 
 class TestPauses:
-    """Test that a sleep counts only in functions that ROS calls."""
+    """A sleep counts where ROS calls the function."""
 
     @pytest.mark.parametrize(
         'made',
@@ -100,13 +100,13 @@ class TestPauses:
         assert pause_in_callback(node(code, made)) == Pause('tick', 5)
 
     def test_what_a_callback_calls_belongs_to_it(self):
-        """A method called by the callback may contain the sleep."""
+        """A method of its own that waits."""
         files = node('self.work()\n    def work(self):\n        time.sleep(1.0)')
 
         assert pause_in_callback(files) == Pause('tick', 7)
 
     def test_callbacks_of_one_name_in_two_classes_are_all_looked_at(self):
-        """Each class may have a method tick()."""
+        """Each class may have its tick()."""
         other = 'class M(Node):\n    def tick(self):\n        pass\n'
         code = node('time.sleep(1.0)')['n.py']
 
@@ -114,7 +114,7 @@ class TestPauses:
         assert pause_in_callback({'n.py': other + code}) == Pause('tick', 8)
 
     def test_a_lambda_has_no_name(self):
-        """A lambda that sleeps is found, too."""
+        """A lambda that sleeps is found too."""
         files = {'n.py': 'node.create_timer(1.0, lambda: time.sleep(1.0))'}
 
         assert pause_in_callback(files) == Pause('', 1)
@@ -129,23 +129,20 @@ class TestPauses:
         ],
     )
     def test_what_nobody_waits_for_is_none(self, code):
-        """
-        Comments, very short sleeps, yielding calls and loops with a fault of their own do not
-        count.
-        """
+        """A comment, an instant, what lets others work, and a loop that is to blame itself."""
         files = {name: text.replace('def t', 'async def t') for name, text in node(code).items()}
 
         assert pause_in_callback(files) is None
 
     def test_a_function_that_ros_does_not_call_may_sleep(self):
-        """An example is a function that runs in a separate thread."""
+        """A thread of one's own, for example."""
         files = {'n.py': 'def work():\n    time.sleep(1.0)\nThread(target=work).start()\n'}
 
         assert pause_in_callback(files) is None
         assert pause_in_callback({'n.py': BROKEN}) is None
 
     def test_each_function_is_looked_at_once(self, monkeypatch):
-        """Many callbacks may call one function, and a file of thousands must not block a class."""
+        """However many callbacks come to it: a file of thousands must not stall a class."""
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []

@@ -1,4 +1,4 @@
-"""Test the exams of lesson 02 and of limits without a program: inputs, rules and causes."""
+"""The exams of lesson 02 and the one of limits, without a program: inputs, rules and causes."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ def run_of(exam, *events):
 
 
 class TestJoining:
-    """Test the rule that joins the latest messages of several topics."""
+    """The latest of several topics."""
 
     rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
 
     def test_nothing_is_due_before_all_have_come(self):
-        """A message on one topic is not enough."""
+        """One topic is not enough."""
         assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
-        """When the topic is fresh again, the latest messages of both are expected."""
+        """And the latest of both as soon as it is fresh again."""
         inputs = [Told(0, 0.5, 0.5), Told(1, 0.2, 2.5), Told(1, 0.3, 0.5), Told(0, 0.0, 0.5)]
 
         assert self.rule(inputs) == [
@@ -56,7 +56,7 @@ class TestJoining:
 
 
 def ticked(inputs, begins_s):
-    """Return what a timer of the pilot publishes after each input."""
+    """Return what a timer of the pilot publishes after each input, as a program does it."""
     found, sent, now_s = [], [None, None], 0.0
     tick_s = begins_s
     for topic, value, lasts_s in inputs:
@@ -74,16 +74,16 @@ def ticked(inputs, begins_s):
 
 @pytest.mark.parametrize('secret', SECRETS)
 class TestInputsOfThePilot:
-    """Test that the exam does not depend on when a timer was created."""
+    """The exam does not depend on the moment at which a timer was created."""
 
     def test_any_timer_publishes_all_that_is_due(self, secret):
-        """Every command is expected for longer than a period of the timer."""
+        """No command is due for so short a time that it falls between two ticks."""
         asked = catalog.drawn('pilot', secret).asks['commands']
         for hundredth in range(50):
             assert ticked(asked.inputs, hundredth / 100 + 0.003) == asked.answers
 
     def test_no_two_inputs_are_whole_periods_apart(self, secret):
-        """So a timer created when one input arrives never ticks exactly when another arrives."""
+        """A timer that is created when one comes does not tick when another one does."""
         times = [0.0]
         for one in catalog.drawn('pilot', secret).asks['commands'].inputs[:-1]:
             times.append(times[-1] + one.lasts_s)
@@ -93,7 +93,7 @@ class TestInputsOfThePilot:
 
 
 def test_command_before_both_have_come_is_told():
-    """The advice is that the timer must wait."""
+    """It is the timer that must wait."""
     early = {
         'event': 'message',
         'topic': '/cmd_vel',
@@ -110,7 +110,7 @@ def test_command_before_both_have_come_is_told():
 
 
 class TestHeartbeat:
-    """Test the causes of missing heartbeats."""
+    """Why heartbeats are missing."""
 
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
@@ -130,15 +130,15 @@ class TestHeartbeat:
         ids=['goes on', 'beats with the pictures', 'no result'],
     )
     def test_other_heartbeats_are_not(self, events):
-        """A cause is named only if all messages are consistent with it."""
+        """A cause is named only if all that came fits it."""
         assert inspector.why_starved(run_of(inspector.exam, *events)) is None
 
 
 class TestLimits:
-    """Test which limit applies after changes."""
+    """What is in force after changes."""
 
     def test_node_is_judged_by_the_limits_that_it_accepts(self):
-        """A node that accepts NaN stops warning, and loses those points only once."""
+        """A node that accepts NaN warns of nothing after that, and loses those points once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
         sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
         rule = limit_changes.warning()

@@ -1,4 +1,4 @@
-"""Test that contents, next lesson and map are derived from the outlines of the lessons."""
+"""Contents, next lesson and map follow from the outlines of the lessons."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LINK = re.compile(r'\]\(#([^)]+)\)')
 
 @pytest.fixture
 def solutions(tmp_path):
-    """Return the sources of three lessons; the last one needs the first one."""
+    """Return the sources of a course of three lessons; the last one needs the first one."""
     folder = tmp_path / 'solutions'
     for name, facts in (('01_a', None), ('02_b', None), ('03_c', {'needs': ['01']})):
         cells = [new_markdown_cell(f'# Title {name[3:]}'), new_markdown_cell('## Part 1: Go')]
@@ -40,7 +40,7 @@ def solutions(tmp_path):
 
 
 def test_contents_name_what_a_lesson_needs(solutions):
-    """By default, a lesson needs the previous one; its metadata may name others."""
+    """The lesson before it, unless its metadata says something else."""
     lessons = outlines(solutions)
 
     assert contents(lessons, 0).splitlines()[0] == '**In this lesson.**'
@@ -50,7 +50,7 @@ def test_contents_name_what_a_lesson_needs(solutions):
 
 
 def test_last_lesson_has_no_next_one(solutions):
-    """If a lesson is added, the link to it appears without an edit."""
+    """A new lesson changes that without an edit."""
     lessons = outlines(solutions)
 
     assert next_lesson(lessons, 1) == '*Next lesson:* [03 Title c](../03_c/c.ipynb)'
@@ -81,7 +81,7 @@ def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
 
 
 def test_make_lab_opens_a_page_that_exists():
-    """JupyterLab would show an error otherwise."""
+    """JupyterLab would show an error in its place."""
     root = Layout.here().root
     makefile = (root / 'Makefile').read_text(encoding='utf-8')
     found = re.search(r'default_url=/lab/tree/(\S+)', makefile)
@@ -92,7 +92,7 @@ def test_make_lab_opens_a_page_that_exists():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path):
-    """Every link leads to an existing heading of the lesson."""
+    """Every link leads to a heading that is in the lesson."""
     cells = nbformat.read(path, as_version=4).cells
     outline = read_outline(path)
     shown = cells[1].source
@@ -104,11 +104,11 @@ def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path
 
 
 def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
-    """Only a lesson that fails is reported and left unchanged."""
+    """Only one that fails is reported and stays as it is."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(solutions.parent)))
 
     class Client:
-        """A fake client that fails in the second lesson."""
+        """Fails in the second lesson."""
 
         def __init__(self, notebook, **options):
             self.notebook, self.folder = notebook, options['resources']['metadata']['path']

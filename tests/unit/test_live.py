@@ -1,4 +1,4 @@
-"""Test events as lines on a terminal: one line per event, even with hostile strings."""
+"""Events as lines on a terminal: one line each, whatever a student's code wrote into them."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def event(kind, clock_ns=None, **facts):
     ],
 )
 def test_what_happened_is_one_line(happened, line):
-    """The line begins with the virtual time, or with a dash before the clock starts."""
+    """With the virtual time in front, a dash before there is one."""
     assert line in live_line(happened)
     assert '\n' not in live_line(happened)
 
@@ -63,12 +63,12 @@ def test_control_characters_do_not_reach_the_terminal():
 
 
 def test_long_lines_are_cut():
-    """A message may contain a picture."""
+    """A message may have a whole picture in it."""
     assert len(live_line(event('message', topic='/t', data=['x' * 500]))) == WIDEST
 
 
 def test_every_kind_of_event_has_a_line():
-    """A new kind of event needs a line, or an entry that it has none."""
+    """A new event is shown, or its absence is meant."""
     kinds = [
         kind['properties']['event']['const']
         for kind in SCHEMA['$defs'].values()

@@ -1,4 +1,4 @@
-"""Test the checks of a message package's files and the feedback on them."""
+"""What the files of a message package say, and what a learner reads about it."""
 
 from __future__ import annotations
 
@@ -66,64 +66,64 @@ def failure(check, *given):
 
 
 def station(text):
-    """Return a run with only Station.msg."""
+    """Return a run of nothing but Station.msg."""
     return Run({'msg/Station.msg': text}, Recording({}, ()))
 
 
 class TestFields:
-    """Test that fields are compared by type, name and order."""
+    """Fields are compared by type, name and order."""
 
     @pytest.mark.parametrize(
         'text',
         [RIGHT, RIGHT.replace(' ', '\t'), f'# stamp unit\nuint8 A=1\n{RIGHT}uint8 B = 2 # x\n'],
     )
     def test_right_ones_pass_however_they_are_laid_out(self, text):
-        """Comments, spaces and constants do not matter."""
+        """Comments, spaces and constants do not count."""
         require_fields(text, WANTED)
 
     @pytest.mark.parametrize('cause', MISTAKES)
     def test_each_mistake_has_a_name(self, cause):
-        """A single mistake in a correct file gets its own cause."""
+        """One mistake in a right text is called what it is."""
         failed = failure(require_fields, RIGHT.replace(*MISTAKES[cause]), WANTED)
 
         assert failed.why.cause_id == cause
         assert failed.share < 0.6
 
     def test_the_bound_is_explained(self):
-        """If the bound is missing, the feedback explains [<=4]."""
+        """What [<=4] means is said where it is missing."""
         failed = failure(require_fields, RIGHT.replace('[<=4]', '[]'), WANTED)
 
         assert failed.why.try_this == '[<=4] is at most 4: float64[<=4] values'
 
     def test_further_wrong_lines_are_named_too(self):
-        """Otherwise a learner would need a build per wrong line."""
+        """Otherwise a learner fixes one line and builds again to find the next."""
         text = RIGHT.replace('string', 'str').replace('float64[<=4] values', 'float values')
         failed = failure(require_fields, text, WANTED)
 
         assert failed.why.text.endswith('Also fix: str unit')
 
     def test_many_lines_earn_nothing(self):
-        """Listing every possible field gives no points."""
+        """Who writes down everything that could be asked for has answered nothing."""
         assert failure(require_fields, RIGHT + 'bool b\n' * 9, WANTED).share == 0.0
 
 
 class TestDeclarations:
-    """Test the declarations in package.xml, in all forms that REP 149 allows."""
+    """What package.xml has to say, in any of the ways of REP 149."""
 
     def test_other_tags_that_say_the_same_pass(self):
-        """A build_depend and an exec_depend together are equivalent to a depend."""
+        """A build_depend and an exec_depend are a depend."""
         require_declarations(MANIFEST, 'words')
 
     @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
     def test_each_line_is_needed(self, line):
-        """If a line is missing, the check fails and the cause names it."""
+        """Without any one of them something is missing, and the cause says so."""
         failed = failure(require_declarations, MANIFEST.replace(line, ''), 'words')
 
         assert failed.why.cause_id == 'manifest'
         assert 0 < failed.share < 0.5
 
     def test_a_tag_that_says_something_else_is_named(self):
-        """A test dependency is not available to users of the package."""
+        """A dependency of the tests is none of those who use the package."""
         text = MANIFEST.replace(
             'depend>rosidl_default_runtime</', 'test_depend>rosidl_default_runtime</test_'
         )
@@ -131,7 +131,7 @@ class TestDeclarations:
         assert '<test_depend>' in failure(require_declarations, text, 'words').why.text
 
     def test_what_is_no_xml_is_said_to_be_none(self):
-        """The message gives the line of the mistake."""
+        """The line of the mistake is shown."""
         failed = failure(require_declarations, MANIFEST.replace('</name>', '<name>'), 'words')
 
         assert failed.why.cause_id == 'xml'
@@ -139,11 +139,11 @@ class TestDeclarations:
 
 
 class TestStation:
-    """Test the constants and the default value of the weather station."""
+    """Constants and the default of the weather station."""
 
     @pytest.mark.parametrize('cause', CONSTANTS)
     def test_each_mistake_in_a_constant_has_a_name(self, cause):
-        """A single mistake in three constants gets its own cause."""
+        """One mistake among three right constants is called what it is."""
         text = STATES.replace(*CONSTANTS[cause])
 
         assert failure(station_message.names_the_states, station(text)).why.cause_id == cause
@@ -155,18 +155,18 @@ class TestStation:
 
     @pytest.mark.parametrize('cause', DEFAULTS)
     def test_each_mistake_in_the_default_has_a_name(self, cause):
-        """A single mistake in the default value gets its own cause."""
+        """One mistake in the default is called what it is."""
         run = station(DEFAULTS[cause])
 
         assert failure(station_message.starts_at_the_lowest, run).why.cause_id == cause
 
 
 class TestBuild:
-    """Test the causes of failed builds."""
+    """How a build ended is told apart."""
 
     @staticmethod
     def built(**process):
-        """Return the cause for a build that ended with these facts."""
+        """Return the cause for a build that ended so."""
         event = {
             'event': 'process',
             'exit': 1,
@@ -178,21 +178,21 @@ class TestBuild:
         return why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
 
     def test_a_limit_is_no_error_of_the_tools(self):
-        """The feedback says that the grader ended the build."""
+        """What was ended by the grader is said to be."""
         cause = self.built(killed='cpu_limit', stderr='CMake Error: half a word')
 
         assert cause.cause_id == 'cpu_limit'
         assert '30 s' in cause.text
 
     def test_build_that_waits_forever_is_said_to_wait(self):
-        """Virtual time stands still during a build, so only a limit ends it."""
+        """Time stands still until the build is over, so it is ended by a limit."""
         cause = self.built(exit=None, killed='waits_outside')
 
         assert cause.cause_id == 'waits_outside'
         assert 'never happened' in cause.text
 
     def test_a_known_error_is_named_with_its_line(self):
-        """The message gives the line of the file, followed by the cause."""
+        """The line of the file comes before the cause."""
         said = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
         cause = self.built(stderr=said)
 
@@ -200,7 +200,7 @@ class TestBuild:
         assert cause.text.startswith('CMakeLists.txt, line 1: ')
 
     def test_a_build_that_makes_no_message_is_named(self):
-        """The package builds, but the program that needs its message cannot import it."""
+        """The package builds, and the program that wants its message finds none."""
         said = (
             'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
         )
@@ -208,7 +208,7 @@ class TestBuild:
         assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
 
     def test_an_unknown_error_is_shown(self):
-        """The message shows the error and guesses no cause."""
+        """What is in no table is not explained away."""
         cause = self.built(stderr='foo.c:1:2: error: no such thing\n')
 
         assert cause.cause_id == 'build'

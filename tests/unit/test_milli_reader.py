@@ -1,4 +1,4 @@
-"""Test the feedback on values and stamps in the exam that converts between two message types."""
+"""What is said about values and stamps of the exam about one message type and another."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ answers_one_for_one = next(one.judge for one in exam.checks if one.name == 'answ
 
 
 def run_of(events) -> Run:
-    """Return a run with two numbers, which arrive one after the other."""
+    """Return a run of two numbers, which come one by one."""
     return Run({}, Recording({}, tuple(events)), build((1234, 5678), ('oven', 'fridge')).facts)
 
 
@@ -39,7 +39,7 @@ SENT = [{'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place 
     ids=str,
 )
 def test_each_number_has_one_reading(indexes, cause):
-    """A late reading still arrives before the next number."""
+    """A reading that is late still comes before the next number."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     read = [
@@ -77,7 +77,7 @@ def test_each_number_has_one_reading(indexes, cause):
     ],
 )
 def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
-    """The ROS clock advances in steps of 0.25 s."""
+    """The ROS clock tells a quarter of a second at a time."""
     data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
     run = run_of(
         [
@@ -112,7 +112,7 @@ def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
     ],
 )
 def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
-    """1234 thousandths are 1.234; any other result shows which mistake was made."""
+    """1234 thousandths are 1.234; what else comes out of them tells how."""
     events = [
         {
             'event': 'message',
@@ -130,7 +130,7 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
 
 
 def test_message_that_was_too_large_to_be_recorded_is_an_answer_too_many():
-    """The message counts, although its contents are not available."""
+    """It counts, and nothing that is not there is looked at."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     large = {'event': 'message', 'topic': TARGET, 'after_input': 0, 'clock_ns': 0}

@@ -1,4 +1,4 @@
-"""Test the causes of missing log lines: lines found elsewhere, and no blame on correct code."""
+"""Log lines that do not come: where else they are is told, and what is right is not blamed."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ def run_of(*events, code='', **process):
 
 
 def why(run, found=(), level=INFO, belongs=lambda text: '37.42' in text):
-    """Return the id of the cause for a missing log line that shows 37.42."""
+    """Return the id of the cause for which a line that shows 37.42 did not come."""
     cause = unlogged.why_not_logged(run, found, level, belongs)
     return cause and cause.cause_id
 
 
 def test_own_lines_on_standard_output_are_not_printed():
-    """The course shows log lines on standard output, so numbers there do not prove a print()."""
+    """The course shows log lines on standard output; their numbers prove no print()."""
     assert why(run_of(WARNING, stdout=OWN)) is None
 
 
 def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
-    """A warning about something else is correct."""
+    """A warning about something else is right where it is."""
     assert why(run_of(WARNING), [WARNING]) == 'wrong_level'
     assert why(run_of(WARNING), [{**WARNING, 'text': 'silence'}]) is None
 
@@ -51,19 +51,19 @@ def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
     ],
 )
 def test_line_that_is_elsewhere_is_found_among_those_of_the_node(printed, cause_id):
-    """A node may log one fact correctly and print another."""
+    """A node may log one thing as it should, and print another."""
     assert why(run_of(WARNING, stdout=OWN + printed)) == cause_id
 
 
 def test_second_line_of_a_log_text_is_not_printed():
-    """It has no level at its beginning, but was logged."""
+    """It has no level in front of it, and yet it was logged."""
     entry = {**WARNING, 'text': 'Too warm:\n37.42'}
 
     assert why(run_of(entry, stdout='[WARN] [lab.a]: Too warm:\n37.42\n')) is None
 
 
 def test_any_printed_line_counts_where_nothing_is_logged():
-    """Then the line need not contain the values that were sent."""
+    """Then it need not show what was sent."""
     assert why(run_of(stdout='too hot\n')) == 'print_instead_of_logger'
     assert why(run_of(stdout='too hot\n'), belongs=None) == 'print_instead_of_logger'
     assert why(run_of(WARNING, stdout='hot\n'), level=WARN, belongs=None) is None
@@ -82,5 +82,5 @@ def test_any_printed_line_counts_where_nothing_is_logged():
     ],
 )
 def test_hidden_level_is_named_only_if_it_explains_the_line(code, level, cause_id):
-    """A program may log debug lines for its author."""
+    """A program may have lines for its author."""
     assert why(run_of(WARNING, code=code), level=level) == cause_id

@@ -1,4 +1,4 @@
-"""Test programs that keep running without answering: a thread has ended, or a callback sleeps."""
+"""A program that lives on and does not answer: its thread has ended, or a callback sleeps."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def died(frames=SPUN, file='/submission/talker.py', error=ERROR):
 
 def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **process):
     """
-    Return a run of a program that keeps running.
+    Return a run.
 
     :param answered: whether its node answers at the end, None if it has no node
     """
@@ -48,11 +48,11 @@ def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **p
 
 
 class TestThreads:
-    """Test that an exception in a thread does not end the program."""
+    """An exception that ends a thread does not end the program."""
 
     @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
     def test_exception_in_the_thread_that_spins_is_told_with_its_line(self, reason):
-        """Line 4 of the file is line 5 of the cell; no callback is blamed for not returning."""
+        """Line 4 of the file is line 5 of the cell; no callback is blamed for not ending."""
         found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
 
         assert found.cause_id == 'exception'
@@ -60,7 +60,7 @@ class TestThreads:
         assert found.text.endswith('to str. It ended the thread that spins the node.')
 
     def test_known_exception_keeps_its_own_words(self):
-        """The text is that for a program which the exception ends."""
+        """They are those of a program that dies of it."""
         error = "AttributeError: 'String' object has no attribute 'dat'"
 
         found = why_silent(run(stderr=died(error=error)))
@@ -69,10 +69,7 @@ class TestThreads:
         assert 'A String has no field dat' in found.text
 
     def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
-        """
-        The thread may have been the one to spin; a helper's end does not affect a node that
-        answers.
-        """
+        """It should have spun, perhaps; a helper's end says nothing of a node that answers."""
         helper = died(frames='')
 
         never = why_silent(run(stderr=helper, code=''))
@@ -82,20 +79,20 @@ class TestThreads:
         assert served is None
 
     def test_thread_that_ends_before_it_has_a_node_is_told(self):
-        """The feedback does not look for a loop that prevents main() from creating a node."""
+        """No loop is looked for that keeps main() from making one."""
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
         assert found.cause_id == 'exception'
         assert 'It ended a thread' in found.text
 
     def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
-        """The feedback cannot name a line of the cell."""
+        """No line of the cell can be named."""
         found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code='rclpy.spin(node)'))
 
         assert found.cause_id == 'blocked'
 
     def test_words_of_an_exception_do_not_show_what_was_sent(self):
-        """The inputs of a hidden exam stay hidden here, too."""
+        """A hidden exam's inputs stay hidden here too."""
         sent = {'event': 'input', 'index': 0, 'data': {'data': 47.25}}
         error = 'ValueError: 47.25 is too much'
 
@@ -106,28 +103,28 @@ class TestThreads:
 
 
 def test_executor_without_a_node_is_told():
-    """The executor spins, so the feedback does not look for a loop."""
+    """It spins, so no loop is looked for that keeps the program from it."""
     found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
 
     assert 'has no node' in found.text
 
 
 class TestSleep:
-    """Test that a pause in a callback stops the node."""
+    """A pause in a callback stops the node."""
 
     def test_long_pause_explains_a_node_that_does_not_answer(self):
-        """The feedback names the line of the pause and does not mention loops."""
+        """With the line, in place of words about loops."""
         found = why_silent(run())
 
         assert found.cause_id == 'sleeps_in_callback'
         assert found.text.startswith('Line 6: speak() sleeps.')
 
     def test_pause_in_an_endless_loop_is_the_loops_fault(self):
-        """The loop would not end without the sleep either."""
+        """Without the sleep it would not end either."""
         assert why_silent(run(code=f'{LOOPS}rclpy.spin(node)\n')).cause_id == 'blocked'
 
     def test_loop_that_serves_its_node_is_no_callback(self):
-        """No callback is blamed if there is none."""
+        """No callback is blamed where there is none."""
         code = (
             'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
             '    time.sleep(0.5)\n'

@@ -1,4 +1,4 @@
-"""Test the outline of a lesson, read from its notebook."""
+"""The outline of a lesson, read from its notebook."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_exercises_belong_to_the_part_above_them(lesson):
 
 
 def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
-    """Other notebooks next to the lesson folders and JupyterLab's checkpoints are ignored."""
+    """A notebook next to their folders is not a lesson, and neither is JupyterLab's copy of it."""
     for name in (
         'START_HERE.ipynb',
         '.ipynb_checkpoints/START_HERE-checkpoint.ipynb',
@@ -84,7 +84,7 @@ def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '[]', '{"cells": 1}'])
 def test_file_that_is_not_a_notebook_is_refused(lesson, text):
-    """The caller decides what to show instead."""
+    """Callers decide what to show instead."""
     lesson.write_text(text)
 
     with pytest.raises(ValueError, match=r'Expecting value|not a notebook'):

@@ -1,4 +1,4 @@
-"""Test reading a package folder: where nodes may be, and what is ignored."""
+"""A package folder as files: where nodes may lie, and what is left out."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from autograder.submission.package import own_files, read_package
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
-    """An exam finds a node by its file name."""
+    """The exams know a node by its file name."""
     for name in ('msg/A.msg', 'package.xml', 'CMakeLists.txt', 'pkg/talker.py', 'listener.py'):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(name)
@@ -22,7 +22,7 @@ def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
 
 
 def test_hidden_files_links_and_other_kinds_are_left_out(tmp_path):
-    """Only files that a build might need are read."""
+    """Only what a build could need."""
     (tmp_path / '.part.py').write_text('x')
     (tmp_path / '__pycache__').mkdir()
     (tmp_path / '__pycache__' / 'a.py').write_text('x')
@@ -33,14 +33,14 @@ def test_hidden_files_links_and_other_kinds_are_left_out(tmp_path):
 
 
 def test_odd_bytes_are_replaced(tmp_path):
-    """The compiler reports what is wrong with them."""
+    """The compiler says what is wrong with them."""
     (tmp_path / 'a.py').write_bytes(b'x = "\xff"')
 
     assert read_package(tmp_path) == {'a.py': 'x = "\ufffd"'}
 
 
 def test_a_message_is_built_without_the_nodes_of_other_exercises():
-    """Grading does the same; so editing a node does not cause a new build."""
+    """As in grading; and an edit of a node builds nothing again."""
     files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
     message = catalog.load('temperature_message', hidden=False)
     publisher = catalog.load('temperature_publisher', hidden=False)

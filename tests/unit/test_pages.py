@@ -1,4 +1,4 @@
-"""Test the reports: complete, readable without colour, and safe with hostile strings."""
+"""Reports: complete, readable without colour, and inert whatever a student wrote."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
 
 
 def failing(**changes):
-    """Return a failed check."""
+    """Return a check that failed."""
     facts = {
         'expected': 'one warning',
         'observed': 'none',
@@ -51,27 +51,27 @@ class Reader(HTMLParser):
         self.tags, self.links, self.text = [], [], ''
 
     def handle_starttag(self, tag, attrs):
-        """Store a tag and its link."""
+        """Note a tag and where it leads."""
         self.tags.append(tag)
         self.links += [value for name, value in attrs if name in ('href', 'src')]
 
     def handle_data(self, data):
-        """Store text."""
+        """Note text."""
         self.text += data
 
 
 def read(path):
-    """Return a page as parsed."""
+    """Return what a browser makes of a page."""
     reader = Reader()
     reader.feed(path.read_text(encoding='utf-8'))
     return reader
 
 
 class TestPages:
-    """Test the HTML pages."""
+    """HTML."""
 
     def test_a_failed_check_says_all_five_things(self, tmp_path):
-        """The parts are expected, observed, cause, what to try and what to read."""
+        """Expected, observed, cause, what to try, where to read."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -79,7 +79,7 @@ class TestPages:
             assert part in text
 
     def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
-        """A check that was not run names the check for which it waits."""
+        """A check that was not run names the one it waits for."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -89,7 +89,7 @@ class TestPages:
         assert 'waits forIt warns.' in text
 
     def test_mode_timing_and_flags_stand_apart(self, tmp_path):
-        """They do not belong to a verdict."""
+        """They are not part of the verdict."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -100,7 +100,7 @@ class TestPages:
 
     @pytest.mark.parametrize('place', ['student', 'observed', 'problem', 'fault', 'flag'])
     def test_hostile_words_stay_words(self, tmp_path, place):
-        """Every string on the pages may come from a student."""
+        """Every text on the pages may come from a student."""
         result = submission(
             student=EVIL if place == 'student' else 'ann',
             checks=[failing(observed=EVIL, cause='') if place == 'observed' else failing()],
@@ -119,11 +119,11 @@ class TestPages:
             assert '\x1b' not in path.read_text(encoding='utf-8')
 
     def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
-        """So pages can be sent by e-mail."""
+        """They can be sent by mail."""
         index = write_reports(tmp_path, '01_talker', [submission(), submission('../b c')])
 
         links = read(index).links
-        links.remove('class.html')  # another module writes the page of statistics
+        links.remove('class.html')  # the page of figures, which has a writer of its own
         assert len(links) == 2
         for link in links:
             assert (index.parent / link).is_file()
@@ -140,14 +140,14 @@ class TestPages:
         assert '2 of 6' not in page
 
     def test_a_new_report_replaces_the_old_one(self, tmp_path):
-        """No page of an earlier grading is left."""
+        """Nobody finds last week's page."""
         write_reports(tmp_path, '01_talker', [submission('old')])
         index = write_reports(tmp_path, '01_talker', [submission('new')])
 
         assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
 
     def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
-        """Names help if the ids of a learning platform are numbers."""
+        """Where a learning platform has numbers for ids."""
         people = {'ann': 'Ann <b>Example'}
         index = write_reports(tmp_path, '01_talker', [submission()], people=people)
 
@@ -155,7 +155,7 @@ class TestPages:
         assert 'Example' not in read(index.parent / page_name('ann')).text
 
     def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
-        """Every other command starts from these results."""
+        """Every other command begins with them."""
 
         def stop(*_):
             raise KeyboardInterrupt
@@ -169,14 +169,14 @@ class TestPages:
         assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
-        """Other programs read the results."""
+        """Other programs read them."""
         index = write_reports(tmp_path, '01_talker', [submission()])
 
         data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
         assert SubmissionResult.from_json(data[0]) == submission()
 
     def test_no_id_of_a_page_is_repeated(self, tmp_path):
-        """Two checks may have the same picture, whose title has an id."""
+        """Two checks may have the same picture, which names its title by an id."""
         rows = [{'label': 'a', 'what': 'observed', 'count': 1, 'times': [2.0]}]
         picture = {'kind': 'timeline', 'unit': 'seconds', 'begin': 0.0, 'end': 9.0, 'rows': rows}
         exam = ExamResult(
@@ -192,7 +192,7 @@ class TestPages:
         assert len(ids) == len(set(ids)) == 5
 
     def test_pages_are_well_formed_for_readers(self, tmp_path):
-        """Pages have a language, a title, one main heading and table headers."""
+        """Language, title, one main heading, headed tables."""
         index = write_reports(tmp_path, '01_talker', [submission()])
 
         for path in index.parent.rglob('*.html'):
@@ -206,41 +206,41 @@ class TestPages:
         'name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80, 'Щ' * 100]
     )
     def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
-        """No name can lead to another folder."""
+        """No name leads elsewhere."""
         index = write_reports(tmp_path, '01_talker', [submission(name), submission('other')])
 
         assert len(list((index.parent / 'students').iterdir())) == 2
 
 
 class TestTable:
-    """Test the table on the terminal."""
+    """The terminal."""
 
     def printed(self, *results):
-        """Return the output on a wide terminal."""
+        """Return what a wide terminal shows."""
         console = Console(file=io.StringIO(), width=150)
         print_table(console, '01_talker', results)
         return console.file.getvalue()
 
     def test_it_shows_student_points_and_first_cause(self):
-        """Each submission has one line."""
+        """One line each."""
         line = next(line for line in self.printed(submission()).splitlines() if 'ann' in line)
 
         assert '2 of 6' in line
         assert 'a typo' in line
 
     def test_flags_come_below(self):
-        """Flags are for the instructor."""
+        """They are for the instructor."""
         assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
 
     def test_hostile_words_do_not_steer_the_terminal(self):
-        """Escape sequences and markup are removed."""
+        """No escape sequences, no markup."""
         text = self.printed(submission(student=EVIL, checks=[failing(cause=EVIL)]))
 
         assert '\x1b[31m' not in text
         assert '[bold]' in text
 
     def test_a_fault_of_ours_shows_no_points(self):
-        """A person has to decide."""
+        """A person has to look."""
         text = self.printed(submission(fault='probe broke'))
 
         assert 'for review' in text
@@ -248,10 +248,10 @@ class TestTable:
 
 
 class TestWords:
-    """Test feedback texts and headlines."""
+    """Feedback and headlines."""
 
     def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
-        """The text is the output of the notebook's check cell."""
+        """It goes into the notebook's check cell."""
         lines = exam_text(submission().exams[0]).splitlines()
 
         assert lines[0] == '2 of 6 points'
@@ -261,11 +261,11 @@ class TestWords:
         assert '       waits for: It warns.' in lines
 
     def test_control_characters_are_replaced(self):
-        """Line ends and tabs are kept."""
+        """Line ends and tabs stay."""
         assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
 
     def test_what_costs_points_comes_before_what_does_not(self):
-        """A remark about a file name does not explain missing points."""
+        """A note about a file name does not explain missing points."""
         note = Problem('x', 'a', 'b', 'c')
         missing = Problem('y', 'a', 'b', 'c', ('talker',))
 
@@ -287,7 +287,7 @@ class TestWords:
         assert headline(submission(checks=again)).startswith('Another id')
 
     def test_headline_names_a_missing_cell_only_if_that_costs_most(self):
-        """A cause that costs more points than the missing cell is named instead."""
+        """A cause that costs more than the cell comes first."""
         cell = Problem('y', 'a', 'b', 'c', ('talker',))
         absent = CheckResult('id', 'T', Verdict.FAILED, 0, 1, cause='x', cause_id='missing_file')
 
@@ -297,7 +297,7 @@ class TestWords:
         )
 
     def test_headline_says_the_observed_value_once(self):
-        """The value is shortened, and omitted if the cause contains it."""
+        """It is shortened, and left out where the cause has it."""
         long = failing(observed='sensor_id ' + 'x' * 99)
 
         assert headline(submission(checks=(long,))).endswith('xxx\N{HORIZONTAL ELLIPSIS})')
@@ -306,7 +306,7 @@ class TestWords:
 
 
 def test_repeated_ids_get_a_number_that_is_free():
-    """Links lead to the first; other text that looks like an id is unchanged."""
+    """Links lead to the first; words that look like an id stay as they are."""
     page = '<h3 id="a">x</h3><h3 class="b" id="a">id="a"</h3><p id="a-2"></p><h3 id="a"></h3>'
 
     assert with_unique_ids(page) == (

@@ -1,9 +1,9 @@
 """
-Test that no string can make the grader's regular expressions slow.
+Check that no text keeps a regular expression of the grader busy.
 
-Students choose the strings that the grader searches in its own process.  The tests try each
-pattern that is a single string in a call of ``re`` or in the tables of mistakes, on strings that
-make a naive search start again at each character.
+Students choose the texts that the grader searches, and it searches them in its own process.  The
+tests try each pattern that is a single string in a call of ``re`` or in the tables of mistakes on
+texts that make a search start again at each letter.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
 METHODS = {'search', 'match', 'fullmatch', 'findall', 'finditer', 'sub', 'subn', 'split'}
 PIECES = (*' \n\ta_0(["\'=./\\{<;:', 'a ', 'a.', '- ', 'a,', ';\n', '" ')
 LENGTH = 1000
-NOTHING_S = 0.005  # a linear search takes a tenth of this
+NOTHING_S = 0.005  # an answer in one pass takes a tenth of it
 LONGER = 4
-QUADRATIC = 9.0  # time ratio for four times the length: 4 if linear, 16 if quadratic
+QUADRATIC = 9.0  # times longer for a text of four times the length: 4 in one pass, else 16
 
 
 def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
-    """Yield the location of each pattern, the pattern, and the method that uses it."""
+    """Yield the place of each pattern, the pattern, and the method that uses it."""
     for path in sorted(GRADER.rglob('*.py')):
         place = path.relative_to(GRADER).as_posix()
         if not place.startswith(IN_THE_SANDBOX):
@@ -66,7 +66,7 @@ def patterns_in(tree: ast.AST) -> Iterator[tuple[ast.Call, re.Pattern[str], str]
 
 
 def flags(call: ast.Call) -> int:
-    """Return the flags given in a call, as in ``re.MULTILINE``."""
+    """Return the flags that a call names, as in ``re.MULTILINE``."""
     found = 0
     for node in ast.walk(call):
         match node:
@@ -76,7 +76,7 @@ def flags(call: ast.Call) -> int:
 
 
 def hostile(pattern: str, length: int) -> Iterator[str]:
-    """Yield repetitions of one piece, alone and after words of the pattern."""
+    """Yield texts of one piece again and again, alone and behind words of the pattern."""
     plain = re.sub(r'\\[a-zA-Z]|\?P<\w+>', ' ', pattern)
     words = list(dict.fromkeys(re.findall('[A-Za-z_]{2,}', plain)))[:6]
     heads = ('', 'def main', 'x = ', '"', '(', 'File "/', *words)
@@ -90,7 +90,7 @@ def hostile(pattern: str, length: int) -> Iterator[str]:
 
 
 def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
-    """Return the smallest CPU time of several searches [s]."""
+    """Return the least processor time of some searches."""
     times = []
     for _ in range(7):
         began = time.process_time()
@@ -102,7 +102,7 @@ def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
 
 
 def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
-    """Return a string for which the time grows faster than its length."""
+    """Return a text for which the time grows faster than its length."""
     pairs = zip(hostile(pattern.pattern, LENGTH), hostile(pattern.pattern, LONGER * LENGTH))
     for text, longer in pairs:
         seconds = seconds_of(pattern, method, longer)
@@ -113,7 +113,7 @@ def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
 
 @pytest.mark.slow
 def test_every_pattern_is_done_in_one_pass():
-    """The time is proportional to the length of any string."""
+    """However a text is made up, it is read once."""
     slow = {
         place: (pattern.pattern, text[:30])
         for place, pattern, method in written_patterns()
@@ -131,13 +131,13 @@ def test_every_pattern_is_done_in_one_pass():
     ],
 )
 def test_the_search_finds_what_it_is_for(code):
-    """The test detects patterns that once kept the grader busy."""
+    """What has kept the grader busy."""
     ((_, pattern, method),) = patterns_in(ast.parse(code))
     assert slow_text(pattern, method) is not None
 
 
 def test_a_pattern_that_is_matched_at_the_beginning_only_is_no_search():
-    """Such a pattern is only tried once."""
+    """It begins once."""
     ((_, pattern, method),) = patterns_in(
         ast.parse(r"WORD = re.compile(r'\w+Error: ')" + '\nWORD.match(text)')
     )

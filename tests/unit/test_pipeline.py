@@ -1,4 +1,4 @@
-"""Test grading a class in a thread pool: every submission gets its own result."""
+"""A class in a pool: every submission gets its own answer, whatever happens to another."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ RELEASE: Notebook = {
 
 @dataclass(frozen=True)
 class FakeExam:
-    """The attributes of an exam that the pipeline uses."""
+    """What the pipeline needs of an exam."""
 
     name: str
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """A fake engine that gives a point for the word right and fails on some other words."""
+    """Gives a point for the word right; some words break it."""
 
     def __init__(self):
         self.threads = set()
 
     def run(self, exam, files):
-        """Judge a submission by its word."""
+        """Judge by words."""
         self.threads.add(threading.current_thread().name)
         text = ''.join(files.values())
         if 'probe' in text and exam.name == 'first':
@@ -74,7 +74,7 @@ def points(graded):
 
 
 def test_results_come_in_the_order_of_the_submissions():
-    """The duration of each run does not matter."""
+    """However long each one took."""
     class_ = [handed_in(f's{number}', 'right') for number in range(20)]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=4)
@@ -85,7 +85,7 @@ def test_results_come_in_the_order_of_the_submissions():
 
 @pytest.mark.parametrize('word', ['probe', 'bug'])
 def test_our_own_fault_is_for_review_and_stops_nobody(word):
-    """The submission gets neither a zero nor full points; the others get their results."""
+    """Neither a zero nor full points, and the others have theirs."""
     class_ = [handed_in('ann', 'right'), handed_in('bob', word), handed_in('cho', 'wrong')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -95,7 +95,7 @@ def test_our_own_fault_is_for_review_and_stops_nobody(word):
 
 
 def test_a_broken_file_is_zero_with_the_reason():
-    """The exams name the missing file."""
+    """The exams say which file is missing."""
     class_ = [Submission('ann', Path('x'), b'nonsense'), handed_in('bob', 'right')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -105,7 +105,7 @@ def test_a_broken_file_is_zero_with_the_reason():
 
 
 def test_progress_is_told_for_each_exam_of_each_student():
-    """There are two exams and three students, two of them with the same answer."""
+    """Two exams, three students, of whom two have the same answer."""
     told = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 
@@ -118,7 +118,7 @@ def test_progress_is_told_for_each_exam_of_each_student():
 
 
 def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
-    """Results are reported in order, and only when complete."""
+    """In their order, and never somebody without a result."""
     told, where = [], set()
     hold = threading.Event()
 
@@ -144,7 +144,7 @@ def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
 
 
 def test_no_more_runs_at_a_time_than_asked_for():
-    """With one job, there is one thread."""
+    """One job is one thread."""
     engine = FakeEngine()
 
     grade_class([handed_in(name, 'right') for name in 'abcdef'], LESSON, engine, jobs=1)
@@ -153,7 +153,7 @@ def test_no_more_runs_at_a_time_than_asked_for():
 
 
 def test_ctrl_c_starts_nothing_new():
-    """Planned runs are dropped."""
+    """What was planned is dropped."""
     engine, begun, held = FakeEngine(), threading.Event(), threading.Event()
     run, ran = engine.run, []
 
@@ -181,7 +181,7 @@ def test_ctrl_c_starts_nothing_new():
 
 
 def test_one_notebook_is_graded_the_same_way():
-    """The function takes the notebook's bytes and returns the result."""
+    """Bytes in, result out."""
     result = grade_notebook(handed_in('ann', 'right').data, LESSON, 'ann', FakeEngine())
 
     assert (result.student, result.points, result.max_points) == ('ann', 2.0, 2)

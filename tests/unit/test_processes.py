@@ -1,4 +1,4 @@
-"""Test observing the processes of a program from outside."""
+"""What a program does, seen from outside."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 from autograder.sandboxes.processes import family, states, used_ns
 
-# Each program prints a character when its threads have reached the state.
+# Each says a word when its threads are at it.
 SLEEPS = "import threading; print('x', flush=True); threading.Event().wait()"
 COMPUTES = "print('x', flush=True)\nwhile True: pass"
 THREADS = f"""
@@ -31,7 +31,7 @@ child.stdout.readline()
 
 @contextmanager
 def started(program):
-    """Yield a program that has printed its first character."""
+    """Yield a program that has said its first word."""
     argv = [sys.executable, '-c', program]
     with subprocess.Popen(argv, stdout=subprocess.PIPE, start_new_session=True) as process:
         try:
@@ -43,7 +43,7 @@ def started(program):
 
 
 def reaches(process, wanted: bytes) -> bool:
-    """Wait until each thread is in one of the wanted states."""
+    """Wait until each thread is in one of some states."""
     while not set(found := states(process.pid)) <= set(wanted):
         assert found
     return True
@@ -52,7 +52,7 @@ def reaches(process, wanted: bytes) -> bool:
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize(('program', 'threads'), [(SLEEPS, 1), (THREADS, 4)])
 def test_threads_that_wait_are_asleep(program, threads):
-    """The program counts as asleep only if all threads are."""
+    """All of them."""
     with started(program) as process:
         assert reaches(process, b'S')
         assert len(states(process.pid)) == threads
@@ -60,7 +60,7 @@ def test_threads_that_wait_are_asleep(program, threads):
 
 @pytest.mark.timeout(60)
 def test_a_program_that_computes_is_seen_in_its_parent():
-    """The threads and the CPU time of a child count, too."""
+    """A child's threads and processor time count."""
     with started(CHILD) as process:
         before = used_ns(process.pid)
 
@@ -71,7 +71,7 @@ def test_a_program_that_computes_is_seen_in_its_parent():
 
 @pytest.mark.timeout(60)
 def test_a_stopped_program_is_seen_as_one():
-    """Another program has stopped it, which is not the same as sleep."""
+    """It is no sleep: somebody has stopped it."""
     with started(COMPUTES) as process:
         process.send_signal(signal.SIGSTOP)
 
@@ -79,7 +79,7 @@ def test_a_stopped_program_is_seen_as_one():
 
 
 def test_a_program_that_has_ended_has_nothing():
-    """The program has no running processes."""
+    """Nothing of it runs any more."""
     with started(SLEEPS) as process:
         process.kill()
         process.wait()

@@ -1,4 +1,4 @@
-"""Test the progress: totals, the slowest, one updated line on a terminal, and lines in a log."""
+"""Progress: totals, the slowest, one living line on a terminal, and lines in a log."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from autograder.results import CheckResult, ExamResult, Verdict
 
 
 def done(student: str, points: float, run_s: float = 0.0) -> Done:
-    """Return a finished run with some of two points."""
+    """Return a run with so many of two points."""
     check = CheckResult('c', 'C.', Verdict.PASSED, points, 2)
     return Done(student, 'e', ExamResult('e', (check,), timing={'run_s': run_s}))
 
 
 class TestTotals:
-    """Test the totals of a class so far."""
+    """What came of a class so far."""
 
     def test_full_marks_less_and_reviews_are_counted(self):
-        """A submission for review counts in neither group."""
+        """A review is neither of the two."""
         totals = Totals()
         for one in (done('ann', 2), done('bob', 1), done('cho', 2)):
             totals.add(one)
@@ -35,7 +35,7 @@ class TestTotals:
         assert totals.text() == '2 full marks, 1 less, 1 for review'
 
     def test_the_slowest_is_who_took_longest_over_all_exams(self):
-        """Only this grading is considered."""
+        """Of this grading."""
         totals = Totals()
         for one in (done('ann', 2, 1.5), done('bob', 2, 2.0), done('ann', 2, 1.0)):
             totals.add(one)
@@ -44,7 +44,7 @@ class TestTotals:
         assert totals.slowest_text() == 'longest run time: ann, 2.5 s'
 
     def test_a_rerun_has_the_same_slowest(self):
-        """Run times are stored with recordings; equal files may come in any order."""
+        """The time of a run stays with its recording; equal files come in any order."""
         totals = Totals()
         for student in ('cho', 'bob', 'ann'):
             kept = ExamResult('e', (), timing={'kept_run_s': 0.5 if student == 'ann' else 2.0})
@@ -61,7 +61,7 @@ class TestTotals:
         assert totals.slowest_text() == ''
 
     def test_a_name_acts_on_no_terminal(self):
-        """The names of folders are untrusted."""
+        """Folder names are not ours."""
         totals = Totals()
         totals.add(done('\x1b[31mann', 2, 1.0))
 
@@ -73,14 +73,14 @@ class TestTotals:
     [(True, '', True), (True, 'false', True), (True, 'true', False), (False, '', False)],
 )
 def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monkeypatch):
-    """A log would otherwise contain every state of the line."""
+    """A log would keep every state of it."""
     monkeypatch.setenv('CI', variable)
 
     assert is_alive(Console(file=io.StringIO(), force_terminal=terminal)) is alive
 
 
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
-    """The grading ends before the first line is due."""
+    """It is over before the first line."""
     with progress(2, 'x') as tell:
         tell(done('ann', 2, 1.0))
 
@@ -89,7 +89,7 @@ def test_a_short_grading_prints_nothing_into_a_log(capsys):
 
 
 def test_a_line_in_a_log_has_counts_and_the_time_left():
-    """The remaining time is estimated from the pace so far, which is unknown at first."""
+    """The time by the pace so far, which is unknown at first."""
     totals = Totals()
     assert line_of(totals, 8, 3.0) == '0 of 8 runs'
 
@@ -99,10 +99,10 @@ def test_a_line_in_a_log_has_counts_and_the_time_left():
 
 
 def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
-    """A reader of the log sees that the grading is running even if the first run takes long."""
+    """Also if the first run takes long: a reader sees that the grading lives."""
 
     class Log(io.StringIO):
-        """A stream that signals when the second line is written."""
+        """Says when the second line is there."""
 
         second = threading.Event()
 

@@ -1,4 +1,4 @@
-"""Test that several threads can parse learners' Python at once."""
+"""Learners' Python is read by several threads at once."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ DEEP = '-' * 900 + '1'
 
 
 def let_others_run(*_):
-    """Release the interpreter in the middle of parsing."""
+    """Give up the interpreter in the middle of a tree."""
     time.sleep(0.0005)
 
 
 @pytest.fixture
 def crowded():
-    """Make Python switch threads very often."""
+    """Switch threads at every few objects."""
     before = gc.get_threshold()
     gc.callbacks.append(let_others_run)
     gc.set_threshold(50)
@@ -32,7 +32,7 @@ def crowded():
 
 
 def kind_of(text):
-    """Return the type of the result for a text."""
+    """Return what became of a text."""
     try:
         return type(expression(text)).__name__
     except NotPythonError:
@@ -43,24 +43,24 @@ def kind_of(text):
 @pytest.mark.usefixtures('crowded')
 @pytest.mark.slow
 def test_threads_do_not_disturb_one_another():
-    """Python 3.11.2 raises a SystemError if two threads parse at once."""
+    """Python 3.11.2 gives up with a SystemError if two trees are made at once."""
     texts = [WIDE, DEEP] * 20
 
     with ThreadPoolExecutor(4) as pool:
         kinds = list(pool.map(kind_of, texts))
 
     assert set(kinds[::2]) == {'Expression'}
-    assert len(set(kinds[1::2])) == 1  # Python decides how deep a tree may be
+    assert len(set(kinds[1::2])) == 1  # how deep a tree may be is Python's own matter
 
 
 @pytest.mark.parametrize('text', ['x = (', 'a\0b', '(' * 5000, 'return' * 3 + '!'])
 def test_what_is_no_python_says_so(text):
-    """All exceptions of Python's parser become one error."""
+    """One error for all the ways in which Python gives up."""
     with pytest.raises(NotPythonError):
         parsed(text)
 
 
 def test_odd_escapes_are_no_warning(recwarn):
-    """Warnings about escapes concern only the learner."""
+    """They are the learner's matter."""
     assert isinstance(parsed(r"x = '\d'"), ast.Module)
     assert not recwarn.list

@@ -1,4 +1,4 @@
-"""Test causes that no sample submission shows, with recordings made by hand."""
+"""Causes that no sample submission shows, asked about recordings made by hand."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ WATCHED = {
 
 
 def graph(nodes, endpoints=()):
-    """Return a graph event with these nodes and endpoints."""
+    """Return what was seen in the graph."""
     return {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
 
 
 def why(check, run):
-    """Return the cause of a check's failure."""
+    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why
 
 
 def test_message_type_that_builds_and_is_another_one():
-    """The node that echoes uses a type with a different name."""
+    """The node that echoes has a type with a different name."""
     end = {
         'topic': '/echo_in',
         'kind': 'subscription',
@@ -62,7 +62,7 @@ def test_message_type_that_builds_and_is_another_one():
 
 
 def test_burst_of_which_a_part_is_lost_is_told_apart():
-    """Single readings are logged, but only some of those sent in quick succession."""
+    """Readings one by one are logged, and of those at once only some."""
     burst = (Reading(31.0, 'one at once'), Reading(32.0, 'another at once'))
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
@@ -75,7 +75,7 @@ def test_burst_of_which_a_part_is_lost_is_told_apart():
 
 @pytest.mark.parametrize(('late_s', 'cause_id'), [(0.1, ''), (0.5, 'first_map_late')])
 def test_first_map_is_there_before_anybody_comes(late_s, cause_id):
-    """The first listener sees a timer publish the map some time after the start."""
+    """A timer that publishes it some time after the start is seen by the first listener."""
     joined = {'event': 'joined', 'listener': 'early', 'clock_ns': 10**9, 'matched': True}
     first = {
         'event': 'message',
@@ -107,7 +107,7 @@ def test_first_map_is_there_before_anybody_comes(late_s, cause_id):
 def test_warning_of_silence_does_not_come_instead_of_a_distance(
     level, text, printed, code, cause_id
 ):
-    """The warning is correct, whatever is wrong with the line that shows the number."""
+    """It is right, whatever is wrong with the line that shows the number."""
     line = {'event': 'log', 'name': 'sensor_watch', 'after_input': 0, 'clock_ns': None}
     silence = {**line, 'level': WARN, 'text': 'No distance in time (1 misses)'}
     logged = [{**line, 'level': level, 'text': text}] if level else []
@@ -121,7 +121,7 @@ def test_warning_of_silence_does_not_come_instead_of_a_distance(
 
 
 def warming(values, code=''):
-    """Return a run of a thermometer that sent these values within one second."""
+    """Return a run of a thermometer that sent these values, all of them in one second."""
     sent = [
         {
             'event': 'message',
@@ -136,7 +136,7 @@ def warming(values, code=''):
 
 
 def test_formula_is_not_blamed_for_a_flood():
-    """The formula's values for the expected readings are compared."""
+    """What it gives for the readings that were due, counts."""
     temperature_publisher.readings_are_plausible(warming(range(20, 220)))
 
     found = why(temperature_publisher.readings_are_plausible, warming(range(110, 130)))
@@ -147,7 +147,7 @@ def test_formula_is_not_blamed_for_a_flood():
     ('line', 'cause_id'), [('random.seed(7)', 'seeded_each_time'), ('pass', 'constant')]
 )
 def test_seed_in_the_callback_is_told(line, cause_id):
-    """The callback computes the value, but the value is always the same."""
+    """The callback computes the value, but it is the same every time."""
     code = f'self.create_timer(1.0, self.tick)\ndef tick(self):\n    {line}\n'
 
     found = why(temperature_publisher.readings_are_plausible, warming([20.5] * 10, code))
@@ -155,7 +155,7 @@ def test_seed_in_the_callback_is_told(line, cause_id):
 
 
 class TestCausesOfBlindPrograms:
-    """Test mistakes first seen in programs whose authors did not know the exams."""
+    """Mistakes that only programs showed whose authors knew nothing of the exams."""
 
     @pytest.mark.parametrize(
         ('numbers', 'values', 'names', 'check', 'cause_id'),
@@ -179,7 +179,7 @@ class TestCausesOfBlindPrograms:
     def test_reader_is_told_which_of_its_messages_are_wrong(
         self, numbers, values, names, check, cause_id
     ):
-        """The wrong messages are those below zero, or those without a description."""
+        """Below zero, or without a description."""
         facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
         events = [
             {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)
@@ -192,7 +192,7 @@ class TestCausesOfBlindPrograms:
         assert why(check, Run({}, Recording({}, (*events, *ENDS)), facts)).cause_id == cause_id
 
     def test_temperature_that_is_no_number_is_no_formula(self):
-        """Some readings are NaN on purpose."""
+        """Some readings are NaN, on purpose."""
         readings = [
             {
                 'event': 'message',
@@ -206,7 +206,7 @@ class TestCausesOfBlindPrograms:
         assert why(temperature_publisher.readings_are_plausible, run).cause_id == 'not_finite'
 
     def test_beacon_that_is_silent_the_second_time_only(self):
-        """on_deactivate() stops the timer, and nothing starts it again."""
+        """What on_deactivate() stops, nobody starts again."""
         topic = '/beacon_signal'
         beats = [
             {'event': 'message', 'topic': topic, 'clock_ns': round((0.5 + at) * 1e9), 'data': {}}
@@ -224,7 +224,7 @@ class TestCausesOfBlindPrograms:
         assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
 
     def test_transition_that_is_refused_the_second_time_only(self):
-        """The callback works as long as no object of an earlier activation exists."""
+        """Its callback is right as long as nothing is left from before."""
         code = 'def on_configure(self, state):\n    return self.done\n'
 
         found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
@@ -232,7 +232,7 @@ class TestCausesOfBlindPrograms:
         assert found.cause_id == 'refused_again'
 
     def test_second_refusal_alone_is_missing(self):
-        """The callback of the event exists and logs, but a flag prevents the second line."""
+        """A flag: the callback for the event is there, and logs."""
         line = {'event': 'log', 'name': 'sensor_watch', 'after_input': None, 'clock_ns': 1}
         offer = {'event': 'offered', 'matched': False, 'refused': ['DEADLINE'], 'clock_ns': 1}
         events = (
@@ -248,7 +248,7 @@ class TestCausesOfBlindPrograms:
         assert why(sensor_watch.names_the_policy, run).cause_id == 'first_refusal_only'
 
     def test_node_that_runs_and_is_not_seen(self):
-        """The class exists, and no evidence explains why no node appears."""
+        """Its class is there, and nothing explains why no node appears."""
         code = "class N(Node):\n    def __init__(self):\n        super().__init__('n')\n"
 
         found = ended.why_no_node(Run({'n.py': code}, Recording({}, ENDS)), '/n')

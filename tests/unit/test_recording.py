@@ -1,4 +1,4 @@
-"""Test recordings: the facts that they provide, and their files."""
+"""Recordings: what they answer, and how they are kept."""
 
 from __future__ import annotations
 
@@ -38,24 +38,24 @@ SAMPLE = Recording(
 
 
 class TestAnswers:
-    """Test the methods that checks call."""
+    """The questions checks ask."""
 
     def test_nodes_are_those_of_every_graph(self):
-        """A node that existed only for some time is included."""
+        """A node that came or went in between is still known."""
         assert SAMPLE.nodes == ('/a', '/b')
 
     def test_endpoints_leave_out_the_plumbing(self):
-        """Every node publishes on /rosout, which is omitted."""
+        """Every node publishes on /rosout; nobody asks for it."""
         assert [end['topic'] for end in SAMPLE.endpoints('publisher')] == ['/t']
         assert [end['topic'] for end in SAMPLE.endpoints('publisher', '/rosout')] == ['/rosout']
 
     def test_logs_can_be_asked_by_level_and_input(self):
-        """Both filters apply together."""
+        """Both filters hold at once."""
         assert [log['text'] for log in SAMPLE.logs(level=30)] == ['hot']
         assert [log['text'] for log in SAMPLE.logs(level=30, after_input=0)] == []
 
     def test_late_listeners_are_asked_by_name(self):
-        """What a late listener received is separate from what the first one received."""
+        """What a listener of its own heard is not what the first one heard."""
         heard = [
             {'event': 'message', 'topic': '/t', 'data': 1},
             {'event': 'message', 'topic': '/t', 'data': 2, 'listener': 'late'},
@@ -66,7 +66,7 @@ class TestAnswers:
         assert [event['data'] for event in seen.messages('/t', 'late')] == [2]
 
     def test_phase_ends_where_the_next_begins(self):
-        """A later phase with the same name is included; an unknown phase is empty."""
+        """A phase of that name that comes back is part of it; an unknown one is empty."""
         marks = [{'event': 'mark', 'name': name} for name in ('a', 'b', 'a')]
         logs = [{'event': 'log', 'level': 20, 'text': text} for text in ('0', '1', '2', '3')]
         seen = Recording({}, [logs[0], marks[0], logs[1], marks[1], logs[2], marks[2], logs[3]])
@@ -75,7 +75,7 @@ class TestAnswers:
         assert seen.phase('c').events == []
 
     def test_calls_are_answered_or_not_in_order(self):
-        """Both are counted, so the number of a call is its position."""
+        """Both count, so that the number of a call is its place."""
         events = [
             {'event': 'answer', 'service': '/a/x', 'data': {}},
             {'event': 'no_answer', 'service': '/a/x', 'reason': 'too_late'},
@@ -87,12 +87,12 @@ class TestAnswers:
         assert found == ['answer', 'no_answer']
 
     def test_recording_without_an_end_is_broken_off(self):
-        """The absence of the last event shows that the run was broken off."""
+        """Absence of the last event is itself a fact."""
         assert Recording({}, ()).end_reason == 'broken_off'
 
 
 class TestFile:
-    """Test that only a complete file of the current format version is accepted."""
+    """A file is whole, ours and of this version, or it is refused."""
 
     def test_saved_recording_loads_equal(self, tmp_path):
         """Saving and loading changes nothing."""
@@ -110,7 +110,7 @@ class TestFile:
         ids=['empty', 'list', 'other format', 'no json', 'truncated'],
     )
     def test_other_file_is_refused(self, tmp_path, text):
-        """Only complete recordings are judged."""
+        """Nothing is judged from a file that is not a whole recording."""
         path = tmp_path / 'r.jsonl'
         path.write_text(text, encoding='utf-8')
 
@@ -118,7 +118,7 @@ class TestFile:
             Recording.load(path)
 
     def test_recording_of_an_older_format_is_refused_with_what_to_do(self):
-        """Its times come from a different clock."""
+        """Its times are from a different clock."""
         old = SAMPLE.to_bytes().replace(b'"version": 3', b'"version": 1')
 
         with pytest.raises(RecordingInvalid, match=r'of version 1\. Try: grade again'):
@@ -136,19 +136,19 @@ class TestFile:
     @settings(deadline=None)
     @given(cut=st.integers(min_value=0, max_value=len(SAMPLE.to_bytes()) - 1))
     def test_file_that_was_cut_off_anywhere_is_refused(self, cut):
-        """A file cut at the end of a line still consists of valid JSON."""
+        """At a line's end, too, where all that is left is sound JSON."""
         with pytest.raises(RecordingInvalid):
             Recording.from_bytes(SAMPLE.to_bytes()[:cut])
 
     def test_file_whose_numbers_were_changed_is_refused(self):
-        """A change of one character in an event is enough."""
+        """One letter of an event is enough."""
         changed = SAMPLE.to_bytes().replace(b'"hot"', b'"hat"')
 
         with pytest.raises(RecordingInvalid, match='checksum'):
             Recording.from_bytes(changed, 'r.jsonl')
 
     def test_file_of_a_full_disk_leaves_nothing(self, tmp_path, monkeypatch):
-        """There is neither a final nor a temporary file."""
+        """Neither under its name nor under another."""
 
         def refuse(_):
             raise OSError(28, 'No space left on device')

@@ -1,8 +1,8 @@
 """
-Test that no feedback on a hidden exam reveals the drawn inputs.
+No feedback on a hidden exam tells what the exam has drawn.
 
-A program is simulated, not run: for each step of the exam's scenario it does something wrong, and
-above all it repeats what it was sent.  Every check judges it, without waiting for other checks.
+A program is played, not run: for each step of the exam's scenario it does something wrong, and
+most of all it says again what it was sent.  Every check judges it, whatever it would wait for.
 """
 
 from __future__ import annotations
@@ -52,14 +52,14 @@ ANSWERS = {
 @dataclass(frozen=True)
 class Program:
     """
-    The mistakes of a simulated program.
+    What is wrong with a program.
 
-    :param place: prefix of the names of its nodes and topics, in which {} stands for the namespace
-    :param slip: suffix of the names of its nodes or its topics
+    :param place: put before the names of its nodes and topics, in which a {} is the namespace
+    :param slip: put behind the names of its nodes, or of its topics
     :param ends: whether it has publishers and subscriptions
-    :param type: the wrong type of all publishers and subscriptions, if any
-    :param says: what it logs and publishes about the inputs, None for nothing
-    :param died: whether an exception that contains all inputs ends it
+    :param type: of all of them, if it is a wrong one
+    :param says: what it logs and publishes of what it has heard, None for nothing
+    :param died: whether an exception with all inputs in it ends it
     """
 
     place: str = '{}'
@@ -96,10 +96,10 @@ PROGRAMS = {
 
 
 class Played:
-    """The recording of a simulated program that follows a scenario."""
+    """The recording of a program that follows a scenario in its own way."""
 
     def __init__(self, exam: Exam, program: Program) -> None:
-        """Simulate the entire scenario."""
+        """Play all of it."""
         self.exam, self.program = exam, program
         self.space = namespace_of(exam.scenario)
         names = NODES.get(exam.name, (exam.name,)) if program.nodes else ()
@@ -114,7 +114,7 @@ class Played:
         self.play()
 
     def play(self) -> None:
-        """Record what the probe would have recorded."""
+        """Write down what the probe would have seen."""
         self.graph('start')
         for step in self.exam.scenario.steps if self.nodes else ():
             self.follow(step)
@@ -129,17 +129,17 @@ class Played:
         self.note('process', killed='', stdout='', **code)
 
     def note(self, event: str, **facts: Any) -> None:
-        """Record an event."""
+        """Write an event."""
         moment = {'clock_ns': self.clock_ns, 'after_input': self.index}
         self.events.append({'event': event, **moment, **facts})
 
     def graph(self, when: str) -> None:
-        """Record the graph."""
+        """Write who is there."""
         ends = list(self.ends()) if self.program.ends else []
         self.note('graph', when=when, nodes=self.nodes, endpoints=ends)
 
     def ends(self) -> Iterator[dict[str, Any]]:
-        """Yield the expected endpoints, with the mistakes of the program."""
+        """Yield the endpoints that are asked for, with what is wrong with them."""
         scenario, program = self.exam.scenario, self.program
         for node in self.nodes:
             for kind, topic, type_name in scenario.endpoints():
@@ -155,7 +155,7 @@ class Played:
                 }
 
     def follow(self, step: Any) -> None:
-        """Simulate one step of the scenario."""
+        """Take one step of the scenario."""
         if isinstance(step, Advance):
             for _ in range(round(step.seconds / TICK_S)):
                 self.wait(TICK_S)
@@ -185,16 +185,16 @@ class Played:
             self.note('offered', publisher=step.name, matched=True, refused=[])
 
     def wait(self, seconds: float) -> None:
-        """Advance the virtual time."""
+        """Let virtual time pass."""
         self.clock_ns += round(seconds * 1e9)
 
     def say(self) -> None:
-        """Log and publish the last input, with the stamp of the first moment."""
+        """Log and publish what was heard last, with the stamp of the first moment."""
         if self.program.says is None:
             return
         try:
             text = self.program.says.format(self.heard, space=self.space)
-        except ValueError:  # a string cannot be rounded
+        except ValueError:  # a text cannot be rounded
             text = str(self.heard).upper()
         number = self.heard if isinstance(self.heard, (int, float)) else 1.0
         for node in self.nodes:
@@ -221,14 +221,14 @@ class Played:
 
 
 def alone(exam: Exam) -> Exam:
-    """Return an exam whose checks need no other checks."""
+    """Return an exam whose checks wait for none."""
     one = copy.copy(exam)
     one.checks = [replace(check, needs=()) for check in exam.checks]
     return one
 
 
 def runs_of(exam: Exam) -> Iterator[tuple[str, Run]]:
-    """Yield a run of each of the programs in an exam."""
+    """Yield what each of the programs gives an exam to judge."""
     files = dict.fromkeys(exam.requires, CODE)
     for name, program in PROGRAMS.items():
         recording = Recording({}, tuple(Played(exam, program).events))
@@ -236,7 +236,7 @@ def runs_of(exam: Exam) -> Iterator[tuple[str, Run]]:
 
 
 def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
-    """Yield all failed checks of an exam for all programs."""
+    """Yield all that the checks of an exam have against the programs."""
     for name, run in runs_of(exam):
         for check in judge(alone(exam), run):
             if check.verdict is Verdict.FAILED:
@@ -245,7 +245,7 @@ def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
 
 @pytest.mark.parametrize('name', NAMES)
 def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
-    """Even the program that repeats all inputs gets no such feedback."""
+    """Whatever a program does, and although it says again what it has heard."""
     exam = catalog.load(name)
     found = list(failures(exam))
     told = [
@@ -260,7 +260,7 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
-    """Pictures also contain names of topics."""
+    """Names of topics are in pictures too."""
     exam = catalog.load(name)
     space = namespace_of(exam.scenario).strip('/')
 
@@ -284,7 +284,7 @@ def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
     ],
 )
 def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
-    """So the test above searches for text that really occurs, and learners see numbers."""
+    """So the test above looks for what is really there; and learners read numbers."""
     exam = alone(catalog.load(name))
     exam.hidden, exam.facts = False, {**exam.facts, 'secret': False}
 
@@ -293,14 +293,14 @@ def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
-    """Shorter strings could be part of a word."""
+    """Shorter letters may be a part of a word."""
     space = namespace_of(catalog.load(name).scenario).strip('/')
 
     assert not space or (len(space) >= 6 and not set(space) & set('aeiou'))
 
 
 class TestWords:
-    """Test the words that replace a secret."""
+    """What takes the place of a secret."""
 
     @pytest.mark.parametrize(
         ('exam', 'program', 'check', 'words'),
@@ -345,7 +345,7 @@ class TestWords:
         ],
     )
     def test_feedback_speaks_of_kinds_and_relations(self, exam, program, check, words):
-        """The result is a complete sentence."""
+        """A sentence stays a sentence."""
         texts = [
             texts_of(one)
             for name, _, one in failures(catalog.load(exam))
@@ -365,12 +365,12 @@ class TestWords:
         ids=['public', 'nothing sent', 'in the code', 'perhaps an echo'],
     )
     def test_own_words_are_quoted_unless_they_may_be_an_echo(self, facts, events, code, shown):
-        """Words in the student's own code are known to the student."""
+        """Words in the student's code are the student's own."""
         run = Run({'a.py': code}, Recording({}, events), facts)
 
         assert own_words(run, 'a map', 'another text') == shown
 
     def test_numbers_of_a_quoted_line_are_left_out(self):
-        """Numbers are omitted only where they may be inputs."""
+        """Only where they may be inputs."""
         assert quoted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
         assert quoted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'

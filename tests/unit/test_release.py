@@ -1,4 +1,4 @@
-"""Test that the committed files fit together: notebooks, exams, and the students' copy."""
+"""What is committed fits together: notebooks, exams, and what students receive."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from autograder.layout import Layout
 
 @dataclass(frozen=True)
 class FakeExam:
-    """An exam with name, cells and points."""
+    """Name, cells and points."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
@@ -20,7 +20,7 @@ class FakeExam:
 
 
 def cell(grade_id, source, **marks):
-    """Return a code cell with nbgrader's metadata."""
+    """Return a code cell with nbgrader's marks."""
     return {
         'cell_type': 'code',
         'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},
@@ -35,15 +35,15 @@ CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
 
 
 def unfit(*cells, exams=(FakeExam(),)):
-    """Return the problems of a notebook with these cells."""
+    """Return what is wrong with a notebook of some cells."""
     return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', '01', exams))
 
 
 class TestCheckCells:
-    """Test that each exam has one check cell, below its answers, with its points."""
+    """Each exam has one cell, below its answers, with its points."""
 
     def test_a_fitting_pair_is_fine(self):
-        """There is no problem to report."""
+        """Nothing is said."""
         assert unfit(ANSWER, CHECK) == []
 
     @pytest.mark.parametrize(
@@ -58,13 +58,13 @@ class TestCheckCells:
         ],
     )
     def test_a_misfit_is_one_line(self, cells, said):
-        """The line names the cell."""
+        """It names the cell."""
         (line,) = [line for line in unfit(*cells) if said in line]
 
         assert line.startswith('x.ipynb')
 
     def test_a_grade_id_used_twice_is_named_with_both_places(self):
-        """Ids must be unique in the course, because the gradebook's pages are per course."""
+        """Also across notebooks: the gradebook's pages are per course."""
         seen = {}
         assert list(course.repeated_ids({'cells': [ANSWER]}, 'a.ipynb', seen)) == []
 
@@ -75,14 +75,14 @@ class TestCheckCells:
 
     @pytest.mark.parametrize('kept', [{'outputs': [{'x': 1}]}, {'execution_count': 3}])
     def test_stored_outputs_are_found(self, kept):
-        """Outputs would make every execution a change."""
+        """They make every run a change."""
         (line,) = course.stored_outputs({'cells': [ANSWER, {**CHECK, **kept}]}, 'x.ipynb')
 
         assert line.startswith('x.ipynb, cell 2')
 
 
 def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
-    """Build machines may check out projects in folders called build."""
+    """Machines that build check projects out in folders called build."""
     folder = tmp_path / 'build' / 'notebooks'
     for name in ('01/a.ipynb', '01/ros_ws/x.py'):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -92,17 +92,17 @@ def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
 
 
 class TestRelease:
-    """Test that ``make release`` packs only a consistent course."""
+    """``make release`` packs a course that fits together."""
 
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
-        """Return a course whose notebooks need no generation."""
+        """Return a course whose notebooks need no generating."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
         monkeypatch.setattr(course, 'regenerate', lambda layout: ('01',))
         return Layout(tmp_path)
 
     def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
-        """The old bundle is kept, and the problems are listed."""
+        """The old bundle stays, and the faults are listed."""
         monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
         monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
 
@@ -113,7 +113,7 @@ class TestRelease:
         assert captured.err == 'course: nothing was packed. Try: fix this, then make release\n'
 
     def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
-        """The last line gives the path of the bundle."""
+        """In the end it says where."""
         monkeypatch.setattr(course, 'check', lambda layout: [])
         monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
 
@@ -122,8 +122,8 @@ class TestRelease:
 
 
 class TestThisCourse:
-    """Test the real notebooks and exams."""
+    """The real notebooks and exams."""
 
     def test_everything_committed_fits_together(self):
-        """`make check` runs the same check."""
+        """The same as ``make check`` says."""
         assert course.check(Layout.here()) == []

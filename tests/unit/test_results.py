@@ -1,4 +1,4 @@
-"""Test that results can be written to JSON and read again, and their sums of points."""
+"""Records survive the way through JSON, and sum up."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ PROBLEM = Problem('x.ipynb', 'a notebook', 'a picture', 'submit again', ('talker
 
 
 def through_json(record):
-    """Return a record after conversion to JSON and back."""
+    """Return a record after a trip through JSON text."""
     return type(record).from_json(json.loads(json.dumps(record.to_json())))
 
 
 def test_an_exam_result_is_the_same_after_json():
-    """Nothing is lost, and verdicts are enum members again."""
+    """Nothing is lost, verdicts are verdicts again."""
     assert through_json(EXAM) == EXAM
     assert through_json(EXAM).checks[0].verdict is Verdict.PASSED
 
 
 def test_a_submission_result_is_the_same_after_json():
-    """Problems and exams are records again."""
+    """Problems and exams come back as records."""
     result = SubmissionResult('ann', '01', (EXAM,), (PROBLEM,), 'broken')
 
     assert through_json(result) == result
 
 
 def test_points_are_sums_over_checks_and_exams():
-    """Partial points are included."""
+    """Partial points count."""
     result = SubmissionResult('ann', '01', (EXAM, EXAM))
 
     assert (result.points, result.max_points) == (5.0, 12)
@@ -40,5 +40,5 @@ def test_points_are_sums_over_checks_and_exams():
 
 
 def test_a_problem_is_one_line():
-    """The line has place, expected and actual value, and what to try."""
+    """Where, expected, got, what to try."""
     assert PROBLEM.line() == 'x.ipynb: expected a notebook, got a picture. Try: submit again.'

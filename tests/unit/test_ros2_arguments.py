@@ -1,4 +1,4 @@
-"""Test the arguments of the course's ros2 command, without any node."""
+"""The course's ros2 command: its arguments, and what it makes of them without any node."""
 
 from argparse import ArgumentParser
 import re
@@ -32,7 +32,7 @@ VERBS = {
 
 @pytest.mark.parametrize('group', VERBS)
 def test_help_lists_every_verb_and_its_options(group, capsys):
-    """Each group shows its verbs, and each verb its options."""
+    """Each group shows its verbs, and each verb its help."""
     for verb in ((), *((verb,) for verb in VERBS[group])):
         with pytest.raises(SystemExit) as ended:
             cli.main([group, *verb, '--help'])
@@ -44,7 +44,7 @@ def test_help_lists_every_verb_and_its_options(group, capsys):
 
 
 def test_help_says_what_it_is(capsys):
-    """So users do not mistake it for the complete ros2 command."""
+    """Nobody takes it for the whole ros2."""
     assert cli.main([]) == 0
     text = ' '.join(capsys.readouterr().out.split())
     assert "The course's own small ros2 command" in text
@@ -53,14 +53,14 @@ def test_help_says_what_it_is(capsys):
 
 
 def test_group_without_verb_prints_its_help(capsys):
-    """`ros2 topic` alone is not an error."""
+    """`ros2 topic` alone is no error."""
     assert cli.main(['topic']) == 0
     assert 'Verbs:' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize('words', [['topik'], ['topic', 'lst'], ['topic', 'pub', '-1', '-t', '2']])
 def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
-    """For a typing mistake, the message lists the choices."""
+    """A typing mistake names the choices."""
     with pytest.raises(SystemExit) as ended:
         cli.main(words)
 
@@ -69,7 +69,7 @@ def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
 
 
 def test_command_of_a_full_installation_is_told_from_a_typing_mistake():
-    """`ros2 bag` exists in a full installation, but not here."""
+    """`ros2 bag` exists, but not here."""
     words = cli.main(['bag', 'a', 'b'])
 
     assert words.startswith('ros2 bag belongs to a full installation')
@@ -77,7 +77,7 @@ def test_command_of_a_full_installation_is_told_from_a_typing_mistake():
 
 
 def test_daemon_answers_honestly(capsys):
-    """There is no daemon, and none can be started."""
+    """There is none, and none can be started."""
     assert cli.main(['daemon', 'status']) is None
     assert capsys.readouterr().out.startswith('The daemon is not running')
     assert 'cannot be started' in cli.main(['daemon', 'start'])
@@ -88,7 +88,7 @@ def test_daemon_answers_honestly(capsys):
     [(None, 0, ''), (0, 0, ''), (1, 1, ''), ('Node not found', 1, 'Node not found\n')],
 )
 def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, capsys):
-    """A string is an error message, as in the real command."""
+    """A text is an error, as in the real command."""
     monkeypatch.setattr(cli, 'main', lambda arguments: outcome)
 
     with pytest.raises(SystemExit) as ended:
@@ -97,14 +97,14 @@ def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, c
 
 
 def qos_of(*words):
-    """Return the QoS profile that the options give."""
+    """Return the QoS that options ask for."""
     parser = ArgumentParser()
     qos_options.add_qos_arguments(parser, 'publish', 'default')
     return qos_options.qos_asked_for(parser.parse_args(words), 'default')
 
 
 def test_qos_options_change_their_profile():
-    """Other policies keep the profile's values; without options, the result is None."""
+    """What is not said stays as the profile has it; no option means no wish."""
     quick = qos_of('--qos-profile', 'sensor_data', '--qos-depth', '3')
     kept = qos_of('--qos-durability', 'transient_local')
 
@@ -115,13 +115,13 @@ def test_qos_options_change_their_profile():
 
 
 class Graph:
-    """A fake node with publishers of given QoS profiles."""
+    """A node that knows publishers by their QoS."""
 
     def __init__(self, *profiles):
         self.profiles = profiles
 
     def get_publishers_info_by_topic(self, topic):
-        """Return the endpoints as echo reads them."""
+        """Return what echo reads of endpoints."""
         return [type('Info', (), {'qos_profile': profile}) for profile in self.profiles]
 
 
@@ -139,7 +139,7 @@ BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     ],
 )
 def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines, capsys):
-    """The profile requests the strongest policies that all publishers offer, and prints a note."""
+    """The strongest that everybody offers; what is given up is said."""
     qos = qos_options.qos_for_publishers(Graph(*publishers), '/x')
 
     assert (qos.reliability.name, qos.durability.name) == (reliability, durability)
@@ -147,7 +147,7 @@ def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines
 
 
 def test_fill_sets_nested_fields_arrays_and_the_time():
-    """Values from YAML are converted to the types of the fields."""
+    """YAML goes into messages, arrays and times in the types that fields have."""
     array, now = Float64MultiArray(), Header().stamp
     now.sec = 5
     header, text = Header(), String()
@@ -164,19 +164,19 @@ def test_fill_sets_nested_fields_arrays_and_the_time():
 
 @pytest.mark.parametrize('text', ['[1, 2]', 'seven', '{a: ', '5'])
 def test_values_that_are_no_mapping_are_refused(text):
-    """The text must give fields by name."""
+    """The text has to give fields by name."""
     with pytest.raises(RuntimeError, match='YAML'):
         filling.parsed(text)
 
 
 def test_fill_unknown_field_names_it():
-    """The error is Python's own for the message class."""
+    """The error is the one that Python gives for the message."""
     with pytest.raises(AttributeError, match="'Empty' object has no attribute 'x'"):
         filling.fill(Empty(), {'x': 1})
 
 
 def test_selected_walks_along_a_path():
-    """A path may contain nested fields and array items; a wrong name is reported."""
+    """Fields of fields and items of arrays; a wrong name is told."""
     header = Header(frame_id='map')
     header.stamp.sec = 3
 
@@ -195,7 +195,7 @@ PARTS = {
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Provide interface files."""
+    """Provide interfaces in files."""
     for name, text in PARTS.items():
         (tmp_path / name.replace('/', '-')).write_text(text)
     path = tmp_path.joinpath
@@ -203,7 +203,7 @@ def files(tmp_path, monkeypatch):
 
 
 def test_definition_puts_parts_below_their_field(files):
-    """Comments of the interface are kept, those of nested types only if all are requested."""
+    """Comments of the interface stay, those of its parts go unless all are asked for."""
     lines = list(definition('a/msg/Whole', 'all', 'none'))
 
     assert lines == [
@@ -231,14 +231,14 @@ def test_definition_puts_parts_below_their_field(files):
     ],
 )
 def test_interface_names_are_explained(name, words, monkeypatch):
-    """A wrong form, a missing package and a missing file give different messages."""
+    """The form, the package and the file are three different mistakes."""
     monkeypatch.setenv('AMENT_PREFIX_PATH', ros_environment().variables['AMENT_PREFIX_PATH'])
     with pytest.raises((ValueError, LookupError), match=words):
         interface_files.interface_file(name)
 
 
 def new_package(build_type, node='speak'):
-    """Return a package whose texts need escaping in XML and Python."""
+    """Return a package with everything that needs care in XML and Python."""
     return pkg_files.NewPackage(
         name='my_pkg',
         format=3,
@@ -254,7 +254,7 @@ def new_package(build_type, node='speak'):
 
 @pytest.mark.parametrize('build_type', ['ament_cmake', 'ament_python'])
 def test_manifest_of_a_new_package_is_right(build_type):
-    """Any description gives valid XML with dependencies and build type."""
+    """Any description gives XML that can be read, with dependencies and build type."""
     write = {'ament_cmake': pkg_files.ament_cmake_files}
     files = write.get(build_type, pkg_files.ament_python_files)(new_package(build_type))
     root = ElementTree.fromstring(files['package.xml'])
@@ -266,7 +266,7 @@ def test_manifest_of_a_new_package_is_right(build_type):
 
 
 def test_python_files_compile_and_name_the_program():
-    """setup.py names the function of the node's file; without a node there is no program."""
+    """setup.py starts what the node's file defines; without a node there is no program."""
     files = pkg_files.ament_python_files(new_package('ament_python'))
     for name, text in files.items():
         if name.endswith('.py'):

@@ -1,4 +1,4 @@
-"""Test launch files in XML: what is read from them, and what is refused."""
+"""Launch files in XML: what is read from them, and what is refused."""
 
 import pytest
 
@@ -23,14 +23,14 @@ def installed(tmp_path, monkeypatch):
 
 
 def read(folder, inside):
-    """Return the programs that a launch file with these tags starts."""
+    """Return what a launch file with some tags starts."""
     path = folder / 'a.launch.xml'
     path.write_text(f'<launch>{inside}</launch>')
     return list(launch.read(path))
 
 
 def test_node_becomes_a_command_with_its_names_and_parameters(installed):
-    """The arguments are those after --ros-args; a namespace gets its leading slash."""
+    """As they are typed behind --ros-args; a namespace gets its slash."""
     (start,) = read(
         installed,
         """<node pkg="my_robot_pkg" exec="talker" name="crier" namespace="lab" output="screen">
@@ -49,7 +49,7 @@ def test_node_becomes_a_command_with_its_names_and_parameters(installed):
 
 
 def test_bare_node_starts_without_arguments(installed):
-    """As with the real command, text that the node prints is not shown."""
+    """What it prints is not shown, as with the real command."""
     (start,) = read(installed, '<node pkg="my_robot_pkg" exec="talker"/>')
 
     assert (len(start.command), start.screen) == (1, False)
@@ -66,7 +66,7 @@ def test_bare_node_starts_without_arguments(installed):
     ],
 )
 def test_launch_file_refused_says_why(installed, inside, said):
-    """The message has one line and no traceback."""
+    """In one line, without a traceback."""
     with pytest.raises(RuntimeError, match=said):
         read(installed, inside)
 
@@ -80,6 +80,6 @@ def test_launch_file_refused_says_why(installed, inside, said):
     ],
 )
 def test_missing_launch_file_is_named(installed, words, said):
-    """The message gives the path that was searched."""
+    """With the place where it was looked for."""
     with pytest.raises(RuntimeError, match=said):
         launch.find(*words)

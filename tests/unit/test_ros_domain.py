@@ -1,4 +1,4 @@
-"""Test that each kernel gets a different ROS domain while there are free ones."""
+"""Each kernel has a ROS domain of its own, as long as there are any."""
 
 import os
 import random
@@ -22,30 +22,30 @@ sys.stdin.read()
 
 
 class Shell:
-    """A fake IPython shell with the events of its cells."""
+    """An IPython shell with the events of its cells."""
 
     def __init__(self):
         self.events = self
         self.callbacks = []
 
     def register(self, event, callback):
-        """Store a callback."""
+        """Note a callback."""
         assert event == 'pre_run_cell'
         self.callbacks.append(callback)
 
     def unregister(self, event, callback):
-        """Remove a callback."""
+        """Forget a callback."""
         self.callbacks.remove(callback)
 
     def run_cell(self):
-        """Call the callbacks, as IPython does before a cell."""
+        """Do what IPython does before a cell."""
         for callback in list(self.callbacks):
             callback(None)
 
 
 @pytest.fixture
 def name(monkeypatch):
-    """Provide socket names that no other process uses, and forget earlier claims."""
+    """Give the test names that no other process claims, and a process that has claimed none."""
     name = f'test-{os.getpid()}-{random.SystemRandom().getrandbits(64)}-'
     monkeypatch.setattr(ros_domain, 'NAME', name)
     monkeypatch.setattr(kernel_domain, '_claimed', None)
@@ -56,7 +56,7 @@ def name(monkeypatch):
 
 @pytest.fixture
 def claiming(name):
-    """Return a function that starts a process which claims domain 7 and prints the result."""
+    """Return a function that starts a process which claims domain 7, and says what it got."""
     processes = []
 
     def start():
@@ -76,7 +76,7 @@ def claiming(name):
 
 
 def kernel(monkeypatch):
-    """Return a function that starts a kernel, and returns its shell and its claim."""
+    """Do what the start of a kernel does, and return its shell and what it has claimed."""
     monkeypatch.setattr(kernel_domain, '_claimed', None)
     monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
     shell = Shell()
@@ -85,7 +85,7 @@ def kernel(monkeypatch):
 
 
 def test_claimed_domain_is_not_given_twice(name):
-    """The second process gets the next number; the number of a closed claim is free again."""
+    """The second process gets the next number, and the number of a closed claim is free."""
     first, second = claim([3, 4]), claim([3, 4])
     assert (first.domain, second.domain) == (3, 4)
     assert claim([3, 4]) is None
@@ -120,7 +120,7 @@ def test_claim_is_not_inherited_by_child_processes(name):
 
 
 def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
-    """Processes that a cell starts inherit the number."""
+    """What a cell starts inherits the number."""
     _, first = kernel(monkeypatch)
     assert os.environ['ROS_DOMAIN_ID'] == str(first.domain)
     _, second = kernel(monkeypatch)
@@ -133,7 +133,7 @@ def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
 
 
 def test_restarted_kernel_has_the_domain_of_before(name, monkeypatch):
-    """So a terminal that has joined the notebook stays connected."""
+    """A terminal that has joined the notebook need not join it again."""
     _, before = kernel(monkeypatch)
     before.holder.close()
     _, after = kernel(monkeypatch)
@@ -143,7 +143,7 @@ def test_restarted_kernel_has_the_domain_of_before(name, monkeypatch):
 
 
 def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatch, capsys):
-    """The kernel is in domain 0 and prints once what to do."""
+    """It is in domain 0 then, and says once what to do."""
     held = [claim([number]) for number in DOMAINS]
     shell, claimed = kernel(monkeypatch)
     assert (claimed, os.environ['ROS_DOMAIN_ID'], capsys.readouterr().out) == (None, '0', '')
@@ -160,7 +160,7 @@ def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatc
 
 
 def test_domain_that_the_user_has_set_stays(name, monkeypatch, capsys):
-    """Other kernels avoid it; a second kernel with the same setting shares it."""
+    """Other kernels leave it out; a second one with the same setting shares it."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '42')
     shell = Shell()
     kernel_domain.claim_domain(shell)
@@ -176,7 +176,7 @@ def test_domain_that_the_user_has_set_stays(name, monkeypatch, capsys):
 
 
 def test_system_without_abstract_sockets_is_named(name, monkeypatch, capsys):
-    """The kernel starts in domain 0."""
+    """The kernel starts, in domain 0."""
 
     def refuse(domains):
         raise OSError(2, 'No such file or directory')

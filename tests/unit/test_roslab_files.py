@@ -1,4 +1,4 @@
-"""Test where cells are saved, and which names are refused."""
+"""Where cells are saved, and which names are refused."""
 
 from contextlib import suppress
 import os
@@ -21,7 +21,7 @@ def learner(tmp_path):
 
 
 def test_files_lie_where_a_ros_package_has_them(learner):
-    """Nodes are saved in the inner folder, messages in msg/, other files at the top."""
+    """Nodes go to the inner folder, messages to msg/, the rest to the top."""
     paths = [
         learner.path_of(CellFile(kind, name, ''))
         for kind, name in [('node', 'a'), ('rosmsg', 'A'), ('rospkg', 'package.xml')]
@@ -35,7 +35,7 @@ def test_files_lie_where_a_ros_package_has_them(learner):
 
 
 def test_saved_file_replaces_the_older_one_at_once(learner):
-    """A reader with the older file open still sees all of it; no temporary files are left."""
+    """A reader that has the older file open keeps it whole; no part files stay."""
     path = learner.save(CellFile('node', 'a', 'old\n'))
     with path.open() as older:
         learner.save(CellFile('node', 'a', 'new\n'))
@@ -46,7 +46,7 @@ def test_saved_file_replaces_the_older_one_at_once(learner):
 
 
 def test_link_out_of_the_package_is_refused(learner, tmp_path):
-    """A cell cannot write to the target of a link."""
+    """A cell cannot write where a link points to."""
     learner.folder.mkdir(parents=True)
     (learner.folder / 'msg').symlink_to(tmp_path)
     with pytest.raises(NameRefusedError, match='link'):
@@ -56,7 +56,7 @@ def test_link_out_of_the_package_is_refused(learner, tmp_path):
 
 
 def test_texts_are_keyed_as_the_grader_keys_them(learner):
-    """Node files are found by file name; hidden and compiled files are not found."""
+    """Node files are found under their own names, hidden and compiled files are not."""
     learner.save(CellFile('node', 'a', 'pass\n'))
     learner.save(CellFile('rosmsg', 'A', 'int64 x\n'))
     (learner.folder / 'temp_monitor_pkg' / '__pycache__').mkdir()
@@ -68,13 +68,13 @@ def test_texts_are_keyed_as_the_grader_keys_them(learner):
 
 @pytest.mark.parametrize('name', ['', 'Temp', '../x', 'a b', 'a__b', '1a', 'a_', 'a-b', 3])
 def test_package_name_that_ros_would_refuse_is_refused(name):
-    """The name of a package must follow the rules of ROS 2."""
+    """The name of the package follows the rules of ROS 2."""
     with pytest.raises(NameRefusedError, match='my_robot_pkg'):
         package(name)
 
 
 def test_package_name_can_be_chosen(monkeypatch, tmp_path):
-    """Another lesson can save its cells in another package."""
+    """Another lesson keeps its cells in another package."""
     monkeypatch.setattr(package_files, '_name', 'temp_monitor_pkg')
     monkeypatch.chdir(tmp_path)
 
@@ -84,13 +84,13 @@ def test_package_name_can_be_chosen(monkeypatch, tmp_path):
 
 
 def run(code, tmp_path, deadline_s=20.0):
-    """Run a line of Python as a child process."""
+    """Run a line of Python as a child."""
     command = [sys.executable, '-c', code]
     return child.run(command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05)
 
 
 def test_child_returns_its_output_and_code(tmp_path):
-    """Both stdout and stderr are kept."""
+    """Both streams are kept."""
     outcome = run('import sys; print(1); print(2, file=sys.stderr); sys.exit(3)', tmp_path)
 
     assert outcome.returncode == 3
@@ -99,7 +99,7 @@ def test_child_returns_its_output_and_code(tmp_path):
 
 @pytest.mark.slow
 def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
-    """Not even a grandchild process is left."""
+    """Not even a grandchild stays."""
     family = (
         'import subprocess, sys, time\n'
         'p = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])\n'
@@ -109,12 +109,12 @@ def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
     outcome = run(family, tmp_path, deadline_s=10.0)
 
     assert outcome.returncode is None
-    with suppress(psutil.NoSuchProcess):  # killed, but perhaps not ended yet
+    with suppress(psutil.NoSuchProcess):  # killed, but perhaps not yet gone
         psutil.Process(int(outcome.output)).wait(60)
 
 
 def test_long_output_is_cut_at_its_beginning(tmp_path):
-    """A child that prints without end cannot fill the kernel's memory; the last lines are kept."""
+    """A child that prints for ever does not fill the kernel; its last words are kept."""
     outcome = run('print("x" * 5_000_000); print("end")', tmp_path)
 
     assert len(outcome.output) <= 2_000_000
@@ -123,6 +123,6 @@ def test_long_output_is_cut_at_its_beginning(tmp_path):
 
 @pytest.mark.parametrize('folder', ['/', '/tmp', '/nowhere/a/b/c'])
 def test_a_folder_in_no_workspace_is_not_built(folder):
-    """The build is refused even for a very short path."""
+    """However short its path is."""
     with pytest.raises(NotHereError, match='expected a package inside a workspace'):
         build_messages(folder)

@@ -1,4 +1,4 @@
-"""Test the gallery of errors: what explain() finds, and that lesson 08 shows each entry."""
+"""The gallery of errors: what explain() finds, and that lesson 08 really shows each of them."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ each_entry = pytest.mark.parametrize('entry', entries(), ids=lambda entry: entry
 
 
 def sources() -> dict[str, str]:
-    """Return the cells of the lesson by id."""
+    """Return the cells of the lesson by their ids."""
     cells = json.loads(NOTEBOOK.read_text(encoding='utf-8'))['cells']
     return {cell['id']: ''.join(cell['source']) for cell in cells}
 
 
 def heading_of(text: str) -> str:
-    """Return the heading of a text cell; messages are formatted as code."""
+    """Return the heading of a text cell; messages are set as code."""
     return re.match(r'### (.*)\n', text)[1].strip('`')
 
 
 def printed(key: str) -> str:
-    """Return the output of a cell in the executed lesson, as one line."""
+    """Return what a cell of the executed lesson shows, as one line."""
     cell = next(cell for cell in run(NOTEBOOK).cells if cell.id == key)
     said = [
         output.text if output.output_type == 'stream' else output.data.get('text/plain', '')
@@ -50,7 +50,7 @@ def printed(key: str) -> str:
 @executed
 @each_entry
 def test_cell_prints_what_its_entry_says(entry: Entry) -> None:
-    """Each entry's cell prints a message that the entry's patterns match."""
+    """The exhibit of each entry prints the very message that the entry is found by."""
     text = printed(entry.key)
 
     if 'shows' in ROWS[entry.key]:
@@ -62,19 +62,19 @@ def test_cell_prints_what_its_entry_says(entry: Entry) -> None:
 @executed
 @each_entry
 def test_message_of_a_cell_is_explained_by_its_entry_first(entry: Entry) -> None:
-    """For the message of its cell, each entry is the best match."""
+    """No other entry is nearer to a message than the one that it belongs to."""
     if 'shows' not in ROWS[entry.key]:
         assert nearest(printed(entry.key))[0] == entry
 
 
 @each_entry
 def test_heading_of_an_exhibit_leads_to_its_entry(entry: Entry) -> None:
-    """If a learner passes a heading of the lesson to explain(), its entry comes first."""
+    """If you paste a heading of the lesson into explain(), you get that exhibit first."""
     assert nearest(entry.heading)[0] == entry
 
 
 def test_entries_and_exhibits_are_the_same() -> None:
-    """Each entry has a section of three cells with its heading, and each section has an entry."""
+    """Each entry has an exhibit of three cells under its heading, and each exhibit an entry."""
     cells = sources()
     headings = {heading_of(text) for name, text in cells.items() if name.endswith('-what')}
 
@@ -87,7 +87,7 @@ def test_entries_and_exhibits_are_the_same() -> None:
 
 @each_entry
 def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
-    """A learner who looks up one error runs only the setup and that cell."""
+    """Who comes for one error runs the setup and that cell; `caught` would hide a missing name."""
     cells = sources()
     ready = {
         name
@@ -103,7 +103,7 @@ def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
     local = scoped | {name.id for name in names if isinstance(name.ctx, ast.Store)}
 
     lacking = used - ready - local - defined_names(source) - set(dir(builtins))
-    assert lacking <= {'Float32'}  # the example is about the missing import of this name
+    assert lacking <= {'Float32'}  # whose import is what the exhibit lacks
 
 
 def test_names_of_a_learner_do_not_disturb() -> None:
@@ -127,7 +127,7 @@ def test_message_in_a_long_log_is_found() -> None:
 
 
 def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str]) -> None:
-    """An explanation has the cause, the fix, and the place in the lesson."""
+    """An explanation names what happened, what to do, and where the lesson shows it."""
     explain('No executable found')
 
     said = capsys.readouterr().out
@@ -137,7 +137,7 @@ def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str])
 
 
 def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
-    """The class of an exception is part of the searched text."""
+    """The class of an exception is part of what is searched."""
     explain(NameError("name 'Float32' is not defined"))
 
     assert 'Import it' in capsys.readouterr().out
@@ -146,7 +146,7 @@ def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
 def test_explain_looks_at_the_last_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without an argument, it explains the last error that this interpreter has shown."""
+    """Without a text it explains what this interpreter has shown last."""
     monkeypatch.setattr(
         sys, 'last_value', TypeError("'NoneType' object is not callable"), raising=False
     )
@@ -156,7 +156,7 @@ def test_explain_looks_at_the_last_error(
 
 
 def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If there was no error yet, explain() says how to pass a message."""
+    """If nothing went wrong yet, explain() says how to give it a text."""
     monkeypatch.delattr(sys, 'last_value', raising=False)
 
     with pytest.raises(RoslabError, match='there was none'):
@@ -165,20 +165,20 @@ def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize('nonsense', [3, '', '  '])
 def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
-    """For a number or an empty string, the message shows an example of a correct call."""
+    """A number or an empty text is answered with an example of a right call."""
     with pytest.raises(RoslabError, match='expected the text of an error'):
         explain(nonsense)
 
 
 def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str]) -> None:
-    """Build errors are looked up in the table of build mistakes."""
+    """What is not in the gallery is looked up among the mistakes of a build."""
     explain("CMake Error: the passed dependency 'geometry_msgs' has not been found before using")
 
     assert 'find_package(geometry_msgs REQUIRED)' in capsys.readouterr().out
 
 
 def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
-    """An unknown message gives ways to investigate, and no guess."""
+    """An unknown message is called unknown, with ways to go on and no guess."""
     explain('RCLError: the robot has eaten the map')
 
     said = capsys.readouterr().out
@@ -188,7 +188,7 @@ def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) 
 
 
 def raised(code: str, name: str = '__main__') -> BaseException:
-    """Return the exception that a module's code raises."""
+    """Return the exception that code of a module raises."""
     try:
         exec(code, {'__name__': name})
     except Exception as error:
@@ -202,7 +202,7 @@ def raised(code: str, name: str = '__main__') -> BaseException:
 def test_error_of_python_leads_to_its_manual(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Python's own errors are not searched for in rclpy's issues."""
+    """What Python itself raises is not searched among the issues of rclpy."""
     explain(error)
 
     said = capsys.readouterr().out
@@ -221,7 +221,7 @@ def test_error_of_python_leads_to_its_manual(
 def test_builtin_error_that_ros_raises_leads_to_its_issues(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The code that raised the error, or its message, shows whether it comes from ROS."""
+    """The code that raised it, or its words, tell whose error it is."""
     explain(error)
 
     assert 'github.com/ros2/rclpy' in capsys.readouterr().out
@@ -234,7 +234,7 @@ def test_builtin_error_that_ros_raises_leads_to_its_issues(
 def test_misspelt_module_is_named(
     written: str, meant: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A name with one typing mistake is not reported as a package that was not built."""
+    """One slip away from a module that exists, it is no package that was not built."""
     explain(f"ModuleNotFoundError: No module named '{written}'")
 
     said = capsys.readouterr().out
@@ -246,7 +246,7 @@ def test_misspelt_module_is_named(
 def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """No module with an unrelated name is suggested."""
+    """No module is suggested that has little to do with the name."""
     explain(f"ModuleNotFoundError: No module named '{name}'")
 
     assert 'it is misspelt, not built, not installed' in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Test the layout, the pictures and the texts of roslab with plain data."""
+"""The layout, the pictures and the text of roslab, made from plain data."""
 
 import math
 import re
@@ -52,7 +52,7 @@ def chatter(publishers, subscriptions, nodes=(), everything=False):
 
 
 def drawing(page):
-    """Return the SVG of a page as a tree, and fail if it is not well formed."""
+    """Return the SVG of a page as a tree, which proves that it is well formed."""
     return ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
 
 
@@ -62,7 +62,7 @@ def words(page):
 
 
 def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
-    """A compatible talker and listener are connected by solid arrows."""
+    """A talker and a listener that fit are joined by plain arrows."""
     graph = Graph(chatter([end('/talker')], [end('/listener')]))
 
     assert str(graph).splitlines()[0] == f'/talker --> /chatter [{STRING}] --> /listener'
@@ -114,12 +114,12 @@ def test_endpoint_without_a_match_is_dashed_and_says_why(publisher, subscription
 
 
 def test_fitting_qos_that_is_not_equal_is_no_mismatch():
-    """A publisher may offer more than a subscription requests."""
+    """A publisher may offer more than a subscription wants."""
     assert mismatch(end('/a', qos=LASTING), end('/b', qos=BEST_EFFORT)) == ''
 
 
 def test_only_the_refused_one_of_two_listeners_is_dashed():
-    """A publisher with a matched subscription keeps its solid arrow."""
+    """A publisher that reaches somebody keeps its plain arrow."""
     graph = Graph(chatter([end('/a')], [end('/b'), end('/c', qos=LASTING)]))
 
     assert f'/a --> /chatter [{STRING}] --> /b' in str(graph)
@@ -129,7 +129,7 @@ def test_only_the_refused_one_of_two_listeners_is_dashed():
 
 
 def test_listener_of_the_notebook_is_not_drawn_but_counts():
-    """With listen() in a cell, the publisher is matched, and the picture says so."""
+    """With listen() in a cell, a publisher is not alone, and the picture says so."""
     facts = chatter([end('/a')], [end('/_roslab')])
 
     assert 'this notebook listens' in str(Graph(facts))
@@ -138,7 +138,7 @@ def test_listener_of_the_notebook_is_not_drawn_but_counts():
 
 
 def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
-    """If only the notebook listens and cannot receive, the picture gives the reason."""
+    """A publisher is not called unheard if only the notebook listens and cannot receive it."""
     facts = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')])
 
     assert not facts.edges[0].matched
@@ -147,7 +147,7 @@ def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
 
 
 def test_names_from_other_programs_are_text_never_markup():
-    """The name of a program cannot change the page."""
+    """What a program calls itself cannot change the page."""
     page = Graph(chatter([end('/<script>')], [end('/b"onload="x')]))._repr_html_()
 
     assert '<script>' not in page
@@ -155,7 +155,7 @@ def test_names_from_other_programs_are_text_never_markup():
 
 
 def test_two_nodes_of_one_name_and_an_idle_one_are_told():
-    """A node without topics is listed, and a name that occurs twice is counted."""
+    """A node without topics is listed, and a name that is there twice is counted."""
     facts = Facts(('/idle', '/twin', '/twin'), ())
 
     text = str(Graph(facts))
@@ -165,13 +165,13 @@ def test_two_nodes_of_one_name_and_an_idle_one_are_told():
 
 
 def test_empty_graph_says_that_nothing_is_seen():
-    """An empty graph is described by a sentence."""
+    """A picture of nothing is a sentence."""
     assert str(Graph(Facts((), ()))) == 'No nodes are seen now.'
     assert words(Graph(Facts((), ()))._repr_html_())[-1] == 'No nodes are seen now.'
 
 
 def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
-    """Title and description contain the same facts as the text."""
+    """Title and description hold what the text form holds."""
     tree = drawing(Graph(chatter([end('/talker')], []))._repr_html_())
     labels = tree.get('aria-labelledby').split()
     described = {e.get('id'): e.text for e in tree if e.get('id') in labels}
@@ -183,7 +183,7 @@ def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
 
 
 def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
-    """On a narrow page, the scrollable element can get focus and has a role and a name."""
+    """On a narrow page; what is focused has a role and a name."""
     page = svg.picture(900, 100, 'A <graph>', 'words', [])
 
     assert page.startswith('<div role="group" aria-label="A &lt;graph&gt;" tabindex="0" style="ov')
@@ -197,7 +197,7 @@ def table(page):
 
 
 def test_picture_has_its_data_in_a_table():
-    """Each row can be understood without the picture."""
+    """Each row of it can be read without seeing the picture."""
     seen = Graph(chatter([end('/talker')], [end('/ear', 'std_msgs/msg/Int32')], ['/idle']))
     head, *rows = table(seen._repr_html_())
     names, *values = table(curve_html(Curve('/t value', ((0.5, 1.0), (1.0, 3.0)), 2.0, 2.0)))
@@ -217,7 +217,7 @@ def test_picture_has_its_data_in_a_table():
 
 
 def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
-    """A reader can follow only some dozens of rows."""
+    """A reader goes through some dozens of rows."""
     points = tuple((n / 10, 100.0 if n == 777 else 1.0) for n in range(1000))
     rows = table(curve_html(Curve('/t value', points, 100.0)))
 
@@ -269,7 +269,7 @@ def test_boxes_do_not_overlap_and_lines_end_on_their_boxes():
 
 
 def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
-    """Running a cell twice gives the same picture."""
+    """Running a cell twice does not shuffle its picture."""
     topics = frozenset({'T1', 'T2', 'T3'})
     one, two = (arrange(SIZES, ARROWS, topics) for _ in range(2))
 
@@ -279,12 +279,12 @@ def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
 
 
 def listener(topic, began, times):
-    """Return the attributes of a listener that timeline() uses."""
+    """Return what timeline() needs of a listener."""
     return SimpleNamespace(topic=topic, began=began, times=times, msg_type=String)
 
 
 def test_timeline_puts_all_sources_on_the_axis_of_the_first():
-    """The messages of a listener that began two seconds later are shifted by two seconds."""
+    """A listener that began two seconds later has its messages two seconds later."""
     line = make_timeline([listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5])])
 
     assert line.rows[0].times == (0.5, 1.0)
@@ -304,7 +304,7 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
 
 
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
-    """Marks differ from messages and from each other in shape."""
+    """What happened beside the messages differs from them and from each other in shape."""
     line = make_timeline(
         [listener('/a', 0.0, [0.0, 1.0, 2.0])], marks={'stopped': [1.5], 'started': [1.8]}
     )
@@ -320,7 +320,7 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
 
 
 def test_timeline_of_the_last_seconds_leaves_older_messages_out():
-    """`seconds` keeps only the newest part of the axis."""
+    """`seconds` cuts the axis at its newest end."""
     line = make_timeline([listener('/a', 0.0, [0.0, 4.0, 5.0])], seconds=2.0)
 
     assert line.rows[0].times == (4.0, 5.0)
@@ -342,12 +342,12 @@ def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
 
 
 def curve(*values, threshold=None):
-    """Return a curve with one value per second."""
+    """Return a curve with a value each second."""
     return Curve('/t data', tuple(enumerate(map(float, values))), 20.0, threshold)
 
 
 def test_values_above_the_threshold_have_another_shape_and_are_counted():
-    """A value exactly at the threshold is not above it."""
+    """A value exactly on the threshold is not above it."""
     page = curve_html(curve(29, 30, 31, threshold=30.0))
 
     assert page.count('<path') - page.count('a2.5 2.5') == 1
@@ -357,7 +357,7 @@ def test_values_above_the_threshold_have_another_shape_and_are_counted():
 
 
 def test_value_that_is_not_finite_is_a_gap():
-    """NaN interrupts the line and is mentioned in the text."""
+    """NaN breaks the line in two and is mentioned."""
     page = curve_html(curve(1, 2, math.nan, 3, 4))
 
     assert page.count('<polyline') == 2
@@ -366,7 +366,7 @@ def test_value_that_is_not_finite_is_a_gap():
 
 
 def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
-    """An example is warnings after readings; both are also in the text."""
+    """As warnings that came after readings; both are also in the words."""
     made = Curve('/t data', ((1.0, 20.0), (2.0, 33.0)), 3.0, 30.0, {'WARN': (2.0, 2.0)})
     page = curve_html(made)
 
@@ -377,13 +377,13 @@ def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
 
 
 def test_plot_without_messages_says_that_it_waits():
-    """A plot without messages has a text instead of an empty picture."""
+    """An empty plot is not an empty picture."""
     assert 'waiting for messages' in words(curve_html(curve(threshold=3.0)))
     assert curve_text(curve()) == '/t data: waiting for messages.'
 
 
 def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
-    """Ten thousand values give a picture of some kilobytes that still shows the single peak."""
+    """Ten thousand values make a picture of some kilobytes that still shows the one peak."""
     values = [0.0] * 10_000
     values[7_777] = 9.0
     page = curve_html(
@@ -397,7 +397,7 @@ def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
 
 @pytest.mark.parametrize(('low', 'high'), [(0, 1), (-3.2, 17), (1e-6, 2e-6), (5, 5.001), (0, 9e8)])
 def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
-    """Every range gets two to twelve numbers."""
+    """Every range gets between two and twelve numbers."""
     found = svg.ticks(low, high)
 
     assert 2 <= len(found) <= 12
@@ -405,7 +405,7 @@ def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
 
 
 def test_field_paths_reach_nested_fields_and_items_of_arrays():
-    """Dots and brackets lead to a number; an array that is too short gives None."""
+    """Dots and brackets lead to a number; an array that is too short gives none."""
     header = Header()
     header.stamp.sec = 7
 
@@ -432,13 +432,13 @@ def test_field_paths_reach_nested_fields_and_items_of_arrays():
 def test_field_that_does_not_exist_or_is_no_number_is_answered_with_those_that_are(
     kind, path, said
 ):
-    """The error lists the fields that can be plotted."""
+    """The error names what could be plotted."""
     with pytest.raises(RoslabError, match=re.escape(said)):
         number_getter(kind, path)
 
 
 def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
-    """Nested messages are indented, arrays are lists, special strings are quoted."""
+    """Nested messages are indented, arrays are lists, awkward texts are quoted."""
     header = Header(frame_id='a: b')
     header.stamp.sec = 3
 
@@ -449,21 +449,21 @@ def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
 
 
 def test_long_texts_and_arrays_are_cut_unless_all_is_asked_for():
-    """The first 128 characters or items are written, followed by three dots."""
+    """The first 128 are written, then three dots."""
     assert message_yaml(String(data='x' * 200)) == f'data: {"x" * 128}...\n'
     assert message_yaml(String(data='x' * 200), truncate=None) == f'data: {"x" * 200}\n'
     assert message_yaml(Int32MultiArray(data=range(200))).endswith("- 127\n- '...'\n")
 
 
 def test_rate_is_computed_from_the_gaps_between_messages():
-    """The window counts gaps, as in the ROS tool."""
+    """The window counts gaps, as the tool does."""
     assert hz_text([0.0, 1.0, 2.5]) == (
         'average rate: 0.800\n\tmin: 1.000s max: 1.500s std dev: 0.25000s window: 2'
     )
 
 
 def test_info_and_list_have_the_layout_of_the_tools():
-    """Empty sections keep an empty line; several types are shown as a list."""
+    """Sections without entries keep an empty line; several types are shown as a list."""
     node = node_info_text('/a', {'Publishers': [('/y', ['p/msg/Y']), ('/x', ['p/msg/X'])]})
     topic = topic_info_text(['p/msg/X', 'p/msg/Y'], ['one'], [])
 

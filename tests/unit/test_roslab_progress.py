@@ -1,4 +1,4 @@
-"""Test that results of checks and quizzes are stored, shown and deleted."""
+"""What checks and quizzes found is remembered, shown and deleted."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NONE = {'checks': {}, 'quizzes': {}, 'tries': {}}
 
 @pytest.fixture
 def file(tmp_path, monkeypatch):
-    """Return the path of the results of an empty course; tests run in one of its folders."""
+    """Return the path of the results of an empty course, from one of whose folders tests run."""
     root = tmp_path / 'course'
     (root / 'notebooks' / '01_a').mkdir(parents=True)
     (root / 'course.toml').write_text("name = 'small'\nwork = '_work'\n")
@@ -41,7 +41,7 @@ def lessons(tmp_path):
 
 
 class TestRemember:
-    """Test the file with the last result of each exercise."""
+    """One file with the last result of each exercise."""
 
     def test_last_result_of_each_exercise_is_kept(self, file):
         """A worse result replaces a better one."""
@@ -56,7 +56,7 @@ class TestRemember:
         assert 'progress(forget=True)' in json.loads(file.read_text())['about']
 
     def test_notebooks_that_finish_together_lose_nothing(self, file):
-        """Each notebook adds to the results of the others."""
+        """Each adds to what the others wrote."""
         with ThreadPoolExecutor(8) as pool:
             list(pool.map(lambda n: remember('checks', f'exam_{n}', n), range(32)))
 
@@ -81,7 +81,7 @@ class TestRemember:
         assert read_results(file)['checks'] == {'talker': 3}
 
     def test_quiz_remembers_whether_the_last_answer_was_right(self, file):
-        """The chosen letter is not stored."""
+        """The letter is not remembered."""
         question = quiz('07-threshold')
         rights = [option['right'] for option in question.question['options']]
         question.chosen = rights.index(False)
@@ -104,7 +104,7 @@ BROKEN = [
 
 
 class TestBrokenFile:
-    """Test a file with invalid contents: the learner gets one sentence and loses no other file."""
+    """Whatever is in the file, the learner gets one sentence and loses no other file."""
 
     @pytest.mark.parametrize('text', BROKEN)
     def test_result_is_not_remembered_and_the_file_stays(self, file, capsys, text):
@@ -119,7 +119,7 @@ class TestBrokenFile:
         assert file.read_text() == text
 
     def test_progress_says_how_to_delete_it(self, file):
-        """The function does not delete the file by itself."""
+        """It deletes nothing by itself."""
         file.parent.mkdir()
         file.write_text('my own notes')
 
@@ -128,7 +128,7 @@ class TestBrokenFile:
         assert file.read_text() == 'my own notes'
 
     def test_folder_that_cannot_be_written_is_one_line(self, file, capsys):
-        """An example is a course that all students of a computer share."""
+        """As in a course that all students of a computer share."""
         file.parent.write_text('a file in place of the folder')
         remember('checks', 'talker', 8)
 
@@ -136,10 +136,10 @@ class TestBrokenFile:
 
 
 class TestProgress:
-    """Test the headline and the rows of the lessons."""
+    """The headline and one row per lesson."""
 
     def test_first_unfinished_part_comes_next(self, lessons):
-        """A wrong answer to a quiz counts as answered; an exercise needs all its points."""
+        """A wrong answer to a quiz is an answer; an exercise needs all its points."""
         answered = {'01-a': False, '01-b': True}
 
         assert next_part(lessons, NONE)[1].heading == 'Part 1: One'
@@ -151,7 +151,7 @@ class TestProgress:
         assert as_text(lessons, done).startswith('18 of 18 points; every exercise')
 
     def test_text_has_points_and_right_answers(self, lessons):
-        """A lesson without exercises has empty columns; an unknown exercise is ignored."""
+        """A lesson without exercises has empty columns; an unknown exercise counts nothing."""
         results = {
             'checks': {'talker': 99, 'courier': 2.5, 'of_an_older_course': 7},
             'quizzes': {'01-a': False, '01-b': True},
@@ -166,7 +166,7 @@ class TestProgress:
         ]
 
     def test_unreadable_notebook_costs_only_its_own_row(self, file, capsys):
-        """The learner may have saved any file there."""
+        """The learner may have saved anything there."""
         for name in ('01_a/a.ipynb', '02_b/b.ipynb'):
             path = file.parent.parent / 'notebooks' / name
             path.parent.mkdir(exist_ok=True)
@@ -177,7 +177,7 @@ class TestProgress:
         assert rows == ['01 a', '02 b.ipynb cannot be read']
 
     def test_forget_deletes_the_results(self, file, capsys):
-        """Deleting a second time is not an error."""
+        """A second time does no harm."""
         remember('checks', 'talker', 8)
         progress(forget=True)
         progress(forget=True)

@@ -1,4 +1,4 @@
-"""Test practice questions: files, errors, and the text for viewers without widgets."""
+"""Practice questions: their files, their errors, and what a viewer without widgets shows."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ GOOD = """\
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return a folder with one file that contains one question."""
+    """Return a folder with one file of one question."""
     (tmp_path / '03_topics.yaml').write_text(GOOD)
     return tmp_path
 
 
 def changed(folder, old, new):
-    """Write the valid file with one change, and return its path."""
+    """Write the good file with one change, and return it."""
     assert GOOD.count(old) == 1, old
     path = folder / '03_topics.yaml'
     path.write_text(GOOD.replace(old, new))
@@ -37,12 +37,12 @@ def changed(folder, old, new):
 
 
 def test_all_questions_of_the_course_are_well_formed():
-    """Keys are unique and belong to the lesson; one option is right; each has an explanation."""
+    """Unique keys of the right lesson, one right option, an explanation for each."""
     assert problems() == []
 
 
 def test_question_is_read_whole(folder):
-    """Only the order of the options changes."""
+    """Nothing is lost but the order of the options."""
     question = find('03-matched', folder)
 
     assert question.text == 'Is `x` matched?'
@@ -55,7 +55,7 @@ def test_question_is_read_whole(folder):
 
 
 def test_order_depends_on_the_key_alone(folder):
-    """The order does not depend on other random numbers."""
+    """Two readers see the same letters, whatever else has drawn random numbers."""
     first = find('03-matched', folder)
     random.seed(7)
 
@@ -63,7 +63,7 @@ def test_order_depends_on_the_key_alone(folder):
 
 
 def test_right_answers_are_spread_over_the_letters(folder):
-    """Authors may always write the right option first."""
+    """Authors who always write the right one first give nothing away."""
     path = folder / '03_topics.yaml'
     path.write_text(''.join(GOOD.replace('03-matched', f'03-m{n}') for n in range(300)))
     places = Counter(
@@ -93,7 +93,7 @@ def test_right_answers_are_spread_over_the_letters(folder):
     ],
 )
 def test_mistake_of_an_author_is_named_with_its_place(folder, old, new, said):
-    """The error has the file, the question and the expected value."""
+    """The file, the question, what was expected."""
     path = changed(folder, old, new)
     with pytest.raises(QuizError) as caught:
         load(path)
@@ -105,14 +105,14 @@ def test_mistake_of_an_author_is_named_with_its_place(folder, old, new, said):
 
 @pytest.mark.parametrize('text', ['', 'key: x', '[]', '- 1'])
 def test_file_of_another_shape_is_refused(folder, text):
-    """The file must contain a list of questions."""
+    """A list of questions is expected."""
     (folder / '03_topics.yaml').write_text(text)
     with pytest.raises(QuizError, match='expected'):
         load(folder / '03_topics.yaml')
 
 
 def test_key_of_another_lesson_or_used_twice_is_found(folder):
-    """The number in the key is that of the lesson."""
+    """The number tells where a question is asked."""
     (folder / '04_messages.yaml').write_text(GOOD)
 
     assert problems(folder) == [
@@ -122,20 +122,20 @@ def test_key_of_another_lesson_or_used_twice_is_found(folder):
 
 
 def test_unknown_key_is_answered_with_the_near_ones(folder):
-    """Similar keys make a typing mistake easy to fix."""
+    """A typing mistake costs one look."""
     with pytest.raises(RoslabError, match=r"'03-matched'; there is no '03-macthed'"):
         find('03-macthed', folder)
 
 
 def test_broken_file_of_another_lesson_does_not_matter(folder):
-    """Each lesson reads only its own file."""
+    """Each lesson reads its own."""
     (folder / '04_messages.yaml').write_text('- nonsense')
 
     assert isinstance(find('03-matched', folder), Question)
 
 
 def test_viewer_without_widgets_gets_the_question_and_its_letters():
-    """The text is stored in the notebook and does not reveal the right option."""
+    """A notebook keeps this text; which option is right is not in it."""
     question = find('07-threshold')
     bundle = show('07-threshold')._repr_mimebundle_()
     data = bundle[0] if isinstance(bundle, tuple) else bundle

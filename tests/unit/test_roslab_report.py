@@ -1,4 +1,4 @@
-"""Test the table of visible checks, as text and as HTML."""
+"""The table of visible checks, as text and as HTML."""
 
 import json
 import os
@@ -34,7 +34,7 @@ def report(*checks, **more):
 
 
 def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
-    """A failed check has expected, observed, and what to try."""
+    """A failed check says what was expected, what was seen, and what to try."""
     text = str(report(PASSED, FAILED, WAITING))
 
     assert text.splitlines()[0].startswith('temperature_publisher: 3 of 10 points')
@@ -46,7 +46,7 @@ def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
 
 
 def test_html_escapes_what_the_program_did():
-    """The output of a learner's program is shown as text, never as markup."""
+    """What a learner's program prints is text, never markup."""
     page = report(FAILED)._repr_html_()
 
     assert '<script>' not in page
@@ -66,25 +66,25 @@ def test_report_is_true_only_if_every_check_passed():
 
 
 def test_plain_mode_is_said():
-    """A run without a sandbox is always mentioned."""
+    """A run without a sandbox is never silent about it."""
     assert 'without a sandbox' in str(report(PASSED, mode='none'))
     assert 'sandbox' not in str(report(PASSED, mode='user'))
 
 
 def read(output, returncode=0):
-    """Return the report for a child process with this output."""
+    """Return the report of a child that printed something."""
     return checking._read('temperature_publisher', Outcome(returncode, output, 1.0))
 
 
 def test_verdicts_are_read_from_the_last_line_of_json():
-    """Other output before the verdict does not matter."""
+    """Noise before the verdict does not hide it."""
     answer = json.dumps(ExamResult('x', (PASSED,)).to_json())
 
     assert read(f'a warning\n{{"not": "it"}}\n{answer}\n')
 
 
 def test_error_of_the_child_is_shown_as_one_line():
-    """Invalid input is described as by the engine."""
+    """Bad input is named as the engine names it."""
     problem = {'where': 'check', 'expected': 'a known exam', 'got': 'x', 'try_this': 'another'}
     text = str(read(json.dumps({'error': problem}), 2))
 
@@ -93,7 +93,7 @@ def test_error_of_the_child_is_shown_as_one_line():
 
 @pytest.mark.parametrize('output', ['', 'Traceback\nKeyError: 1', '{"points": 3}', '{', '[1]\n'])
 def test_child_without_a_verdict_is_the_checkers_fault(output):
-    """Any other output is reported as a fault of the checker and is not a success."""
+    """Anything but a verdict is reported as the checker's fault and is not a success."""
     broken = read(output, 1)
 
     assert not broken
@@ -101,12 +101,12 @@ def test_child_without_a_verdict_is_the_checkers_fault(output):
 
 
 def test_deadline_is_named():
-    """A check that exceeds the time limit is reported as such."""
+    """A check that does not end says so."""
     assert 'no answer within 180 s' in str(read('', None))
 
 
 def test_unfinished_files_are_named():
-    """The first remark is about a stub that is still unchanged."""
+    """A stub that is still there is the first thing to hear of."""
     assert 'x.py is not finished' in str(CheckReport('x', unfinished=('x.py',)))
 
 
@@ -120,9 +120,9 @@ def test_unfinished_files_are_named():
 )
 def test_files_with_a_stub_are_unfinished(exam, unfinished):
     """
-    Only the files of the exercise itself count.
+    Only the exercise's own files count.
 
-    A comment with the marker may stay in a node; the exception of the stub may not.
+    The marker alone may stay in a node as a comment; the stub's exception may not.
     """
     files = {
         'package.xml': '<!-- YOUR CODE HERE -->',
@@ -145,12 +145,12 @@ def test_files_with_a_stub_are_unfinished(exam, unfinished):
     ],
 )
 def test_progress_of_a_build_is_its_last_mark(output, how_far):
-    """Ninja counts its steps, make prints a percentage, and CMake prints neither."""
+    """Ninja counts its steps, make says a percentage, and CMake neither."""
     assert messages._progress(output) == how_far
 
 
 def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
-    """Reading does not move the file offset of the writing command."""
+    """Looking at it moves nothing in the file that the command writes."""
     seen = []
 
     def on_tick(seconds, output):

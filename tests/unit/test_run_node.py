@@ -1,4 +1,4 @@
-"""Test how a node file is started; ROS is not needed."""
+"""How a node file is started; no ROS is needed for it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def started(path: Path, gate: bytes = b'x') -> subprocess.CompletedProcess[bytes
 
 
 def test_nothing_runs_before_the_gate_is_opened(tmp_path):
-    """If the input is closed, the grader has ended."""
+    """The end of the input means that the grader is gone."""
     path = tmp_path / 'node.py'
     path.write_text('print("ran")', encoding='utf-8')
 

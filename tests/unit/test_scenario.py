@@ -1,4 +1,4 @@
-"""Test the data of a scenario that the probe receives."""
+"""Scenarios as data: what the probe is told, and nothing else."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ STEPS = [
 
 
 def test_every_step_is_json():
-    """The probe reads back exactly the steps that were written."""
+    """What is written is what the probe reads back, step by step."""
     told = Scenario(steps=STEPS).to_json()
 
     assert json.loads(json.dumps(told))['steps'] == told['steps']
@@ -51,20 +51,20 @@ def test_every_step_is_json():
     ('virtual_s', 'ros_s'), [(0.0, 100.0), (0.124, 100.0), (0.125, 100.25), (3.0, 106.0)]
 )
 def test_ros_time_is_that_of_the_last_message_on_its_topic(virtual_s, ros_s):
-    """At twice the speed of the computer's clock, a step of 0.25 s takes 0.125 s."""
+    """At twice the speed of the computer, a step of 0.25 s takes 0.125 s."""
     clock = RosClock(begins_s=100.0, rate=2.0, step_s=0.25)
 
     assert clock.at(round(virtual_s * 1e9)) == round(ros_s * 1e9)
 
 
 def test_service_is_named_after_its_node_unless_it_is_full():
-    """A full name begins with a slash."""
+    """A full name has a slash in front."""
     assert state('/lab/thermometer').to_json()['service'] == '/lab/thermometer/get_state'
     assert Call('/talker', '/reset', 'a/srv/B').to_json()['service'] == '/reset'
 
 
 def test_feed_without_quality_of_service_suits_everyone():
-    """A plain type and a type with a QoS profile have the same form."""
+    """The plain type and the one with a profile are told in the same form."""
     mine = FeedTopic('std_msgs/msg/String', Qos('BEST_EFFORT', depth=1))
 
     feed = Scenario(feed={'/a': 'std_msgs/msg/String', '/b': mine}).to_json()['feed']
@@ -102,7 +102,7 @@ def test_parameter_is_told_with_its_type(value, told):
 
 
 def test_transitions_have_the_numbers_of_the_lifecycle():
-    """The numbers are those of lifecycle_msgs/msg/Transition."""
+    """As in lifecycle_msgs/msg/Transition."""
     names = ('configure', 'cleanup', 'activate', 'deactivate')
 
     numbers = [transition('/a', name).to_json()['request']['transition']['id'] for name in names]

@@ -1,4 +1,4 @@
-"""Test the self-check: full points for the reference solution, none for the release."""
+"""The proof on this machine: full marks for the reference, none for the release."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from autograder.results import CheckResult, ExamResult, Verdict
 
 @dataclass(frozen=True)
 class FakeExam:
-    """The attributes of an exam that the pipeline uses."""
+    """What the pipeline needs of an exam."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """A fake engine that gives a point for the word right."""
+    """Gives a point for the word right."""
 
     def __init__(self, *exams: FakeExam) -> None:
         self.known = exams
@@ -33,14 +33,14 @@ class FakeEngine:
         return self.known
 
     def run(self, exam, files):
-        """Judge a submission by its word."""
+        """Judge by a word."""
         points = float('right' in ''.join(files.values()))
         verdict = Verdict.PASSED if points else Verdict.FAILED
         return ExamResult(exam.name, (CheckResult('c', 'C.', verdict, points, 1),))
 
 
 def cell(source: str, **marks: object) -> dict[str, object]:
-    """Return a code cell with nbgrader's metadata."""
+    """Return a code cell as nbgrader marks it."""
     metadata = {'nbgrader': marks} if marks else {}
     return {'cell_type': 'code', 'metadata': metadata, 'source': source, 'id': 'x', 'outputs': []}
 
@@ -65,7 +65,7 @@ def course(tmp_path: Path):
 
 
 def test_reference_and_release_are_as_they_must_be(course):
-    """Both lines report success and name the lesson."""
+    """Both lines are right, and say who."""
     layout = course('right', '# YOUR CODE HERE')
 
     lines = list(self_check(layout, FakeEngine(FakeExam())))
@@ -87,24 +87,24 @@ def test_reference_that_fails_its_exam_is_told(course):
 
 
 def test_lesson_without_exams_has_nothing_to_grade(course):
-    """The report mentions the lesson, so that its absence surprises nobody."""
+    """It is named, so that nobody wonders where it is."""
     lines = list(self_check(course('right', 'x', checked=False), FakeEngine()))
 
     assert lines == [(True, '01_x: nothing to grade, as expected.')]
 
 
 def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
-    """Otherwise a missing exam would remain unnoticed."""
+    """An exam that got lost would else be missed by nobody."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
     assert lines == [(False, '01_x: check_talker has no exam.')]
 
 
 def test_a_run_without_a_verdict_has_no_points_to_compare(course):
-    """A result of 0 of 0 points would look like a correct release."""
+    """Nought of nought would read as if the release were right."""
 
     class BrokenEngine(FakeEngine):
-        """A fake engine whose probe fails."""
+        """Sees a probe that breaks off."""
 
         def run(self, exam, files):
             raise ProbeFailed(f'exam {exam.name}: the probe broke off.')

@@ -1,4 +1,4 @@
-"""Test that similar submissions are found despite other names, spacing, comments and order."""
+"""Similar submissions are found in spite of other names, spacing, comments and order."""
 
 from __future__ import annotations
 
@@ -84,20 +84,20 @@ def main():
 
 
 def found(at_least=0.85, given_text='', **texts):
-    """Compare submissions with one file each."""
+    """Compare one file per student."""
     answers = {student: {'talker.py': text} for student, text in texts.items()}
     given_away = frozenset(line.raw for line in lines_of('given.py', given_text))
     return compare('01_talker', answers, given_away, at_least)
 
 
 def score(one, two):
-    """Return the similarity of two texts, from 0 to 1."""
+    """Return how alike two texts are."""
     (pair,) = found(0.0, one=one, two=two).pairs
     return pair.score
 
 
 def test_other_names_spacing_and_comments_make_no_difference():
-    """Normalised texts are equal; the share of renamed names is reported."""
+    """The same after normalising; how much was renamed is said."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
 
     assert (pair.first, pair.second, pair.score) == (('ann', 'bob'), (), 1.0)
@@ -105,18 +105,18 @@ def test_other_names_spacing_and_comments_make_no_difference():
 
 
 def test_another_order_makes_little_difference():
-    """Methods and lines may be in a different order."""
+    """Methods and lines may be moved."""
     assert score(ORIGINAL.split('Node\n', 1)[1], MOVED) > 0.9
 
 
 def test_another_solution_of_the_same_exercise_is_not_listed():
-    """The exercise itself gives some words to everyone."""
+    """The exercise gives some words to everyone."""
     assert score(ORIGINAL, OTHER) < 0.6
     assert found(ann=ORIGINAL, bob=OTHER).pairs == ()
 
 
 def test_what_everybody_received_does_not_count():
-    """Two students who changed nothing have no common work of their own."""
+    """Two who changed nothing of it are not alike: they have nothing of their own."""
     result = found(given_text=ORIGINAL, ann=ORIGINAL, bob=ORIGINAL, eve=OTHER)
 
     assert result.short == ('ann', 'bob')
@@ -124,7 +124,7 @@ def test_what_everybody_received_does_not_count():
 
 
 def test_received_lines_do_not_make_others_alike():
-    """An example is a long stub around two different answers."""
+    """A long stub around two different answers."""
     assert score(ORIGINAL + OTHER, ORIGINAL) > 0.6
     result = found(0.0, given_text=ORIGINAL, ann=ORIGINAL + OTHER, bob=ORIGINAL + RENAMED)
 
@@ -132,7 +132,7 @@ def test_received_lines_do_not_make_others_alike():
 
 
 def test_the_common_part_is_shown_as_each_wrote_it():
-    """The line numbers are shown."""
+    """With where it stands."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
     (part,) = pair.common
 
@@ -142,7 +142,7 @@ def test_the_common_part_is_shown_as_each_wrote_it():
 
 
 def test_three_copies_are_one_entry():
-    """Three copies give one entry instead of three pairs."""
+    """Not three pairs."""
     result = found(ann=ORIGINAL, bob=RENAMED, eve=ORIGINAL, max=OTHER)
 
     assert [pair.first for pair in result.pairs] == [('ann', 'bob', 'eve')]
@@ -150,7 +150,7 @@ def test_three_copies_are_one_entry():
 
 
 def test_the_most_alike_come_first_and_too_many_are_counted(monkeypatch):
-    """The length of the list is limited."""
+    """A list can be read to its end."""
     texts = {
         f's{n}': ORIGINAL + f'        self.x{n} = {"+".join("12345"[:n])}\n' for n in range(6)
     }
@@ -178,7 +178,7 @@ def test_a_copy_of_the_finished_package_is_listed():
 
 
 def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
-    """Other lessons are not compared with it."""
+    """Other lessons have no such package."""
     layout = Layout.here()
     lessons = {
         name: load_lesson(layout, name, NothingRuns())
@@ -192,7 +192,7 @@ def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
 
 
 def test_a_name_of_ros_is_no_name_of_the_students():
-    """create_publisher and create_subscription have different meanings."""
+    """create_publisher and create_subscription say different things."""
     other = ORIGINAL.replace('create_publisher', 'create_subscription').replace('1.0', '2.0')
 
     assert score(ORIGINAL, other) < 1.0
@@ -200,7 +200,7 @@ def test_a_name_of_ros_is_no_name_of_the_students():
 
 @pytest.mark.parametrize('text', ['def broken(:\n  x', 'x = (', '\x00', '"""open', '  if x:\n y'])
 def test_text_that_is_no_python_is_compared_as_words(text):
-    """Text that is not Python is compared word by word, and never executed."""
+    """As it was handed in; nothing of it is run."""
     long = '\n'.join([text, *('some words of nobody else here',) * 10])
 
     assert score(long, long.replace('words', 'terms')) > 0.8
@@ -209,20 +209,20 @@ def test_text_that_is_no_python_is_compared_as_words(text):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=200), strategies.text(max_size=200))
 def test_any_text_can_be_compared(one, two):
-    """Comparison raises no exception, and a score is between 0 and 1."""
+    """Without an error, and a score is a share."""
     for pair in found(0.0, one=one, two=two).pairs:
         assert 0 <= pair.score <= 1
 
 
 def test_other_files_are_read_as_words():
-    """Comments and spacing are removed."""
+    """Without comments and spacing."""
     (line,) = lines_of('msg/T.msg', '# all comment\nfloat64 value   # in C\n')
 
     assert (line.number, line.raw) == (2, ('float64', 'value'))
 
 
 def test_the_release_gives_away_its_cells_without_their_magic():
-    """Lines with magics or shell commands are not code."""
+    """Lines with magic or shell commands are not code."""
     cells = [
         {'cell_type': 'code', 'source': '%%node talker\nimport rclpy\n'},
         {'cell_type': 'code', 'source': '!ls\nx = 1'},
@@ -233,7 +233,7 @@ def test_the_release_gives_away_its_cells_without_their_magic():
 
 
 def test_the_list_says_that_it_is_no_proof():
-    """The terminal and JSON output also show the typical similarity in the class."""
+    """On the terminal and as JSON; and how alike two of the class typically are."""
     result = found(0.0, ann=ORIGINAL, bob=RENAMED, eve=OTHER)
 
     assert WARNING in similar_text(result)
@@ -243,7 +243,7 @@ def test_the_list_says_that_it_is_no_proof():
 
 
 def test_hostile_words_have_no_effect_on_a_terminal():
-    """Control characters of a student's text are removed."""
+    """Control characters of a student's text."""
     text = '\n'.join(f'x{n} = "\x1b[31m{n}" + some(words)' for n in range(20))
 
     assert '\x1b' not in similar_text(found(ann=text, bob=text))

@@ -1,4 +1,4 @@
-"""Test simulations without ROS: the data for the probe, and the result from a recording."""
+"""Simulations without ROS: what the probe is told, and what a recording shows."""
 
 import pytest
 
@@ -37,12 +37,12 @@ def steps_of(**wishes):
 
 
 def send(text):
-    """Return a step that sends a string."""
+    """Return the step that sends a text."""
     return Feed('/in', ({'data': text},), every_s=0.0, rest_s=0.0)
 
 
 def test_plan_watches_every_topic_that_the_program_publishes():
-    """Topics that every node has are excluded."""
+    """Except those that come with every node."""
     scenario = planned(order_of('echo.py', 10), Scenario(), SEEN)
 
     assert scenario.watch == {'/out': STRING}
@@ -51,7 +51,7 @@ def test_plan_watches_every_topic_that_the_program_publishes():
 
 
 def test_inputs_of_one_second_are_a_burst_in_the_given_order():
-    """No virtual time passes between them."""
+    """No time passes between them."""
     steps = steps_of(
         inputs={'in': [(2.0, {'data': 'b'}), (1.0, {'data': 'a'}), (2, {'data': 'c'})]}
     )
@@ -64,7 +64,7 @@ def test_inputs_of_one_second_are_a_burst_in_the_given_order():
 
 
 def test_late_subscription_asks_for_what_the_publisher_offers():
-    """So the subscription receives stored messages, if there are any."""
+    """So it receives stored messages where there are some."""
     steps = steps_of(late={'out': 3.0})
     qos = Qos('RELIABLE', 'TRANSIENT_LOCAL', depth=100)
 
@@ -76,7 +76,7 @@ def test_late_subscription_asks_for_what_the_publisher_offers():
 
 
 def test_program_that_ends_at_once_gets_no_inputs():
-    """The crash is the result of the simulation, not an error of the inputs."""
+    """Its crash is the result, not an error of the inputs."""
     order = order_of('echo.py', 10, inputs={'nowhere': [(1, {})]})
 
     assert planned(order, Scenario(), Recording({}, [])).steps == (Advance(10.0),)
@@ -102,7 +102,7 @@ def test_program_that_ends_at_once_gets_no_inputs():
     ],
 )
 def test_wrong_wish_is_refused_with_its_place(wishes, words):
-    """The message names the topic and a valid value."""
+    """The message names the topic, and what would work."""
     with pytest.raises(UsageError) as refused:
         steps_of(**wishes)
 
@@ -111,13 +111,13 @@ def test_wrong_wish_is_refused_with_its_place(wishes, words):
 
 @pytest.mark.parametrize('seconds', [0, -1, 86_401, float('nan'), float('inf')])
 def test_impossible_length_is_refused(seconds):
-    """A simulation lasts longer than zero and at most one day."""
+    """A simulation takes some time, and at most a day."""
     with pytest.raises(UsageError, match='seconds: expected more than 0 and at most 86400'):
         order_of('echo.py', seconds)
 
 
 def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
-    """The request is sent to another process as JSON."""
+    """The order travels to another process as JSON."""
     fields = {'value': float('nan'), 'stamp': {'sec': 1}, 'items': (1.5, float('-inf'))}
     (one,) = order_of('echo.py', 10, {'in': [(1, fields)]}).inputs
 
@@ -125,7 +125,7 @@ def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
 
 
 def recorded(*events, reason='complete', over_ns=10_001_000_000, exit_code=None, printed=''):
-    """Return the result of a simulation of ten seconds."""
+    """Return what a simulation of ten seconds shows."""
     ending = [
         {'event': 'end', 'clock_ns': over_ns, 'reason': reason},
         {'event': 'process', 'exit': exit_code, 'stdout': '', 'stderr': printed},
@@ -136,13 +136,13 @@ def recorded(*events, reason='complete', over_ns=10_001_000_000, exit_code=None,
 
 
 def message(at_ns, text, **facts):
-    """Return a message event."""
+    """Return the event of a message."""
     data = {'data': text}
     return {'event': 'message', 'clock_ns': at_ns, 'topic': '/out', 'data': data, **facts}
 
 
 def test_recording_becomes_messages_with_times():
-    """Events in the last instant are included; later ones are not."""
+    """What happens in the last instant belongs to it; what comes later does not."""
     log = {'event': 'log', 'clock_ns': 5, 'level': 30, 'name': 'echo', 'text': 'hot'}
     sent = {'event': 'input', 'clock_ns': 10**9, 'topic': '/in', 'data': {'data': 'a'}}
     joined = {'event': 'joined', 'clock_ns': 2 * 10**9, 'topic': '/out', 'listener': 'late/out'}
@@ -163,7 +163,7 @@ def test_recording_becomes_messages_with_times():
 
 
 def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
-    """A test for silence must not pass because of a misspelt topic."""
+    """A test of silence must not pass because of a misspelt name."""
     run = recorded()
 
     assert run.times('/out') == []
@@ -172,7 +172,7 @@ def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
 
 
 def test_end_of_a_program_is_told_with_its_last_line():
-    """For a crash, the exception is named."""
+    """A crash names its exception."""
     printed = 'Traceback\nValueError: too much\n'
     run = recorded(reason='student_exited', over_ns=3 * 10**9, exit_code=1, printed=printed)
 
@@ -182,7 +182,7 @@ def test_end_of_a_program_is_told_with_its_last_line():
 
 
 def test_limit_keeps_what_was_observed_until_then():
-    """The grader's limit has no time in the simulation."""
+    """A limit of the grader has no time of its own."""
     run = recorded(message(4 * 10**9, 'a'), reason='cpu_limit', over_ns=None)
 
     assert (run.times('out'), run.seconds) == ([4.0], 4.0)
@@ -190,7 +190,7 @@ def test_limit_keeps_what_was_observed_until_then():
 
 
 def test_modules_next_to_a_program_come_along(tmp_path):
-    """A program can import them by name, and as a package with the folder's name."""
+    """By their own names, and as a package of the folder's name."""
     folder = tmp_path / 'my_package'
     folder.mkdir()
     for name in ('my_node.py', 'helper.py'):
@@ -208,7 +208,7 @@ def test_modules_next_to_a_program_come_along(tmp_path):
 
 
 def test_entry_point_calls_its_function(tmp_path, monkeypatch):
-    """The program is searched for as Python would."""
+    """The program is found as Python finds it."""
     (tmp_path / 'some_node.py').write_text('def run():\n    pass\n', encoding='utf-8')
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -220,6 +220,6 @@ def test_entry_point_calls_its_function(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize('program', ['nowhere.py', 'nowhere:main', 'nowhere.inner:main'])
 def test_missing_program_is_refused(program):
-    """The error is raised before anything runs."""
+    """Before anything runs."""
     with pytest.raises(UsageError, match=r'there is no such file|has no such module'):
         files_of(program)

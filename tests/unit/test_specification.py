@@ -1,4 +1,4 @@
-"""Test specifications, their slips, and inputs that distinguish the slips."""
+"""What is due as a function, the slips beside it, and inputs that tell them apart."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from autograder.exam.specification import each, same, Slip, Specification
 
 
 def above(hot=operator.gt, limit=30.0):
-    """Return the rule that expects one warning per number above 30."""
+    """Return the rule that counts one warning for each number above 30."""
     return each(lambda value: int(hot(value, limit)))
 
 
@@ -22,12 +22,12 @@ SLIPS = (*above_limit(above, '30.0'), of_nan(above, '30.0'), *with_memory(above(
 
 
 def asked(*inputs, burst=0):
-    """Return the expected answers for these inputs."""
+    """Return what is asked of these inputs."""
     return Specification(inputs, above(), SLIPS, burst)
 
 
 class TestCause:
-    """Test the choice of the slip that gives exactly the program's answers."""
+    """The slip that gives the answers that came."""
 
     @pytest.mark.parametrize(
         ('came', 'cause_id'),
@@ -43,7 +43,7 @@ class TestCause:
         ],
     )
     def test_all_answers_have_to_be_those_of_the_slip(self, came, cause_id):
-        """A single answer that does not match rules the slip out."""
+        """One of them that is not is enough to name none."""
         found = asked(20.0, 31.0, 45.0, 30.0, -40.0, math.nan)
         place = found.wrong(came)[0]
 
@@ -52,14 +52,14 @@ class TestCause:
         assert (slip and slip.cause_id) == cause_id
 
     def test_what_was_not_sent_is_no_answer(self):
-        """The run ended early; only the answers until then are compared."""
+        """The run ended before; what came until then decides."""
         found = asked(31.0, 30.0, 45.0)
 
         assert found.wrong([1, 1, None]) == [1]
         assert found.cause([1, 1, None], 1).cause_id == 'warns_at_threshold'
 
     def test_part_explains_where_a_second_mistake_spoils_the_rest(self):
-        """A part without the wrong answer explains nothing."""
+        """A part that does not have the wrong answer in it explains nothing."""
         found, came = asked(math.nan, 20.0, 31.0, 30.0), [1, 0, 1, 1]
 
         assert found.cause(came, 3) is None
@@ -67,7 +67,7 @@ class TestCause:
         assert found.cause(came, 0, [1, 2, 3]) is None
 
     def test_burst_is_one_row_of_sums(self):
-        """It is unknown which of several simultaneous answers belongs to which input."""
+        """Which of several answers at once belongs to which input, nobody can tell."""
         found = asked(20.0, 31.0, 45.0, 30.0, burst=3)
 
         assert found.answers == [0, 2]
@@ -75,25 +75,25 @@ class TestCause:
         assert found.cause([0, 3], 1).cause_id == 'warns_at_threshold'
 
     def test_tuples_of_a_burst_come_in_any_order(self):
-        """Both sides are sorted before the comparison."""
+        """They are put in order on both sides."""
         found = Specification((3.0, 1.0), each(lambda one: (one,)), burst=2)
 
         assert found.answers == [(1.0, 3.0)]
 
 
 class TestMistakes:
-    """Test inputs that do not distinguish a slip from the specification or from another slip."""
+    """Inputs that do not tell a slip from what is due, or from another slip."""
 
     def test_edge_that_is_not_tried(self):
-        """Without an input at the limit, nothing shows whether the limit is included."""
+        """Without the limit itself, nobody sees that it is included."""
         assert 'no input tells warns_at_threshold from what is due' in asked(29.0, 31.0).mistakes()
 
     def test_two_slips_that_look_alike(self):
-        """With one hot value, "only the first" and "only changes" give the same answers."""
+        """Of one hot value, the first only and the changes only are the same."""
         assert 'no input tells warns_of_changes from warns_once' in asked(20.0, 31.0).mistakes()
 
     def test_two_of_one_name_may_look_alike(self):
-        """Slips with the same name have the same text."""
+        """They have one text."""
         rule = each(lambda one: 0)
         slips = (Slip('none', 'text', 'try', rule), Slip('none', 'text', 'try', rule))
 
@@ -101,11 +101,11 @@ class TestMistakes:
 
     @pytest.mark.parametrize('name', catalog.names())
     def test_every_exam_tells_its_slips_apart_for_every_secret(self, name):
-        """A draw varies the values, but always includes the limits."""
+        """A draw varies values, and never whether an edge is tried."""
         assert list(inseparable_slips(catalog.load(name))) == []
 
     def test_another_secret_changes_nothing_for_those_who_grade(self):
-        """The exam in use is not changed."""
+        """The exam that is in use stays as it is."""
         before = catalog.load('running_mean')
 
         other = catalog.drawn('running_mean', 'another secret')
@@ -126,5 +126,5 @@ class TestMistakes:
     ],
 )
 def test_answers_are_compared_to_nine_digits(one, other, equal):
-    """NaN equals NaN, and strings must be equal."""
+    """NaN is NaN, and texts are compared letter by letter."""
     assert same(one, other) is equal

@@ -1,9 +1,9 @@
 """
-Test that no data of a submission becomes running code outside the sandbox.
+What came from a submission is never turned into running code outside the sandbox.
 
-Every file of the grader and of the learner's side is parsed and searched for the ways in which
-data can become code.  The intended ones are listed with their reason; an entry that is no longer
-needed fails, too.
+Every file of the grader and of the learner's side is read as a syntax tree and searched for the
+ways in which data becomes code.  The few that are meant are listed with their reason; an entry
+that is no longer needed fails, too.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ATTRIBUTES = {
     'run_cell',  # IPython
     'ex',
     'render_string',
-    'from_string',  # jinja2: a template made from data
+    'from_string',  # jinja2: a template made of data
 }
 SOURCES = ('os', 'subprocess', 'asyncio', 'yaml', 'shutil', 'runpy', 'pandas')
 SAFE_LOADERS = {'SafeLoader', 'CSafeLoader', 'BaseLoader'}
@@ -59,11 +59,11 @@ ALLOWED = {
         'eval',
     ): 'the expression of --filter, typed on that command line',
 }
-"""Intended places: file and word, and the reason."""
+"""Places that are meant: file and word, and why."""
 
 
 def findings(tree: ast.AST) -> Iterator[tuple[str, int]]:
-    """Yield each use of data as code, with its line."""
+    """Yield each way of turning data into code, with its line."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             for name in node.names:
@@ -125,7 +125,7 @@ def test_nothing_turns_data_into_code_unless_it_is_meant():
 
 
 def test_the_list_of_what_is_meant_has_no_old_entries():
-    """Entries for removed code must be deleted."""
+    """What is not there any more needs no excuse."""
     assert set(ALLOWED) <= set(everything())
 
 
@@ -165,5 +165,5 @@ def test_the_search_finds_what_it_is_for(text):
     ],
 )
 def test_the_search_leaves_harmless_code_alone(text):
-    """Harmless code that looks similar is not reported."""
+    """No false alarm on what looks alike."""
     assert not list(findings(ast.parse(text)))

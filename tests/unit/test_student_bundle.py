@@ -1,4 +1,4 @@
-"""Test what students receive, and what stays with the instructors."""
+"""What students receive, and what stays with the instructors."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LINK = re.compile(r'\]\((?!\w+:)([^)#\s]+)')
 PACKED = 'temp_monitor_pkg/packed.bin'
 ROOT = Layout.here().root
 KINDS = ('check_your_understanding', 'managed_beacon', 'temperature_message', 'talker')
-"""Exams without a run, with a managed node, with a build, and with an ordinary node."""
+"""Exams without a run, with a managed node, with a build, and with a node."""
 IMPORT_ALL = """
 import importlib, pkgutil, sys
 import autograder, roslab
@@ -38,7 +38,7 @@ HELP = re.compile(r'^  make ([a-z]+)', re.M)
 
 
 def dead_links(name: str, path: Path, files: Container[str]) -> list[str]:
-    """Return the relative links of a page or a lesson whose targets are not among the files."""
+    """Return the relative links of a page or a lesson that lead to none of some files."""
     if path.suffix == '.ipynb':
         cells = read_release(path)['cells']
         text = '\n'.join(cell['source'] for cell in cells if cell['cell_type'] == 'markdown')
@@ -53,7 +53,7 @@ def dead_links(name: str, path: Path, files: Container[str]) -> list[str]:
 
 
 class TestPacking:
-    """Test packing a small course with a file of every type."""
+    """A small course with a file of every kind."""
 
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
@@ -90,7 +90,7 @@ class TestPacking:
         return Layout(tmp_path)
 
     def test_only_what_is_named_goes(self, layout):
-        """A new folder is not packed until the list names it."""
+        """A new part stays until the list names it."""
         assert sorted(student_bundle.bundled_files(layout)) == [
             'LICENSE',
             'Makefile',
@@ -105,7 +105,7 @@ class TestPacking:
         ]
 
     def test_the_same_course_gives_the_same_bytes(self, layout, tmp_path):
-        """So a new bundle means that the course has changed."""
+        """A new bundle means a new course."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
         assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 11
@@ -115,7 +115,7 @@ class TestPacking:
     def test_a_bundle_that_cannot_be_made_leaves_the_one_before(
         self, layout, tmp_path, monkeypatch
     ):
-        """Students must not receive an incomplete bundle."""
+        """Half of one would be handed to students."""
         student_bundle.pack(layout, tmp_path / 'a.zip')
         before = (tmp_path / 'a.zip').read_bytes()
         broken = {'a': layout.root / 'README.md', 'b': layout.root / 'not there'}
@@ -126,7 +126,7 @@ class TestPacking:
         assert (tmp_path / 'a.zip').read_bytes() == before
 
     def test_its_readme_is_the_page_for_students(self, layout, tmp_path):
-        """The project's own README is about grading and about pages that students do not have."""
+        """The project's own speaks of grading and of pages that are not there."""
         student_bundle.pack(layout, tmp_path / 'a.zip')
 
         bundle = zipfile.ZipFile(tmp_path / 'a.zip')
@@ -136,7 +136,7 @@ class TestPacking:
 
 @pytest.fixture(scope='module')
 def copy(tmp_path_factory):
-    """Return the folder of this course's bundle, unpacked as students do it."""
+    """Return the folder of this course's bundle, unpacked as a student does it."""
     folder = tmp_path_factory.mktemp('student')
     student_bundle.pack(Layout.here(), folder / 'bundle.zip')
     with zipfile.ZipFile(folder / 'bundle.zip') as bundle:
@@ -146,15 +146,15 @@ def copy(tmp_path_factory):
 
 
 def names_in(copy):
-    """Return the files of a copy by relative name."""
+    """Return the files of a copy by their relative names."""
     return {path.relative_to(copy).as_posix(): path for path in copy.rglob('*') if path.is_file()}
 
 
 class TestThisCourse:
-    """Test the real bundle."""
+    """The real bundle."""
 
     def test_every_named_file_and_folder_is_there(self):
-        """A wrong name in the list would be a missing file for students."""
+        """A name that leads to nothing is a part that students lack."""
         missing = [one for one in student_bundle.ALLOWED if not (ROOT / one).exists()]
 
         assert missing == []
@@ -174,15 +174,15 @@ class TestThisCourse:
         + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'self_check', 'similar'],
     )
     def test_it_has_nothing_of_the_instructors(self, copy, part):
-        """The bundle has no exams, no solutions and no tools for a class."""
+        """Neither exams nor solutions nor what looks at a class."""
         assert [name for name in names_in(copy) if part in name] == []
 
     def test_it_has_the_list_of_further_messages(self, copy):
-        """The set-up of a students' copy installs these packages, too."""
+        """The set-up of a student's copy installs them too."""
         assert 'environment/messages.txt' in names_in(copy)
 
     def test_no_answer_of_lesson_07_is_a_readable_file(self, copy):
-        """The nodes, their message and their build rules are only in the packed file."""
+        """The nodes, their message and their build rules are in the packed file."""
         names = {Path(name).name for name in names_in(copy)}
         answers = {'temp_publisher.py', 'temp_subscriber.py', 'Temperature.msg', 'package.xml'}
 
@@ -192,7 +192,7 @@ class TestThisCourse:
 
     @pytest.mark.slow
     def test_everything_that_it_imports_is_in_it(self, copy):
-        """No module imports another one that stays with the instructors."""
+        """No module asks for one that stays with the instructors."""
         done = subprocess.run(
             [sys.executable, '-c', IMPORT_ALL], cwd=copy, capture_output=True, text=True
         )
@@ -201,7 +201,7 @@ class TestThisCourse:
         assert done.stdout == f'{copy}/autograder/__init__.py\n'
 
     def test_no_page_of_it_leads_to_a_file_that_is_not_in_it(self, copy):
-        """Neither a page nor a text cell of a lesson has such a link."""
+        """Neither a page nor a text cell of a lesson; the project's README would."""
         files = names_in(copy)
         dead = [link for name, path in files.items() for link in dead_links(name, path, files)]
 
@@ -210,7 +210,7 @@ class TestThisCourse:
         assert 'README.md: ARCHITECTURE.md' in dead_links('README.md', ROOT / 'README.md', files)
 
     def test_its_make_help_lists_what_works_there(self, copy):
-        """All goals that the students' page names are in the list, too."""
+        """And every goal that the page for students names is among it."""
         done = subprocess.run(
             ['make', 'help'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -221,7 +221,7 @@ class TestThisCourse:
         assert set(re.findall(r'\bmake ([a-z]+)', page)) <= {*goals, 'help'}
 
     def test_a_goal_that_it_does_not_have_is_one_line(self, copy):
-        """The message says how to list the existing goals."""
+        """It says how to find those that it has."""
         done = subprocess.run(
             ['make', 'grade'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -233,7 +233,7 @@ class TestThisCourse:
     @pytest.mark.slow
     @pytest.mark.parametrize('name', KINDS)
     def test_its_visible_checks_judge_a_right_answer(self, copy, name, tmp_path):
-        """The bundle is sufficient to run, record and judge the program."""
+        """Nothing outside the bundle is needed to run, record and judge the program."""
         (exercise,) = (one for one in exercises() if one.name == name)
         for file, text in exercise.files.items():
             (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
@@ -249,15 +249,15 @@ class TestThisCourse:
 
 
 def without_make():
-    """Return the environment without the variables of a make that runs the tests."""
+    """Return the environment without what a make around the tests has left in it."""
     return {name: text for name, text in os.environ.items() if not name.startswith('MAKE')}
 
 
 class TestPackedPackage:
-    """Test the finished package in a form that does not reveal the answers."""
+    """The finished package in a form that shows no answer."""
 
     def test_it_unpacks_to_the_same_package_without_words(self, tmp_path):
-        """The package built from it is the same as from the sources."""
+        """What is built of it is what is built of the sources."""
         package = ROOT / 'temp_monitor_pkg'
         packed_package.unpack(packed_package.pack(package), tmp_path)
         module = tmp_path / 'temp_monitor_pkg' / 'temp_publisher.py'
@@ -280,5 +280,5 @@ class TestPackedPackage:
         ],
     )
     def test_docstrings_and_comments_are_left_out(self, text, bare):
-        """Other strings are kept."""
+        """Other strings stay."""
         assert packed_package.without_words(text) == bare

@@ -1,4 +1,4 @@
-"""Test that words banned by docs/style.md occur in no page, Python file or lesson."""
+"""The words that docs/style.md keeps out are in no page, no Python file and no lesson."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ STYLE = ROOT / 'docs' / 'style.md'
 WORDS = re.findall(
     r'^\| ([A-Za-z ]+) \|', STYLE.read_text(encoding='utf-8').partition('| not | but |')[2], re.M
 )
-# A capital letter in the table is significant: "cannot tell whether" is correct.
+# A capital in the table is meant: "cannot tell whether" is good English.
 ANY_CASE = [word if word[0].isupper() else f'(?i:{word})' for word in WORDS]
 PHRASES = re.compile(rf'\b({"|".join(ANY_CASE)})\b'.replace(' ', r'\s+'))
-# Samples are what students might write, CHANGELOG.md is history, notebooks/ and tables are
-# generated.
-# A changed word in the judging code would require new recordings and tables.
+# Samples are what students might write, CHANGELOG.md is history, notebooks/ and the tables are
+# generated. A new word in what judges needs all recordings and tables again.
 LEFT_OUT = re.compile(
     r'tests/(submissions|attacks/\w+)/|notebooks/|CHANGELOG\.md|docs/(style|agreement|attacks|causes'
     r'|coverage|mutants)\.md|autograder/(judging|exams|exam|submission/code)/|tests/unit/test_style'
@@ -30,7 +29,7 @@ CODE = {tokenize.OP, tokenize.NAME, tokenize.NUMBER}
 
 
 def prose_of(path: Path) -> str:
-    """Return the prose of a file: all text of a page, strings and comments of Python."""
+    """Return what people read in a file: all of a page, texts and comments of Python."""
     text = path.read_text(encoding='utf-8')
     if path.suffix == '.ipynb':
         cells = json.loads(text)['cells']
@@ -43,7 +42,7 @@ def prose_of(path: Path) -> str:
 
 @pytest.mark.skipif(not (ROOT / '.git').exists(), reason='asks git which files are tracked')
 def test_the_words_that_the_style_keeps_out_are_nowhere():
-    """A phrase may be split over two lines."""
+    """A phrase may be broken over two lines."""
     listed = ['git', 'ls-files', '*.md', '*.py', 'solutions/*.ipynb']
     names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     found = {

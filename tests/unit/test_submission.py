@@ -1,4 +1,4 @@
-"""Test reading submissions: any bytes give a notebook that can be graded, or a reason."""
+"""Reading what students hand in: any bytes give a notebook that can be graded, or a reason."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from autograder.submission.submission import open_submission, rebuild
 
 
 def cell(grade_id='', source='', kind='code', **marks):
-    """Return a cell as in a file."""
+    """Return a cell as it is in a file."""
     metadata = {'nbgrader': {'grade_id': grade_id, **marks}} if grade_id else {}
     more = {'outputs': [], 'execution_count': None} if kind == 'code' else {}
     return {'cell_type': kind, 'metadata': metadata, 'source': source, **more}
@@ -36,7 +36,7 @@ def release():
 
 
 def student_file(release, **changes):
-    """Return the release as bytes, with some cells changed."""
+    """Return the release as bytes, with the sources of some cells changed."""
     copy = json.loads(json.dumps(release))
     for one in copy['cells']:
         grade_id = one['metadata'].get('nbgrader', {}).get('grade_id')
@@ -46,7 +46,7 @@ def student_file(release, **changes):
 
 
 def source_of(notebook, grade_id):
-    """Return the source of one cell."""
+    """Return the text of one cell."""
     return next(
         one['source']
         for one in notebook['cells']
@@ -55,7 +55,7 @@ def source_of(notebook, grade_id):
 
 
 class TestUnusable:
-    """Test submissions without a readable cell: a person decides, because there is no evidence."""
+    """If nothing of the assignment can be read, a person decides: there is no evidence."""
 
     @pytest.mark.parametrize(
         ('data', 'got'),
@@ -68,7 +68,7 @@ class TestUnusable:
         ],
     )
     def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
-        """The reason does not matter, and missing locked cells are not listed one by one."""
+        """Whatever the reason; and no line says that each locked cell is missing."""
         before = (Problem('submitted/ann', 'a folder', 'no notebook', 'submit again'),)
         opened = open_submission(data, release, 'n.ipynb', before if data is None else ())
         result = SubmissionResult('ann', 'a', problems=opened.problems)
@@ -79,7 +79,7 @@ class TestUnusable:
         assert opened.flags == ()
 
     def test_one_cell_of_the_assignment_is_enough(self, release):
-        """Missing cells only cost their own points."""
+        """What is missing costs its own points."""
         data = json.dumps({'cells': [cell('check_talker', "check('talker')")]}).encode()
 
         opened = open_submission(data, release, 'n.ipynb')
@@ -89,7 +89,7 @@ class TestUnusable:
 
 
 class TestReadNotebook:
-    """Test that invalid bytes give one line with the specific reason."""
+    """Bytes that are no notebook are told apart, each with one line."""
 
     @pytest.mark.parametrize(
         ('data', 'got'),
@@ -109,7 +109,7 @@ class TestReadNotebook:
         ],
     )
     def test_bytes_that_are_no_notebook_get_one_clear_line(self, data, got):
-        """The line has the file, what was expected, what was found, and what to try."""
+        """The line names the file, what was expected, what came, and what to try."""
         cells, problems = read_notebook(data, 'submitted/ann/x.ipynb')
 
         assert cells is None
@@ -119,7 +119,7 @@ class TestReadNotebook:
         assert '\n' not in problems[0].line()
 
     def test_a_huge_file_is_refused_before_it_is_read(self, monkeypatch):
-        """The limit applies to bytes."""
+        """The bound is on bytes."""
         monkeypatch.setattr(notebook, 'MAX_BYTES', 10)
 
         cells, problems = read_notebook(b'{"cells": []}', 'x')
@@ -128,7 +128,7 @@ class TestReadNotebook:
         assert 'at most' in problems[0].expected
 
     def test_many_tiny_parts_are_refused_before_they_fill_the_memory(self):
-        """A megabyte of empty lists would need a hundred megabytes of memory."""
+        """A megabyte of empty lists would take a hundred."""
         data = b'{"cells": [' + b'[],' * 600_000 + b'[]]}'
 
         cells, problems = read_notebook(data, 'x')
@@ -138,7 +138,7 @@ class TestReadNotebook:
 
     @pytest.mark.parametrize('part', ['"{}",', '"{}":0,', '"{}\\\\",'])
     def test_many_tiny_strings_are_refused_before_they_fill_the_memory(self, part):
-        """One object with a million names would need two hundred megabytes."""
+        """One object with a million names would take two hundred megabytes."""
         parts = ''.join(part.format(number) for number in range(600_000))
 
         cells, problems = read_notebook(f'{{"cells": [{parts}'.encode(), 'x')
@@ -147,7 +147,7 @@ class TestReadNotebook:
         assert 'too many' in problems[0].got
 
     def test_a_long_output_with_many_quotes_is_fine(self):
-        """Quotes inside a string do not count: HTML tables contain many."""
+        """Quotes inside a text are no parts: HTML tables are full of them."""
         output = {'output_type': 'display_data', 'data': {'text/html': '<td class="a">' * 300_000}}
         cells = [{**cell('a', 'x'), 'outputs': [output]}]
 
@@ -157,20 +157,20 @@ class TestReadNotebook:
         assert found[0].source == 'x'
 
     def test_a_number_with_a_million_digits_takes_no_time(self):
-        """Converting the number would take long, and no number in a notebook is used."""
+        """Making it would; no number of a notebook is used."""
         data = b'{"nbformat": ' + b'7' * 1_000_000 + b', "cells": []}'
 
         assert read_notebook(data, 'x') == ((), ())
 
     def test_deep_nesting_is_refused(self):
-        """The parser's own recursion limit does not crash the grader."""
+        """The parser's own limit is no crash of ours."""
         cells, problems = read_notebook(b'{"cells":' + b'[' * 100_000 + b']' * 100_000 + b'}', 'x')
 
         assert cells is None
         assert 'too deeply' in problems[0].got
 
     def test_parts_of_the_wrong_type_count_as_empty(self):
-        """Unexpected JSON in one cell affects only that cell."""
+        """Odd JSON in one cell costs only that cell."""
         cells = [
             None,
             {'cell_type': 3, 'source': {'a': 1}, 'metadata': []},
@@ -194,14 +194,14 @@ class TestReadNotebook:
         assert found[0].source == 'x\ny\nz'
 
     def test_half_a_surrogate_pair_becomes_writable_text(self):
-        """JSON can represent characters that a file cannot."""
+        """JSON can hold what no file can."""
         found, _ = read_notebook(b'{"cells": [{"source": "a\\ud800b"}]}', 'x')
 
         assert found[0].source.encode('utf-8') == b'a?b'
 
 
 class TestRebuild:
-    """Test the reconstruction: the release with the student's answers and nothing else."""
+    """The release with the student's answers, and nothing else of the student's."""
 
     def test_answers_are_found_by_grade_id_wherever_they_stand(self, release):
         """Order and extra cells do not matter."""
@@ -220,7 +220,7 @@ class TestRebuild:
         assert len(notebook['cells']) == len(release['cells'])
 
     def test_tags_metadata_and_outputs_of_the_student_are_dropped(self, release):
-        """A tag can make nbgrader skip a cell, and an output can make it give points."""
+        """A tag makes nbgrader skip a cell, an output makes it give points."""
         content = student_file(release, talker='%%node talker\npass')
         for one in content['cells']:
             one['metadata']['tags'] = ['skip-execution']
@@ -235,7 +235,7 @@ class TestRebuild:
         assert opened.notebook['metadata'] == release['metadata']
 
     def test_the_release_itself_is_not_changed(self, release):
-        """Many threads share the release."""
+        """Many threads share it."""
         before = json.dumps(release)
 
         rebuild(release, [StudentCell('talker', 'code', 'x')])
@@ -309,7 +309,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_537, 'x\r\n' * 40_000, '\u00e9' * 40_000])
     def test_an_answer_above_64_kib_is_missing(self, release, text):
-        """A compiler and a database would receive it; it is never truncated and then graded."""
+        """It goes to a compiler and a database; it is never cut and then graded."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')
@@ -320,7 +320,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
     def test_an_answer_of_64_kib_counts_whole(self, release, text):
-        """The limit applies to bytes, with Unix line ends."""
+        """The bound is on bytes, with Unix line ends."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')
@@ -331,7 +331,7 @@ class TestRebuild:
     def test_cells_are_looked_through_once_however_many_answers_are_missing(
         self, release, monkeypatch
     ):
-        """Only the first lines of the cells are read."""
+        """And only at their first lines."""
         release['cells'] += [
             cell(f'more_{number}', f'%%node more_{number}\n', solution=True)
             for number in range(20)
@@ -350,14 +350,14 @@ class TestRebuild:
         assert not any('\n' in source for source in seen)
 
     def test_an_unreadable_file_misses_every_answer(self, release):
-        """The reason is stored with the answers."""
+        """The reason is kept with them."""
         opened = open_submission(b'nonsense', release, 'x')
 
         assert opened.missing == {'talker', 'why'}
         assert len(opened.problems) == 1
 
     def test_no_file_at_all_misses_every_answer_for_the_reason_given(self, release):
-        """A problem of the folder becomes the problem of the submission."""
+        """The folder's problem is the submission's problem."""
         why = submission.Problem('x', 'a file', 'none', 'submit')
 
         opened = open_submission(None, release, 'x', [why])

@@ -1,4 +1,4 @@
-"""Test that the grader holds only one notebook in memory at a time and keeps only the answers."""
+"""However much a class hands in, the grader holds one notebook at a time and keeps the answers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FILE = 'talker.ipynb'
 
 
 def cell(source):
-    """Return the single answer cell of a notebook."""
+    """Return the one answer cell of a notebook."""
     marks = {'grade_id': 'talker', 'solution': True}
     return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -29,29 +29,29 @@ RELEASE = {'cells': [cell('%%node talker\n# YOUR CODE HERE')], 'metadata': {}}
 
 @dataclass(frozen=True)
 class FakeExam:
-    """The attributes of an exam that the pipeline uses."""
+    """What the pipeline needs of an exam."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """A fake engine that reports a run."""
+    """Says that it ran."""
 
     def run(self, exam, files):
-        """Return a result without judging."""
+        """Judge nothing."""
         return ExamResult(exam.name, ())
 
 
 def large_notebook(picture=MEGABYTE):
-    """Return an answer with a large picture as its output."""
+    """Return an answer with a picture below it."""
     output = {'output_type': 'display_data', 'data': {'image/png': 'A' * picture}}
     return json.dumps({'cells': [{**cell('%%node talker\npass'), 'outputs': [output]}]}).encode()
 
 
 @dataclass
 class Traced:
-    """Memory allocated by Python since the start of the measurement [bytes]."""
+    """Bytes of Python's memory, beyond what there was before."""
 
     kept: int = 0
     peak: int = 0
@@ -59,7 +59,7 @@ class Traced:
 
 @contextmanager
 def traced() -> Iterator[Traced]:
-    """Measure the memory that a block allocates."""
+    """Measure what a block allocates."""
     found = Traced()
     tracemalloc.start()
     try:
@@ -70,7 +70,7 @@ def traced() -> Iterator[Traced]:
 
 
 def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
-    """Notebooks are read and released one after the other."""
+    """Not of all of them: the bytes are read and dropped one after the other."""
     for number in range(STUDENTS):
         folder = tmp_path / f's{number:02}' / '01'
         folder.mkdir(parents=True)
@@ -88,7 +88,7 @@ def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
 
 
 def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
-    """A cell of many megabytes gives one problem."""
+    """A cell of many megabytes is one problem."""
     data = json.dumps({'cells': [cell('x' * 10 * MEGABYTE)]}).encode()
 
     with traced() as memory:
@@ -99,7 +99,7 @@ def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
 
 
 def test_many_numbers_take_no_more_than_their_text():
-    """Each number would be an object of at least 24 bytes."""
+    """Each would be an object of 24 bytes or more."""
     numbers = b'1.5,' * MEGABYTE
     data = b'{"cells": [], "x": [' + numbers + b'1]}'
 

@@ -1,4 +1,4 @@
-"""Test properties of the temperature logic for any input, and the package's description files."""
+"""Properties of the temperature logic for any input, and the files that describe the package."""
 
 import ast
 import math
@@ -26,14 +26,14 @@ plausible_c = st.floats(min_value=-100.0, max_value=200.0)
 @untimed
 @given(value_c=plausible_c, unit=st.sampled_from(UNITS))
 def test_units_there_and_back_is_the_same_temperature(value_c, unit):
-    """Converting to any unit and back preserves every temperature that a sensor could measure."""
+    """Converting to any unit and back changes nothing that a sensor could measure."""
     assert to_celsius(from_celsius(value_c, unit), unit) == pytest.approx(value_c, abs=1e-9)
 
 
 @untimed
 @given(value=any_float, unit=st.one_of(st.sampled_from(UNITS), st.text()), limit_c=plausible_c)
 def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
-    """No reading makes the monitor fail, and the finding is consistent with the reading."""
+    """No reading, however odd, stops the monitor, and the finding fits the reading."""
     finding = judge(value, unit, limit_c).finding
 
     assert (finding is Finding.UNKNOWN_UNIT) == (unit not in UNITS)
@@ -45,7 +45,7 @@ def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
 @untimed
 @given(limit_c=plausible_c)
 def test_judge_threshold_itself_is_normal_and_the_next_number_is_not(limit_c):
-    """A reading at the threshold is normal; the next larger number is too hot."""
+    """Strictly above means: the smallest step over the threshold counts, equality does not."""
     above_c = math.nextafter(limit_c, math.inf)
 
     assert judge(limit_c, 'Celsius', limit_c).finding is Finding.NORMAL
@@ -55,7 +55,7 @@ def test_judge_threshold_itself_is_normal_and_the_next_number_is_not(limit_c):
 @untimed
 @given(value_c=plausible_c, limit_c=plausible_c)
 def test_judge_words_never_name_two_equal_numbers(value_c, limit_c):
-    """The text about a hot reading shows a difference, however small it is."""
+    """The sentence about a hot reading shows a difference, however small it is."""
     judgement = judge(value_c, 'Celsius', limit_c)
     if judgement.finding is Finding.TOO_HOT:
         numbers = re.findall(r'-?\d[\d.e+-]*', judgement.text)
@@ -68,7 +68,7 @@ def test_judge_words_never_name_two_equal_numbers(value_c, limit_c):
     rate_hz=st.sampled_from([0.5, 1.0, 4.0, 10.0]),
 )
 def test_sensor_default_heating_warns_within_a_minute_at_any_rate(seed, rate_hz):
-    """Both nodes show a warning and normal readings within a minute."""
+    """If you run the two nodes for a minute, you see a warning and cool readings as well."""
     sensor = SimulatedSensor(Heating(), seed)
     values = []
     for _ in range(int(60 * rate_hz)):
@@ -101,7 +101,7 @@ def test_messages_have_exactly_the_fields_of_the_course():
 
 
 def test_package_xml_declares_what_interfaces_need():
-    """Without these declarations, the messages do not build or do not work."""
+    """The declarations without which the messages do not build, or build and do not work."""
     root = ElementTree.parse(PACKAGE / 'package.xml').getroot()
     declared = {(element.tag, element.text) for element in root}
 
@@ -118,7 +118,7 @@ def test_package_xml_declares_what_interfaces_need():
 
 
 def test_launch_file_is_python_with_the_expected_entry():
-    """PyPI has no launch system, so the file can only be parsed here."""
+    """PyPI has no launch system, so here the file can only be read, not run."""
     source = (PACKAGE / 'launch' / 'temp_monitor.launch.py').read_text(encoding='utf-8')
     functions = [node.name for node in ast.parse(source).body if hasattr(node, 'name')]
 
@@ -126,6 +126,6 @@ def test_launch_file_is_python_with_the_expected_entry():
 
 
 def test_no_module_shadows_the_generated_package():
-    """A Python started in a source folder with __init__.py would not find the messages."""
+    """An __init__.py in the source folder would hide the messages from a python started there."""
     assert not (PACKAGE / 'temp_monitor_pkg' / '__init__.py').exists()
     assert not (PACKAGE / '__init__.py').exists()

@@ -1,4 +1,4 @@
-"""Test the exams of lesson 07 with recordings made by hand: clocks, stamps and log lines."""
+"""The exams of lesson 07, asked about recordings made by hand: clocks, stamps and log lines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
 
 
 def why(check, run):
-    """Return the cause of a check's failure."""
+    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why
@@ -35,9 +35,9 @@ BEGIN_S = 0.6
 
 def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
     """
-    Return a run of the publisher with readings at these times.
+    Return a run of the publisher with readings at these moments.
 
-    :param moments_s: system time [s]; ten ROS seconds take eight seconds of it
+    :param moments_s: system time [s], of which a minute of ten ROS seconds has eight
     """
     events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
     for moment_s in moments_s:
@@ -57,21 +57,21 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
 
 
 def every(ros_s, begin_s=0.8, until_s=BEGIN_S + 8.0):
-    """Return times with a constant distance in ROS time [s]."""
+    """Return moments that are so many ROS seconds apart [s]."""
     count = math.ceil((until_s - begin_s) / ros_s * CLOCK.rate)
     return [begin_s + ros_s / CLOCK.rate * number for number in range(count)]
 
 
 class TestRhythm:
-    """Test the rhythm of one reading per second of the ROS clock, which is fast."""
+    """A reading a second of the ROS clock, which runs faster than the computer's."""
 
     @pytest.mark.parametrize('begin_s', [0.64, 0.8, 1.3, 1.9])
     def test_second_of_the_ros_clock_is_right(self, begin_s):
-        """The first reading may be anywhere within two seconds."""
+        """Wherever it begins, within two seconds."""
         publisher.publishes_once_per_second(published(every(1.0, begin_s)))
 
     def test_message_may_be_a_step_late(self):
-        """A loop that polls the clock notices a step some time after it."""
+        """A loop that polls the clock sees a step some time after it."""
         late = [one + 0.07 * (number % 2) for number, one in enumerate(every(1.0))]
 
         publisher.publishes_once_per_second(published(late))
@@ -89,7 +89,7 @@ class TestRhythm:
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
-        """Only the messages are used for the explanation."""
+        """By the messages alone."""
         with pytest.raises(Failed) as failed:
             publisher.publishes_once_per_second(published(moments_s))
 
@@ -105,24 +105,24 @@ class TestRhythm:
         ],
     )
     def test_code_tells_why_a_period_is_longer(self, code, cause_id):
-        """A clock that the code names need not be the one that determines the rhythm."""
+        """A clock that is named need not be the one that paces."""
         found = why(publisher.publishes_once_per_second, published(every(2.0), code))
 
         assert found.cause_id == cause_id
 
 
 class TestStamps:
-    """Test stamps; the ROS clock is constant between two steps."""
+    """The clock shows one time from step to step."""
 
     @pytest.mark.parametrize('steps', [0, 1])
     def test_step_that_is_told_is_the_time(self, steps):
-        """The previous time is accepted, too, if step and message coincide."""
+        """Or the one before, if both happen at one moment."""
         run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
 
         publisher.stamps_follow_the_clock(run)
 
     def test_clock_shows_zero_before_its_first_step_alone(self):
-        """The message was sent before the program could receive the clock."""
+        """What is sent before the program can hear of it."""
         early = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 3 * 10**8))
         late = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 9 * 10**8))
 
@@ -130,7 +130,7 @@ class TestStamps:
         assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
 
     def test_sleep_between_stamp_and_message_is_told(self):
-        """The clock advances although a sleeping node does not notice it."""
+        """The clock goes on, although a node that sleeps does not see it."""
         code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
         run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
 
@@ -148,7 +148,7 @@ class TestStamps:
         ],
     )
     def test_stamp_of_another_time_is_wrong(self, stamp, cause_id):
-        """Stamps are compared to the nanosecond."""
+        """To the nanosecond."""
         run = published(every(1.0, 1.6), stamp=stamp)
 
         assert why(publisher.stamps_follow_the_clock, run).cause_id == cause_id
@@ -156,7 +156,7 @@ class TestStamps:
 
 @pytest.mark.parametrize(('count', 'judged'), [(1, False), (2, True)])
 def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
-    """Fewer readings prove nothing about a whole minute."""
+    """Fewer prove nothing about a whole minute."""
     run = published(every(1.0)[:count])
 
     if judged:
@@ -177,7 +177,7 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
     ],
 )
 def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):
-    """Without evidence, no cause is named."""
+    """What cannot be known is not claimed."""
     run = published(every(1.0), code, stamp=lambda _: 0)
 
     found = why(publisher.stamps_follow_the_clock, run)
@@ -195,7 +195,7 @@ ODD = Reading(300.0, 'a reading in an unknown unit', 'QXZ')
 
 
 def heard(readings, answer, code='', secret=False, printed=''):
-    """Return a run of the subscriber, which logs the result of a function for each reading."""
+    """Return a run of the subscriber, which logs for each reading what a function says."""
     events = []
     for number, reading in enumerate(readings):
         events.append({'event': 'input', 'index': number, 'data': reading.message(number)})
@@ -217,7 +217,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
 
 
 def right(reading):
-    """Log what the lesson asks for."""
+    """Log as the lesson asks for."""
     lines = [(INFO, f'{reading.celsius:.2f}')]
     return [*lines, (WARN, 'too hot')] if reading.hot else lines
 
@@ -230,7 +230,7 @@ CHECKS = (
 
 
 def warnings_only(reading):
-    """Log only readings that are too hot."""
+    """Log what is too hot, and nothing else."""
     return right(reading)[1:]
 
 
@@ -238,7 +238,7 @@ OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\
 
 
 class TestUnlogged:
-    """Test lines that are missing while other lines are logged or printed."""
+    """Lines that are missing beside others that come, and stand on standard output as well."""
 
     @pytest.mark.parametrize('check', [subscriber.logs_every_reading, CHECKS[2]])
     @pytest.mark.parametrize(
@@ -266,13 +266,13 @@ class TestUnlogged:
         ],
     )
     def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
-        """The readings themselves are logged correctly."""
+        """The readings are logged as they should be."""
         run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
 
         assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id
 
     def test_missing_warning_that_no_slip_explains_is_only_described(self):
-        """The program omits the second of three warnings, which matches no known slip."""
+        """A program that leaves out the second of three is none that we know."""
         readings = [COOL, HOT, Reading(46.0, 'another hot reading'), HOT, COOL]
         run = heard(readings, lambda one: right(one)[: 1 + (one is HOT)])
 
@@ -287,7 +287,7 @@ class TestUnlogged:
         ],
     )
     def test_error_that_nobody_gets_is_looked_for_where_all_is_silent(self, printed, cause_id):
-        """The program logs nothing at all."""
+        """A program that logs nothing at all."""
         run = heard([COOL, ODD, COOL], lambda _: [], printed=printed)
 
         found = why(subscriber.reports_an_unknown_unit, run)
@@ -297,7 +297,7 @@ class TestUnlogged:
 
 
 class TestErrors:
-    """Test valid readings that are logged as an ERROR."""
+    """A proper reading that is answered with an ERROR: the line says why."""
 
     @pytest.mark.parametrize('check', CHECKS)
     @pytest.mark.parametrize(
@@ -320,21 +320,21 @@ class TestErrors:
         ],
     )
     def test_text_of_the_error_is_told_and_no_unit_invented(self, check, text, cause_id, words):
-        """The unit is blamed only if the line mentions it."""
+        """Only a line about the unit is one about the unit."""
         found = why(check, heard([COOL, HOT, COOL], lambda _: [(ERROR, text)]))
 
         assert found.cause_id == cause_id
         assert words in found.text
 
     def test_readings_that_are_all_logged_as_errors_have_the_wrong_level(self):
-        """The line contains the value, so only the level is wrong."""
+        """The value is in the line, so nothing has gone wrong but the level."""
         run = heard([COOL, HOT], lambda reading: [(ERROR, f'{reading.value} Celsius')])
 
         assert why(subscriber.logs_every_reading, run).cause_id == 'wrong_level'
         assert why(subscriber.warns_when_too_hot, run).cause_id == 'wrong_level'
 
     def test_line_of_a_hidden_exam_is_quoted_without_what_was_sent(self):
-        """The quotation contains neither secret numbers nor secret units."""
+        """The quotation contains neither numbers nor units that are secret."""
         text = "bad 21.5, heard 45.25 and qxz, name 'x' is not defined " + 'long ' * 99
 
         found = why(CHECKS[0], heard([COOL, HOT, ODD], lambda _: [(ERROR, text)], secret=True))
@@ -353,11 +353,11 @@ class TestErrors:
 
 
 class TestFahrenheit:
-    """Test rejected readings in Fahrenheit, while Celsius is accepted."""
+    """Readings in Fahrenheit that are refused, while Celsius is understood."""
 
     @staticmethod
     def refusing(code, text='unknown unit'):
-        """Return a run of a node that does not support Fahrenheit."""
+        """Return a run of a node that does not know Fahrenheit."""
         return heard(
             [COOL, HOT, WARM_F, COOL],
             lambda one: [(ERROR, text)] if one.unit == 'Fahrenheit' else right(one),
@@ -376,7 +376,7 @@ class TestFahrenheit:
         ],
     )
     def test_no_other_level_is_advised(self, check, code, hint):
-        """A warning instead of that ERROR would fail the check of unknown units."""
+        """A warning in place of that ERROR would spoil the check of unknown units."""
         if code.startswith('elif'):
             code = f"if msg.unit == 'Celsius':\n    pass\n{code}\n    pass\n"
 
@@ -388,7 +388,7 @@ class TestFahrenheit:
         assert 'warning' not in found.try_this
 
     def test_wrong_conversion_is_no_wrong_comparison(self):
-        """Readings in Celsius are compared correctly."""
+        """Celsius is compared as it should be."""
         run = heard([COOL, HOT, WARM_F, COOL], lambda one: right(one)[: 1 + (one is HOT)])
 
         found = why(subscriber.converts_fahrenheit, run)
@@ -397,7 +397,7 @@ class TestFahrenheit:
         assert '86 °F must give 30' in found.try_this
 
     def test_comparison_that_is_wrong_in_celsius_too_is_blamed_for_both(self):
-        """A warning that is logged only once also explains the missing one."""
+        """A warning that comes once explains the missing one as well."""
         run = heard([HOT, HOT, WARM_F, COOL], right)
         first, *others = run.recording.logs(level=WARN)
         events = [event for event in run.recording.events if event not in others]
@@ -414,7 +414,7 @@ class TestFahrenheit:
 
 
 def test_warning_of_nan_is_no_wrong_comparison_elsewhere():
-    """All other readings are judged correctly."""
+    """Each other reading is judged as it should be."""
     run = heard([COOL, NAN, HOT], lambda one: [(WARN, 'oh')] if one.odd else right(one))
 
     assert why(subscriber.does_not_warn_about_nan, run).cause_id == 'nan'
@@ -422,7 +422,7 @@ def test_warning_of_nan_is_no_wrong_comparison_elsewhere():
 
 @pytest.mark.parametrize(('reason', 'part'), [('student_exited', 0.5), ('cpu_limit', 0.0)])
 def test_how_far_a_slow_program_came_earns_nothing(reason, part):
-    """Only a program that ended by itself gets partial points, never one that was too slow."""
+    """That is the machine's doing; how far one came that ended by itself is its own."""
     run = Run({}, Recording({}, ({'event': 'end', 'reason': reason},)))
 
     assert share(run, [[], None], 1, 2) == part

@@ -1,4 +1,4 @@
-"""Test reading the exception that ended a program from its output, with the learner's line."""
+"""The exception that ended a program is read off what it printed, with the learner's line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def part(error, line=3):
 
 
 def ended(stderr, code=CODE):
-    """Return a run whose program failed with this output."""
+    """Return a run whose program printed something and failed."""
     process = {'event': 'process', 'exit': 1, 'killed': '', 'stdout': '', 'stderr': stderr}
     graph = {'event': 'graph', 'when': 'end', 'nodes': ['/talker'], 'endpoints': []}
     return Run({'talker.py': code}, Recording({}, (graph, process)))
@@ -37,7 +37,7 @@ def ended(stderr, code=CODE):
     ['Exception: unknown unit', 'Exception', '__main__.SensorFault: 3', 'KeyboardInterrupt'],
 )
 def test_an_exception_of_any_name_is_seen(error):
-    """Learners may raise Exception, or their own exceptions with any name."""
+    """Learners raise Exception, and exceptions of their own that end in anything."""
     trace = traceback_of(ended(part(error)))
 
     assert trace.error == error
@@ -64,7 +64,7 @@ def test_the_usual_last_line_is_no_exit_of_the_program():
     ],
 )
 def test_of_chained_exceptions_the_last_ended_the_program(between):
-    """The earlier exceptions were caught."""
+    """The earlier ones were caught."""
     stderr = f'{part("ValueError: no number")}\n{between}\n\n{part("Exception: bad", 4)}'
 
     trace = traceback_of(ended(stderr))
@@ -82,7 +82,7 @@ def test_of_chained_exceptions_the_last_ended_the_program(between):
     ],
 )
 def test_cleaning_up_what_was_never_made_hides_no_exception(last):
-    """The first exception is the reason why an object does not exist."""
+    """What went wrong first is why there is nothing to destroy."""
     between = '\nDuring handling of the above exception, another exception occurred:\n\n'
     stderr = part('TypeError: no name') + between + part(last, 6)
 
@@ -92,7 +92,7 @@ def test_cleaning_up_what_was_never_made_hides_no_exception(last):
 
 
 def test_an_exception_that_python_ignores_ended_nothing():
-    """Python prints an exception in a destructor below the real reason."""
+    """What a destructor raises is printed below the reason."""
     ignored = 'Exception ignored in: <function Destroyable.__del__ at 0x7f>\n'
     after = part("AttributeError: 'NoneType' object has no attribute 'x'", 6)
 
@@ -110,7 +110,7 @@ def test_further_lines_of_a_message_are_no_error():
 
 
 def test_error_that_lost_its_frames_is_seen_all_the_same():
-    """The beginning of a long output is cut off."""
+    """The beginning of a long output is cut."""
     trace = traceback_of(ended('    x\nValueError: bad\n'))
 
     assert (trace.error, trace.line, trace.place) == ('ValueError: bad', None, '')
@@ -118,7 +118,7 @@ def test_error_that_lost_its_frames_is_seen_all_the_same():
 
 
 def test_suggestion_behind_a_path_is_kept():
-    """The path of the machine is removed from the middle of the line."""
+    """The path of the machine is cut out of the middle."""
     said = "ImportError: cannot import name 'Nod' from 'rclpy.node'"
     trace = traceback_of(ended(part(f"{said} (/usr/rclpy/node.py). Did you mean: 'Node'?")))
 
@@ -133,7 +133,7 @@ def test_suggestion_behind_a_path_is_kept():
     ],
 )
 def test_a_library_is_no_module_of_the_same_name(library, module):
-    """A package may contain __init__.py and node.py; so do Python and rclpy."""
+    """A package has an __init__.py and may have a node.py; so do Python and rclpy."""
     own = f'/tmp/ws/install/lib/python3.12/site-packages/my_talker/{module}'
     places = ((own, 2), (library, 900))
     frames = ''.join(f'  File "{path}", line {line}, in f\n    x\n' for path, line in places)

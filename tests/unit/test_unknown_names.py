@@ -1,4 +1,4 @@
-"""Test the explanations of names that Python does not find."""
+"""Names that Python does not find are told with where they come from."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import roslab
 
 
 def at(line, error, above=''):
-    """Return the explanation of an error in a line below other lines."""
+    """Return how an error is explained that comes from a line below others."""
     source = f'{above}{line}\n'
     return exception_cause(Traceback(error, 'talker.py', source.count('\n'), line, source))
 
@@ -38,7 +38,7 @@ def at(line, error, above=''):
     ],
 )
 def test_the_import_that_is_missing_is_written_out(line, said, words):
-    """The fix is the line to write, and why an import in another cell has no effect."""
+    """The repair is the line to write, and why the import of another cell does not help."""
     found = at(line, f'NameError: {said}')
 
     assert found.cause_id == 'missing_import'
@@ -99,7 +99,7 @@ MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
     ],
 )
 def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above, words):
-    """Python's suggestion is passed on, unless the code gives better evidence."""
+    """Python's suggestion is passed on, unless the code tells better."""
     found = at(line, f'NameError: {said}', above)
 
     assert found.cause_id == 'unknown_name'
@@ -155,7 +155,7 @@ def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above,
     ],
 )
 def test_an_import_is_told_with_the_one_to_write(said, cause_id, words):
-    """A correctly spelled name gets no advice about its spelling."""
+    """A name that is spelled right needs no look at its spelling."""
     kind = 'ModuleNotFoundError' if said.startswith('No') else 'ImportError'
 
     found = at('import x', f'{kind}: {said}')
@@ -166,7 +166,7 @@ def test_an_import_is_told_with_the_one_to_write(said, cause_id, words):
 
 
 def test_a_name_behind_the_wrong_module_is_told_with_its_own():
-    """The module rclpy has nodes, but not under that name."""
+    """Rclpy has nodes, but not under that name."""
     found = at('rclpy.Node', "AttributeError: module 'rclpy' has no attribute 'Node'")
 
     assert found.cause_id == 'import'
@@ -174,7 +174,7 @@ def test_a_name_behind_the_wrong_module_is_told_with_its_own():
 
 
 def test_tools_of_the_notebook_are_those_of_roslab():
-    """A tool with a different name would be treated as a typing mistake."""
+    """A tool with a different name would be read as a typo."""
     assert set(raised_names.NOTEBOOK.split()) <= set(roslab.__all__)
 
 
@@ -197,7 +197,7 @@ NO_NAME = "TypeError: Node.__init__() missing 1 required positional argument: 'n
     ],
 )
 def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
-    """A class that already passes the name to its parent gets no advice to do so."""
+    """Who has handed the name to the parent class is not told to do so."""
     kind = '' if error == NO_NAME else 'TypeError: ' if 'takes' in error else 'AttributeError: '
     found = at('T(1)', kind + error, above)
 
@@ -216,12 +216,12 @@ def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
     ],
 )
 def test_lines_of_notebooks_are_told_from_slips(line, cause_id):
-    """A line may begin with a percent sign because the bracket above it is missing."""
+    """A percent sign may begin a line that has lost the bracket above it."""
     assert at(line, 'SyntaxError: invalid syntax').cause_id == cause_id
 
 
 def test_module_of_the_notebook_is_not_said_to_be_misspelled():
-    """A node cannot import the module under any name."""
+    """It is not there for a node, under no spelling."""
     found = at('from roslab import start', "ModuleNotFoundError: No module named 'roslab'")
 
     assert 'works only in the notebook' in found.text
@@ -230,7 +230,7 @@ def test_module_of_the_notebook_is_not_said_to_be_misspelled():
 
 @pytest.mark.parametrize(('owner', 'cause_id'), [('Talker', 'spins_no_node'), ('NoneType', 'no_')])
 def test_node_that_is_to_spin_itself_is_told_the_function(owner, cause_id):
-    """An object that is None is a different mistake."""
+    """What is None is another mistake."""
     found = at('node.spin()', f"AttributeError: '{owner}' object has no attribute 'spin'")
 
     assert found.cause_id.startswith(cause_id)

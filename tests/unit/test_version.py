@@ -1,4 +1,4 @@
-"""Test the versions in a recording: readable, and omitted where unknown."""
+"""What a recording says it was made with: versions for people, left out where they are unknown."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ GIT = pytest.mark.skipif(shutil.which('git') is None, reason='git is not install
 
 
 def git(folder, *arguments):
-    """Call git with a neutral identity."""
+    """Call git as nobody in particular."""
     who = ('-c', 'user.name=a', '-c', 'user.email=a@example.org', '-c', 'commit.gpgsign=false')
     subprocess.run(['git', *who, '-C', str(folder), *arguments], check=True, capture_output=True)
 
@@ -46,7 +46,7 @@ def repository(tmp_path):
 
 @GIT
 def test_a_commit_is_named_and_whether_files_were_changed_since(repository, monkeypatch):
-    """A hook of another repository sets variables that must not matter."""
+    """Also where a hook of another repository runs us."""
     monkeypatch.setenv('GIT_DIR', '/nowhere')
     clean = commit(repository)
     (repository / 'file').write_text('2', encoding='utf-8')
@@ -58,7 +58,7 @@ def test_a_commit_is_named_and_whether_files_were_changed_since(repository, monk
 
 @GIT
 def test_a_copy_inside_another_repository_has_no_commit(repository):
-    """The commit of the outer repository would be wrong."""
+    """That of the other one would be a lie."""
     (repository / 'copy').mkdir()
 
     assert commit(repository / 'copy') == ''
@@ -66,14 +66,14 @@ def test_a_copy_inside_another_repository_has_no_commit(repository):
 
 @GIT
 def test_a_repository_without_commits_or_damaged_has_none(tmp_path):
-    """The grader continues without a commit."""
+    """It is no reason not to grade."""
     (tmp_path / '.git').write_text('gitdir: /nowhere', encoding='utf-8')
 
     assert commit(tmp_path) == ''
 
 
 def test_without_git_it_is_left_out(tmp_path, monkeypatch):
-    """A container may have no git."""
+    """As in a container."""
     (tmp_path / '.git').mkdir()
     monkeypatch.setenv('PATH', str(tmp_path))
 
@@ -81,7 +81,7 @@ def test_without_git_it_is_left_out(tmp_path, monkeypatch):
 
 
 def test_what_is_known_is_named():
-    """On this machine, at least Python and rclpy are known."""
+    """Here at least Python and rclpy."""
     found = made_with()
 
     assert found['python'] == platform.python_version()
@@ -91,7 +91,7 @@ def test_what_is_known_is_named():
 
 
 def an_environment(folder: Path, *, toys: str = '', lock: str = '1.0') -> str:
-    """Return the Python of an environment with one package of the lock and perhaps two more."""
+    """Return the Python of an environment: with one package of the lock, and perhaps two more."""
     site = folder / 'lib' / 'python3.11' / 'site-packages'
     names = [f'ros_std_msgs-{lock}']
     if toys:
@@ -111,7 +111,7 @@ USES, DOES_NOT = 'from toy_msgs.msg import Toy', 'from std_msgs.msg import Strin
 
 
 def test_added_message_package_counts_only_where_it_is_named(tmp_path):
-    """The program or the scenario must name it; all other recordings stay valid."""
+    """In the program, or in the scenario; what was recorded of all others stays valid."""
     without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
 
     assert environment_digest(without, [DOES_NOT]) == environment_digest(added, [DOES_NOT])
@@ -122,7 +122,7 @@ def test_added_message_package_counts_only_where_it_is_named(tmp_path):
 
 
 def test_message_package_counts_with_those_that_it_uses(tmp_path):
-    """A message may contain messages of another package."""
+    """A message may consist of messages of another package."""
     old, new = (an_environment(tmp_path / one, toys=one) for one in ('1.0', '1.1'))
 
     assert environment_digest(old, [USES]) != environment_digest(new, [USES])
@@ -137,7 +137,7 @@ def test_package_of_the_lock_counts_for_every_run(tmp_path):
 
 
 def test_worker_without_a_message_package_differs(tmp_path):
-    """The worker could not run such programs; the message names the file to edit."""
+    """It could not run what uses the package; the file to edit is named."""
     without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
 
     assert difference(version(added), version(without)) == (
@@ -148,5 +148,5 @@ def test_worker_without_a_message_package_differs(tmp_path):
 
 @pytest.mark.parametrize('pattern', RUNS_PROGRAMS)
 def test_each_pattern_of_the_digest_names_a_file(pattern):
-    """A renamed file must not drop out of the digest unnoticed."""
+    """A file that was renamed must not leave the digest unnoticed."""
     assert list(HERE.glob(pattern))

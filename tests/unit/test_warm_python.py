@@ -1,4 +1,4 @@
-"""Test that programs run by a warm process behave as if Python had run them."""
+"""Programs that a warm process runs behave as if Python had run them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from autograder.runs.observe import HERE
 
 INSIDE = str(HERE / 'inside')
-# The process that forks must not be pytest itself.
+# The process that forks must not be pytest's own.
 BESIDE = f"""
 import sys
 sys.path.insert(0, {INSIDE!r})
@@ -28,7 +28,7 @@ def build():
     return done.returncode
 sys.exit(warm_python.run_beside(build, listening))
 """
-# ``sys.orig_argv`` shows whether Python was started for the program or a process was forked.
+# ``sys.orig_argv`` tells a process that Python started for the program from a copy of another one.
 PROGRAMS = {
     'says what it is': (
         'import os, sys\n'
@@ -45,7 +45,7 @@ PROGRAMS = {
 
 
 def ran(folder: Path, *words: str, place: Path | None = None) -> Any:
-    """Run a program through a warm process; return its output without local paths."""
+    """Run a program beside a warm process and return what it said, paths of ours left out."""
     return subprocess.run(
         [sys.executable, '-c', BESIDE, str(place or folder), *words],
         cwd=folder,
@@ -65,7 +65,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(('text', 'code'), PROGRAMS.values(), ids=PROGRAMS.keys())
 def test_a_program_that_is_handed_over_behaves_as_in_python(folder, text, code):
-    """Output, errors, input, arguments, folder, environment and exit code are equal."""
+    """Output, complaints, input, arguments, folder, environment and exit code are the same."""
     (folder / 'setup.py').write_text(text)
     env = {**os.environ, 'ASKED': 'yes'}
     expected = subprocess.run(
@@ -86,7 +86,7 @@ def test_a_program_that_is_handed_over_behaves_as_in_python(folder, text, code):
 
 
 def test_only_known_programs_are_handed_over(folder):
-    """Any other program gets a separate Python with that Python's own modules."""
+    """Another one gets a Python of its own, with that Python's own modules."""
     text = 'import sys; print("warm" if "warm_python" in sys.modules else "own")\n'
     (folder / 'setup.py').write_text(text)
     (folder / 'other.py').write_text(text)
@@ -97,14 +97,14 @@ def test_only_known_programs_are_handed_over(folder):
 
 
 def test_a_program_that_is_killed_is_a_failure(folder):
-    """The waiting process gets the failure, and the warm process continues."""
+    """The one who waits for it is told so, and the warm process goes on."""
     (folder / 'setup.py').write_text('import os, signal; os.kill(os.getpid(), signal.SIGKILL)\n')
 
     assert ran(folder, 'setup.py').returncode == 1
 
 
 def test_a_folder_too_deep_for_a_socket_costs_time_only(folder):
-    """Python then runs every program."""
+    """Every program is run by Python then."""
     text = 'import sys; print("warm" if "warm_python" in sys.modules else "own")\n'
     (folder / 'setup.py').write_text(text)
     deep = folder.joinpath(*['deeper' * 10] * 2)

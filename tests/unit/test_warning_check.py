@@ -1,4 +1,4 @@
-"""Test the exam of lesson 11: its prepared runs, and the feedback on checks that misjudge them."""
+"""The exam of lesson 11: made runs, and what is said about checks that judge them wrongly."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SENTENCES = [check.name for check in EXAM.checks]
 
 
 def results(answers, exam=EXAM, stderr=''):
-    """Return the results of the exam for these answers, by check."""
+    """Return what the exam says of these answers, by check."""
     events = []
     for place, answer in enumerate(answers):
         events.append({'event': 'input', 'index': place, 'data': {}, 'clock_ns': place})
@@ -36,12 +36,12 @@ def results(answers, exam=EXAM, stderr=''):
 
 
 def of_rule(rule, exam=EXAM):
-    """Return the results of the exam for a check that follows a rule."""
+    """Return what the exam says of a check that answers by a rule."""
     return results(rule(exam.asks['answers'].inputs), exam)
 
 
 def test_right_answers_get_all_points():
-    """The right answer is True for the runs without a slip."""
+    """True for the runs without a slip."""
     found = of_rule(lambda runs: [one.slip is None for one in runs])
 
     assert {one.verdict for one in found.values()} == {Verdict.PASSED}
@@ -50,7 +50,7 @@ def test_right_answers_get_all_points():
 
 @pytest.mark.parametrize('answer', [True, False, 'NoneType', 'exception', ()])
 def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
-    """A check that gives the same answer for each run has judged none."""
+    """A check that says the same of each run has judged none."""
     found = results([answer] * len(RUNS))
 
     points = {name: one.points for name, one in found.items() if one.points}
@@ -59,7 +59,7 @@ def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
 
 @pytest.mark.parametrize('slip', warning_check.SLIPS, ids=lambda slip: slip.cause_id)
 def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
-    """The graded runs distinguish all slips, so each one is named."""
+    """The graded runs tell all slips apart, so each is named."""
     exam = catalog.load('warning_check')
     found = of_rule(slip.rules[0], exam)
 
@@ -69,9 +69,9 @@ def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
 
 
 def test_missed_run_is_explained_by_what_its_node_does():
-    """The feedback has the sentence of the node's slip and the number of the run."""
+    """The learner reads the sentence of the node's slip, and which run it is."""
     missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]
-    # A second mistake, so that no slip of a check explains both.
+    # Another mistake, so that no slip of a check explains both.
     missed[5] = False
     found = results(missed)['refuses_other_warnings']
 
@@ -84,7 +84,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 
 
 def test_warning_that_comes_a_reading_late_is_explained():
-    """The node of this slip uses the previous reading, and the feedback says so."""
+    """The node of this slip keeps its reading too long, and the learner is told so."""
     missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
     missed[5] = False
     found = results(missed)
@@ -93,7 +93,7 @@ def test_warning_that_comes_a_reading_late_is_explained():
 
 
 def test_graded_exam_names_no_place_and_no_value():
-    """The order of the runs is secret: with it, a list of answers would suffice."""
+    """Its order is the secret: with it, a list of answers would do."""
     exam = catalog.load('warning_check')
     found = of_rule(lambda runs: [True] * len(runs), exam)['refuses_other_warnings']
     slipped = {one.kind for one in exam.asks['answers'].inputs if one.slip}
@@ -102,7 +102,7 @@ def test_graded_exam_names_no_place_and_no_value():
 
 
 def test_two_answers_for_a_run_are_none():
-    """A program may publish anything on the topic."""
+    """A program may publish what it likes on the topic."""
     found = results([('True', 'False')] * len(RUNS))['returns_true_or_false']
 
     assert found.observed == 'True, False for run 1, with readings in Celsius'
@@ -110,7 +110,7 @@ def test_two_answers_for_a_run_are_none():
 
 
 def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
-    """No field names the node or its slip, and the texts do not depend on it."""
+    """No field names the node or its slip, and the words have nothing to do with it."""
     exam = catalog.load('warning_check')
     sent = [json.loads(one['data']) for one in exam.scenario.steps[0].messages]
     about = {(one['program'], one['reason'], one['mode'], one['printed']) for one in sent}
@@ -122,7 +122,7 @@ def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
 
 
 def test_graded_exam_asks_about_slips_that_learners_do_not_see():
-    """The graded exam also contains all visible slips."""
+    """And about all that they do see."""
     visible, hidden = (
         {
             one.slip.cause_id
@@ -136,7 +136,7 @@ def test_graded_exam_asks_about_slips_that_learners_do_not_see():
 
 
 def test_run_survives_the_way_to_the_sandbox():
-    """After conversion to JSON and back, simulate()'s result is equal."""
+    """What simulate() returns is the same object after the journey as JSON."""
     run = RUNS[7].simulation
 
     assert Simulation.from_json(json.loads(json.dumps(run.to_json()))).logs == run.logs
@@ -145,7 +145,7 @@ def test_run_survives_the_way_to_the_sandbox():
 
 
 def test_run_that_does_not_show_its_slip_is_refused():
-    """No check could reject such a run."""
+    """No check could refuse such a run."""
     slip = warning_check.of_monitor('warns_at_threshold', celsius(30.0))
     with pytest.raises(ExamInvalid, match='does not show the slip warns_at_threshold'):
         made_run('cool readings', celsius(20.0), warning_check.DUE, slip)

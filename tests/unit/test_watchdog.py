@@ -1,4 +1,4 @@
-"""Test how long a run may be idle before the watchdog ends it."""
+"""How long nothing may happen before a run ends."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PROGRAM, PROBE = 1, 2
 
 @pytest.fixture
 def look(monkeypatch):
-    """Return a function that polls processes in given states, 0.1 s apart."""
+    """Return a function that looks a number of times at processes in a state, 0.1 s apart."""
     clock = SimpleNamespace(now=0.0, jumps=0)
     state = {}
     printed = [0]
@@ -41,29 +41,26 @@ def look(monkeypatch):
 
 
 def test_a_program_that_waits_outside_the_clock_has_a_third_of_a_second(look):
-    """Three polls take less than that, the fourth takes more."""
-    assert look(1, b'S', b'S') == ''  # the first poll sees what has happened so far
+    """Three looks take less than that, the fourth takes more."""
+    assert look(1, b'S', b'S') == ''  # the first look sees what has happened so far
     assert look(2, b'S', b'S') == ''
     assert look(2, b'S', b'S') == 'waits_outside'
 
 
 def test_a_probe_that_was_stopped_leaves_the_program_its_own_patience(look):
-    """
-    The probe continues but is not yet seen running: the time before does not count for the
-    program.
-    """
+    """It goes on, and is not yet seen to run: the second before is not the program's."""
     assert look(20, b'S', b'T') == ''
     assert look(2, b'S', b'S') == ''
     assert look(2, b'S', b'S') == 'waits_outside'
 
 
 def test_a_program_that_waits_for_a_disk_has_three_seconds(look):
-    """A process that waits for a child of vfork looks the same."""
+    """So does one that waits for a child of vfork, which looks the same."""
     assert look(30, b'D', b'S') == ''
     assert look(3, b'D', b'S') == 'waits_outside'
 
 
 def test_a_program_whose_output_is_read_slowly_does_not_wait_outside(look):
-    """The program wrote more than a pipe holds; a few bytes now and then would prove nothing."""
+    """More than a pipe holds was read, so it wrote; a few bytes now and then prove nothing."""
     assert look(20, b'S', b'S', prints=100_000) == ''
     assert look(20, b'S', b'S', prints=10) == 'waits_outside'

@@ -1,4 +1,4 @@
-"""Test that a worked answer opens after full points or three tries, if the copy contains it."""
+"""A worked answer opens after full points or three tries, and only if the instructor packs it."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ MOST = catalog.load('talker', hidden=False).max_points
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """Return a students' copy with the worked answer of one exercise; tests run in its folder."""
-    catalog.names(hidden=False)  # use the exams of the course
+    """Return a students' copy with the worked answer of one exercise, from which tests run."""
+    catalog.names(hidden=False)  # the exams are those of the course
     root = tmp_path / 'copy'
     (root / FOLDER).mkdir(parents=True)
     (root / 'course.toml').write_text("work = '_work'\n")
@@ -49,10 +49,10 @@ def check(monkeypatch, points, **facts):
 
 
 class TestOpening:
-    """Test when an answer opens: after full points or three tries."""
+    """After full points or three tries."""
 
     def test_third_try_opens_it(self, copy, monkeypatch, capsys):
-        """The line below a check counts down, and then links to the answer."""
+        """The line below a check counts down, and then leads to the answer."""
         said = [str(check(monkeypatch, 0)).splitlines()[-1] for _ in range(TRIES)]
         answer('talker')
 
@@ -62,14 +62,14 @@ class TestOpening:
         assert capsys.readouterr().out.endswith(f'{WORDS}\n')
 
     def test_full_points_open_it_at_once(self, copy, monkeypatch):
-        """In JupyterLab, a click on the line shows the text unchanged."""
+        """In JupyterLab the line opens by a click, and shows the text as it is."""
         page = check(monkeypatch, MOST)._repr_html_()
 
         assert '<details><summary>Show me a worked answer</summary>' in page
         assert '&lt;one&gt; of many' in page
 
     def test_closed_answer_is_nowhere(self, copy, monkeypatch):
-        """Neither the check nor the error of answer() contains it."""
+        """Neither below the check nor in the error of answer()."""
         report = check(monkeypatch, 0)
         with pytest.raises(RoslabError, match='2 more tries') as refused:
             answer('talker')
@@ -85,14 +85,14 @@ class TestOpening:
         assert f'{TRIES} more tries' in str(report)
 
     def test_forgetting_progress_closes_it_again(self, copy, monkeypatch):
-        """Tries are stored in the same file."""
+        """Tries are in the same file."""
         check(monkeypatch, MOST)
         progress(forget=True)
 
         assert 'opens with full points' in offer('talker')[0]
 
     def test_results_from_before_tries_were_counted_are_kept(self, copy):
-        """An older file has only two tables."""
+        """An older file has two tables."""
         file = copy / '_work' / 'progress.json'
         file.parent.mkdir()
         file.write_text(json.dumps({'checks': {'talker': 1}, 'quizzes': {}}))
@@ -102,10 +102,10 @@ class TestOpening:
 
 
 class TestCopies:
-    """Test which copies contain worked answers."""
+    """What an instructor packs."""
 
     def test_copy_without_answers_does_not_mention_them(self, copy, monkeypatch):
-        """Copies contain no answers by default."""
+        """The default."""
         (copy / FOLDER / '03_topics.txt').unlink()
         report = check(monkeypatch, MOST)
 
@@ -114,7 +114,7 @@ class TestCopies:
             answer('talker')
 
     def test_damaged_file_is_named_by_answer_and_does_not_stop_a_check(self, copy, monkeypatch):
-        """The result of the check is more important."""
+        """The check is more important."""
         (copy / FOLDER / '03_topics.txt').write_bytes(b'# x\nnonsense')
 
         assert check(monkeypatch, MOST)
@@ -122,7 +122,7 @@ class TestCopies:
             answer('talker')
 
     def test_bundle_holds_answers_on_request_only(self, tmp_path):
-        """The file has one readable line; the rest is encoded, to prevent accidental reading."""
+        """One readable line, then nothing that is read by accident."""
         for wanted in (False, True):
             pack(COURSE, tmp_path / 'copy.zip', answers=wanted)
             with zipfile.ZipFile(tmp_path / 'copy.zip') as archive:
@@ -135,7 +135,7 @@ class TestCopies:
         assert 'Node' not in text
 
     def test_every_graded_exercise_has_one(self, tmp_path):
-        """The answer is the entire solution, without solution marks."""
+        """It is the whole solution, without marks."""
         found = {}
         for data in answer_files(COURSE).values():
             (tmp_path / 'one').write_bytes(data)

@@ -1,4 +1,4 @@
-"""Exam of a debouncer: publish a button's state once when it has changed twice in a row."""
+"""A button that bounces: what came twice in a row is published, once each time it changes."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Feed, Scenario
@@ -10,7 +10,7 @@ PRESSED = (False, True, False, True, True, True, False, False, True, False, True
 
 
 def debounced(pressed, needs=2, again=False):
-    """Return what is published after each state; the button is initially up."""
+    """Return what is published after each state; the button is up at first."""
     found, last = [], False
     for end in range(1, len(pressed) + 1):
         same = end >= needs and len(set(pressed[end - needs : end])) == 1

@@ -1,4 +1,4 @@
-"""Exam of a lamp with a service that refuses to set the current state again."""
+"""A lamp with a service: it refuses to be switched to what it is already."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Call, Scenario
@@ -9,7 +9,7 @@ CALLS = (True, True, False, False, True)
 
 
 def switched(calls):
-    """Return the responses of a lamp that is initially off."""
+    """Return the answers of a lamp that is off at first."""
     return [{'success': one != before} for before, one in zip((False, *calls), calls)]
 
 

@@ -1,4 +1,4 @@
-"""Exam of a limiter between joystick and robot; the parameter limit is initially 0.5 m/s."""
+"""Between a joystick and a robot: no faster than the parameter limit, 0.5 m/s at first."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Feed, Scenario, set_parameter
@@ -11,7 +11,7 @@ SPEEDS = [(speed, 0.5, 0.5) for speed in FIRST] + [(speed, 0.25, 0.5) for speed 
 
 
 def limited(cut=lambda speed, limit, first: max(-limit, min(speed, limit))):
-    """Return what is published for a speed, given the current limit and the first one."""
+    """Return what is published for a speed, the limit of that moment and the first one."""
     return each(lambda one: (cut(*one),))
 
 
