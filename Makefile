@@ -1,6 +1,6 @@
-# The course in a few words. Every goal first prepares what it needs: a virtual environment with
-# ROS 2, the course's ROS package and a Jupyter kernel. The second time that takes no time.
-# `make help` prints the lines with a bar. Students' copies have this file without instructors.mk.
+# The commands of the course. Every goal first prepares what it needs: a virtual environment with
+# ROS 2, the course's ROS package and a Jupyter kernel. If everything is ready, this takes no time.
+# `make help` prints the lines that begin with #|. Students' copies lack instructors.mk.
 #
 #|  make lab                  open JupyterLab with notebooks/START_HERE.ipynb
 #|  make publisher            run the course's publisher node in this terminal
@@ -19,15 +19,15 @@ export VENV PYTHON ROS_SOURCE
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-# The goals share one environment and one terminal; each does its own work in parallel.
+# All goals share one environment and one terminal, so they run one at a time.
 .NOTPARALLEL:
 .PHONY: help prepare lab publisher subscriber doctor clean
 
-# An absolute VENV stays as it is, a relative one is seen from here.
+# An absolute VENV is used unchanged; a relative one refers to this folder.
 PY = $(VENV)/bin/python
 WITH_ROS = $(PY) -S -E -m environment run
 NODES = $(VENV)/workspace/install/temp_monitor_pkg/lib/temp_monitor_pkg
-# JupyterLab refuses to run as root unless it is told that this is meant, as in a container.
+# JupyterLab refuses to run as root unless an option allows it, for example in a container.
 AS_ROOT = $(if $(filter 0,$(shell id -u)),--allow-root)
 
 include $(wildcard instructors.mk)
@@ -43,8 +43,8 @@ help:
 prepare:
 	@sh environment/prepare.sh
 
-# The whole project is the server's root, because nbgrader's formgrader needs to see it; the file
-# browser opens in notebooks/.
+# The server's root is the entire project, because nbgrader's formgrader needs access to it; the
+# file browser opens in notebooks/.
 lab: prepare
 	@exec $(WITH_ROS) jupyter lab $(AS_ROOT) --ServerApp.root_dir='$(CURDIR)' \
 	  --FileContentsManager.preferred_dir='$(CURDIR)/notebooks' \
@@ -58,7 +58,7 @@ publisher: prepare
 subscriber: prepare
 	@exec $(WITH_ROS) '$(NODES)/temp_subscriber' $(ARGS)
 
-# Without preparing: it says what preparing would lack.
+# Does not prepare anything first: it reports what is missing.
 doctor:
 	@for python in '$(PY)' python3 python3.12 python3.11 python3.13 python3.10 /usr/bin/python3; do \
 	  if "$$python" -S -E -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then \

@@ -3,10 +3,10 @@
 # dependencies = ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-std-msgs==5.3.6"]
 # ///
 """
-See ROS 2 at work in one command, with nothing installed: a talker, a listener, three messages.
+Show ROS 2 at work with one command and without installation: a talker and a listener.
 
-``uv run see_it.py`` downloads what it needs (Linux on x86_64) into uv's own cache, and leaves
-nothing else behind.  The course needs none of this: ``make lab`` prepares it.
+``uv run see_it.py`` downloads its dependencies (Linux on x86_64) into uv's own cache and leaves no
+other files.  The course does not need this program: ``make lab`` prepares everything.
 """
 
 import os
@@ -50,10 +50,10 @@ class Listener(Node):
 
 
 def main() -> None:
-    """Spin both nodes until the listener has heard enough."""
+    """Spin both nodes until the listener has received enough greetings."""
     os.environ.setdefault(
         'ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST'
-    )  # nothing leaves this machine
+    )  # messages stay on this machine
     rclpy.init()
     talker, listener = Talker(), Listener()
     executor = SingleThreadedExecutor()

@@ -1,16 +1,16 @@
 """
-A class of two hundred, each with ten checks: processor time, memory, and what two workers give.
+Grade a class of 200 with ten checks each; measure CPU time, memory and the gain of two workers.
 
-No two submissions have the same files, so nothing is shared between them.  Half are right and half
-are wrong in different ways.  Processor time is that of a control group, in which the kernel counts
-everything that the command starts, sandboxes included.
+No two submissions have the same files, so they share no recordings.  Half of them are correct,
+half are wrong in different ways.  CPU time is measured with a control group, in which the kernel
+accounts for every process that the command starts, including sandboxes.
 
-One run keeps more than one core busy: the probe and the program work side by side.  So two workers
-are compared with one twice, on the same cores, and with a core for each worker, as in a lab whose
-machines are alike.
+One run keeps more than one core busy, because the probe and the program run at the same time.  So
+two workers are compared with one worker twice: on the same cores, and with one core per worker, as
+in a lab with identical machines.
 
-What two workers can give at most is measured beside it, before and after: two processes that only
-count, against the same work one after the other.  Virtual processors may share one of metal.
+The greatest possible gain of two workers is measured before and after: the time of two processes
+that only count, against one process that does the same work.  Virtual CPUs may share one real CPU.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def runs_to_the_end(run: Run) -> None:
 
 
 def main() -> None:
-    """Measure, print and save."""
+    """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.class_of_200')
     parser.add_argument('--size', type=int, default=FULL_SIZE, metavar='N', help='submissions')
     parser.add_argument(
@@ -87,7 +87,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
         answers = class_of(size)
         layout = reduced_course.build(Path(folder), answers, seconds, MORE_CHECKS, 2)
-        # Two, one, two: a change of load in between would show.
+        # Measure in the order two, one, two, so that a change of load becomes visible.
         graded = [_grade(layout, jobs, anew=True) for jobs in (2, 1, 2)]
         on_one_core = _grade(layout, 1, anew=True, cores='0')
         again = _grade(layout, 2, anew=False)
@@ -106,9 +106,9 @@ def main() -> None:
 
 
 def _two_that_count() -> tuple[float, float]:
-    """Return how many times faster two count than one does it twice, and the time of one [s]."""
+    """Return the speed-up of two counting processes over one, and the time of one count [s]."""
     with ProcessPoolExecutor(2) as pool:
-        list(pool.map(_count, (1, 1)))  # until both are there
+        list(pool.map(_count, (1, 1)))  # wait until both processes have started
         began = time.monotonic()
         list(pool.map(_count, (COUNT,)))
         list(pool.map(_count, (COUNT,)))
@@ -123,7 +123,7 @@ def _count(number: int) -> int:
 
 
 def class_of(size: int) -> dict[str, str]:
-    """Return so many publishers, by student; each differs in a comment at least."""
+    """Return a class of publishers, by student; each file differs at least in a comment."""
     texts = list(publishers(SAMPLES).values())
     return {
         f'student{number:03}': f'{texts[number % len(texts)]}\n# student {number}\n'
@@ -133,10 +133,10 @@ def class_of(size: int) -> dict[str, str]:
 
 def _grade(layout: Layout, jobs: int, anew: bool, cores: str = '') -> dict[str, Any]:
     """
-    Grade the class with the whole command.
+    Grade the class with the complete command.
 
-    :param cores: the numbers of those it may use, as taskset(1) reads them; empty for all
-    :raises RuntimeError: with the command's own words, if it gives no verdicts
+    :param cores: CPU numbers that the command may use, in taskset(1) format; empty for all
+    :raises RuntimeError: with the command's output, if it produces no verdicts
     """
     if anew:
         subprocess.run(['rm', '-rf', str(layout.work)], check=True)
@@ -147,7 +147,7 @@ def _grade(layout: Layout, jobs: int, anew: bool, cores: str = '') -> dict[str, 
         began = time.monotonic()
         process = subprocess.Popen(
             ['sh', '-c', f'{begin}exec "$@"', 'sh', *command],
-            cwd=layout.root,  # where Python looks for modules first: the copy is what runs
+            cwd=layout.root,  # Python searches here first, so the copy of the grader runs
             env={**os.environ, 'COURSE_SECRET': 'benchmark'},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -180,7 +180,7 @@ def _grade(layout: Layout, jobs: int, anew: bool, cores: str = '') -> dict[str, 
 
 @contextmanager
 def _counted() -> Iterator[tuple[str, Any]]:
-    """Yield a shell line that enters a new control group, and what tells its processor time."""
+    """Yield a shell line that enters a new control group, and a function to read its CPU time."""
     name = f'benchmark_{os.getpid()}_{time.monotonic_ns()}'
     for above in CONTROLLED:
         group = Path(above, name)
@@ -199,7 +199,7 @@ def _counted() -> Iterator[tuple[str, Any]]:
 
 
 def _used_s(group: Path) -> float:
-    """Return the processor time of everything that ever was in a group [s]."""
+    """Return the CPU time of all processes that have ever been in a group [s]."""
     old = group / 'cpuacct.usage'
     if old.is_file():
         return round(int(old.read_text('ascii')) / 1e9, 2)
@@ -213,11 +213,11 @@ def _remove(group: Path) -> None:
     try:
         group.rmdir()
     except OSError:
-        pass  # a last process is on its way out; an empty group costs nothing
+        pass  # a last process is still ending; an empty group does no harm
 
 
 class _Watch(threading.Thread):
-    """Asks the kernel for what the command itself has used, until it ends."""
+    """Polls the kernel for the CPU time and peak memory of the command itself until it ends."""
 
     def __init__(self, pid: int) -> None:
         super().__init__(daemon=True)
@@ -227,7 +227,7 @@ class _Watch(threading.Thread):
         self.start()
 
     def run(self) -> None:
-        """Look ten times a second: both figures only grow."""
+        """Poll ten times a second; both figures only grow."""
         status = Path('/proc', str(self.process.pid), 'status')
         try:
             while not self._ended.wait(0.1):
@@ -236,7 +236,7 @@ class _Watch(threading.Thread):
                 peak = re.search(r'VmHWM:\s+(\d+) kB', status.read_text('ascii', 'replace'))
                 self.peak = max(self.peak, int(peak[1]) << 10 if peak else 0)
         except (psutil.Error, OSError):
-            pass  # it has ended
+            pass  # the process has ended
 
 
 def _checks(results: list[Any]) -> Iterator[Mapping[str, Any]]:
@@ -250,7 +250,7 @@ def _sum(results: list[Any], name: str) -> float:
 
 
 def _programs_s(layout: Layout, results: list[Any]) -> float:
-    """Return the processor time of the students' programs alone [s]."""
+    """Return the CPU time of the students' programs alone [s]."""
     seconds = 0.0
     for result in results:
         for exam in result['exams']:
@@ -261,7 +261,7 @@ def _programs_s(layout: Layout, results: list[Any]) -> float:
 
 
 def _rejudge(layout: Layout) -> dict[str, Any]:
-    """Judge everybody again from the recordings, as after an edit of a check."""
+    """Judge all submissions again from the recordings, as after an edited check."""
     command = [sys.executable, '-m', 'autograder', 'rejudge', '--json']
     command += ['--submitted', str(reduced_course.submitted(layout))]
     done = subprocess.run(
@@ -287,7 +287,7 @@ def _figures(
     again: dict[str, Any],
     rejudged: dict[str, Any],
 ) -> dict[str, Any]:
-    """Put the figures together, as they are saved."""
+    """Combine the measurements into the figures to save."""
     two, one, two_again = graded
     best = min(two['running_s'], two_again['running_s'])
     cpu = [run['cpu_s'] for run in graded if run['cpu_s'] is not None]

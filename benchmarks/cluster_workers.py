@@ -1,9 +1,9 @@
 """
-Two workers of a cluster against one, each with a core of its own, as machines of a lab have.
+Compare two cluster workers with one, each on a separate core, like machines of a lab.
 
-The scheduler, the command and the workers are on this machine.  A worker, with the sandboxes and
-probes that it starts, is held to one core; the command and the scheduler may use all of them, so
-what they take is a loss of the workers'.  One and two workers alternate, with the same class.
+The scheduler, the command and the workers run on this machine.  A worker and the sandboxes and
+probes that it starts share one core.  The command and the scheduler may use all cores, so the CPU
+time that they use is lost to the workers.  One and two workers alternate, with the same class.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ READY_S = 120
 
 
 def main() -> None:
-    """Measure, print and save."""
+    """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.cluster_workers')
     parser.add_argument('--size', type=int, default=FULL_SIZE, metavar='N', help='submissions')
     parser.add_argument('--rounds', type=int, default=FULL_ROUNDS, metavar='N')
@@ -52,9 +52,9 @@ def main() -> None:
 
 def grade(layout: Layout, workers: int) -> dict[str, Any]:
     """
-    Grade the class on so many workers, as if for the first time.
+    Grade the class on a number of workers, as if for the first time.
 
-    :raises RuntimeError: with the command's own words, if it gives no verdicts
+    :raises RuntimeError: with the command's output, if it produces no verdicts
     """
     shutil.rmtree(layout.work, ignore_errors=True)
     with cluster(layout, workers) as address:
@@ -75,7 +75,7 @@ def grade(layout: Layout, workers: int) -> dict[str, Any]:
 
 @contextmanager
 def cluster(layout: Layout, workers: int) -> Iterator[str]:
-    """Yield the address of a scheduler with so many workers, each on a core of its own."""
+    """Yield the address of a scheduler with a number of workers, each on a separate core."""
     from distributed import Client, LocalCluster
 
     with (
@@ -92,12 +92,12 @@ def cluster(layout: Layout, workers: int) -> Iterator[str]:
 
 @contextmanager
 def worker(layout: Layout, address: str, core: int) -> Iterator[None]:
-    """Run a worker, which takes one run at a time."""
+    """Run a worker that executes one run at a time."""
     command = ['taskset', '--cpu-list', str(core), sys.executable, '-m', 'dask', 'worker']
     command += [address, '--nworkers', '1', '--nthreads', '1', '--no-dashboard', '--no-nanny']
     with subprocess.Popen(
         [*command, '--local-directory', str(layout.root)],
-        cwd=layout.root,  # its own grader is what runs
+        cwd=layout.root,  # the worker uses the grader in this copy
         stderr=subprocess.DEVNULL,
     ) as process:
         try:
@@ -117,7 +117,7 @@ def _points(results: str) -> Mapping[str, float]:
 
 
 def _figures(size: int, graded: list[dict[str, Any]]) -> dict[str, Any]:
-    """Put the figures together, as they are saved."""
+    """Combine the measurements into the figures to save."""
     points = [run.pop('points') for run in graded]
     one, two = (
         statistics.median(run['running_s'] for run in graded if run['workers'] == workers)

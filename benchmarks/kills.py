@@ -1,11 +1,11 @@
 """
-Kill a grading repeatedly, and continue it: nothing may be lost, duplicated or left over.
+Kill and restart a grading repeatedly: nothing may be lost, duplicated or left over.
 
-A class is graded once undisturbed.  Then it is graded from scratch while, at random instants, the
-command itself or a process of a run (sandbox, probe, a student's program) is killed without
-warning; the same command is started again until it completes.  Its results, and what is in the
-gradebook, have to be the same as in the undisturbed grading.  No sandbox may outlive its grader,
-and no temporary file may be left at the end.
+The program grades a class once without disturbance.  Then it grades the class from scratch and, at
+random moments, kills the command itself or a process of a run (sandbox, probe, student's program)
+without warning.  It starts the same command again until the command completes.  The results and
+the gradebook must be the same as after the undisturbed grading.  No sandbox may outlive its
+grader, and no temporary file may be left at the end.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ Facts = Mapping[str, Any]
 @dataclass
 class Account:
     """
-    What was seen.
+    The observations so far.
 
-    :param kills: by what was killed
-    :param wrong: what should not have been, one line each
-    :param gradings: how many came to their end
+    :param kills: number of kills by kind of process
+    :param wrong: violations, one line each
+    :param gradings: number of gradings that completed
     """
 
     kills: Counter[str] = field(default_factory=Counter)
@@ -60,9 +60,9 @@ class Account:
 
 def main() -> int:
     """
-    Measure, print and save.
+    Measure, then print and save the figures.
 
-    :returns: exit code, 1 if something was lost, doubled or left
+    :returns: exit code, 1 if something was lost, duplicated or left over
     """
     parser = argparse.ArgumentParser(prog='python -m benchmarks.kills')
     parser.add_argument('--kills', type=int, default=FULL_KILLS, metavar='N', help='how many')
@@ -91,10 +91,10 @@ def soak(
     root: Path, names: Sequence[str], kills: int, seed: int, jobs: int, seconds: int
 ) -> Account:
     """
-    Kill a grading so many times, and continue it each time.
+    Kill a grading a number of times, and continue it each time.
 
     :param root: an empty folder
-    :param names: of sample submissions
+    :param names: names of sample submissions
     :param seconds: virtual seconds of the exam
     """
     (root / 'tmp').mkdir()
@@ -108,7 +108,8 @@ def soak(
         shutil.rmtree(layout.work, ignore_errors=True)
         after = None
         while after is None:
-            # Short enough to hit, and after enough kills left alone, so that it comes to its end.
+            # Short enough to interrupt the grading; after enough kills, let it complete
+            # undisturbed.
             ended = sum(account.kills.values()) >= kills
             within_s = None if ended else length_s * chance.uniform(0, 0.8)
             after = _killed_or_done(layout, jobs, within_s, chance, account)
@@ -120,7 +121,7 @@ def soak(
 
 
 def _enter_soon(layout: Layout) -> None:
-    """Have even so small a class entered in the gradebook while the rest of it is run."""
+    """Make the grader record results during the run even for such a small class."""
     path = layout.root / 'autograder' / 'gradebook' / 'live_entry.py'
     text = path.read_text(encoding='utf-8')
     if text.count('TOGETHER = 10') != 1:
@@ -134,7 +135,7 @@ def _command(layout: Layout, jobs: int) -> subprocess.Popen[str]:
     temporary = str(layout.root.parent / 'tmp')
     return subprocess.Popen(
         command,
-        cwd=layout.root,  # where Python looks for modules first: the copy is what runs
+        cwd=layout.root,  # Python searches here first, so the copy of the grader runs
         env={**os.environ, 'COURSE_SECRET': 'benchmark', 'TMPDIR': temporary},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -149,9 +150,9 @@ def _grade_in_peace(layout: Layout, jobs: int) -> Facts:
 
 def _facts(layout: Layout, grading: subprocess.Popen[str], said: str, errors: str) -> Facts:
     """
-    Return all that a grading said and entered.
+    Return everything that a grading printed and wrote to the gradebook.
 
-    :raises RuntimeError: with the command's own words, if it did not come to its end
+    :raises RuntimeError: with the command's output, if it did not complete
     """
     if grading.returncode not in (0, 1) or not said:
         raise RuntimeError(f'autograder grade ended with {grading.returncode}:\n{errors}')
@@ -164,7 +165,7 @@ def _gradebook(layout: Layout) -> Path:
 
 
 def _without(data: Any) -> Any:
-    """Return a result without what differs from run to run."""
+    """Return a result without the values that differ from run to run."""
     if isinstance(data, dict):
         return {name: _without(one) for name, one in data.items() if name not in NOT_COMPARED}
     return [_without(one) for one in data] if isinstance(data, list) else data
@@ -178,10 +179,10 @@ def _killed_or_done(
     account: Account,
 ) -> Facts | None:
     """
-    Begin to grade and kill something of it, unless it is done before.
+    Start a grading and kill one of its processes, unless the grading ends before that.
 
-    :param within_s: when to kill, None for never
-    :returns: what it said and entered, None if it was killed
+    :param within_s: time within which to kill [s], None for never
+    :returns: what the grading printed and wrote, None if it did not complete
     """
     grading = _command(layout, jobs)
     account.starts += 1
@@ -194,10 +195,11 @@ def _killed_or_done(
     if others:
         _kill(chance.choice(others))
         account.kills[kind] += 1
-        # A submission whose run was killed runs again now, or is for review until the next start.
+        # The grader runs a submission with a killed run again, or marks it for review until
+        # restarted.
         said, errors = grading.communicate()
         if grading.returncode == REFUSED:
-            return None  # the sandbox was just being tried out
+            return None  # the kill happened while the grader was trying out the sandbox
         found = _facts(layout, grading, said, errors)
         return found if grading.returncode == 0 else None
     everybody = _family(grading.pid)
@@ -205,7 +207,7 @@ def _killed_or_done(
     account.kills['grader'] += 1
     grading.communicate()
     _, alive = psutil.wait_procs(everybody, timeout=ORPHANS_S)
-    # A zombie has ended; that nobody asks for its exit code is the system's affair.
+    # Ignore zombies: they have ended and only wait to be reaped.
     account.wrong += [
         f'orphan: {" ".join(words)[:120]}' for one in alive if (words := _words(one))
     ]
@@ -220,7 +222,7 @@ def _family(pid: int) -> list[psutil.Process]:
 
 
 def _of_runs(pid: int) -> list[psutil.Process]:
-    """Return the launchers of sandboxes and everything in them."""
+    """Return the processes that start sandboxes, and all processes in them."""
     return [
         one
         for one in _family(pid)
@@ -239,11 +241,11 @@ def _kill(process: psutil.Process) -> None:
     try:
         process.send_signal(signal.SIGKILL)
     except psutil.Error:
-        pass  # it has just ended
+        pass  # the process has just ended
 
 
 def _compare(peace: Facts, after: Facts, account: Account) -> None:
-    """Note what is different after the kills."""
+    """Record the differences between the undisturbed grading and the interrupted one."""
     for part in ('results', 'entered'):
         for student in peace[part].keys() | after[part].keys():
             one, two = peace[part].get(student), after[part].get(student)

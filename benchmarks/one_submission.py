@@ -1,10 +1,10 @@
 """
-One submission over sixty virtual seconds with all checks, against the floor.
+Time one submission over 60 virtual seconds with all checks, and compare it with a lower bound.
 
-The floor is the least any grader of this kind must do: start the sandbox, the probe and the
-student's node, and wait until the first message is at the probe.  It uses the same sandbox,
-probe and file, with a scenario of two seconds.  Whole runs and floor runs alternate, so
-that both meet the same load.
+The lower bound (the *floor*) is the least that any grader with this design must do: start the
+sandbox, the probe and the student's node, and wait until the probe receives the first message.  It
+is measured with the same sandbox, probe and file, and a scenario of two seconds.  Complete runs
+and lower-bound runs alternate, so that both have the same load.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ FULL_RUNS = 15
 Marks = dict[str, float]
 
 STEPS = (
-    # mark at the end of the step, what it is
+    # mark at the end of the step, description of the step
     ('sandbox', 'lay out the files, start the sandbox'),
     ('probe ready', 'start the probe, and Python for the student'),
     ('@python', "let the student's program go"),
@@ -50,9 +50,9 @@ MARKERS = ('@python', '@imported', '@node')
 
 def marked(text: str) -> str:
     """
-    Return the reference solution with three prints, which tell when it has come how far.
+    Return the reference solution with three print calls that mark its progress.
 
-    :raises RuntimeError: if the solution has changed so that they do not fit
+    :raises RuntimeError: if the solution has changed and the places for the calls are not found
     """
     lines = text.split('\n')
     for marker, place in zip(MARKERS, ('import math', 'rclpy.init(', 'rclpy.spin(')):
@@ -66,7 +66,7 @@ def marked(text: str) -> str:
 
 
 class _Clocked(observing._Watched):
-    """The grader's own loop, which also notes when what arrives."""
+    """The grader's own loop, which also stores the arrival times of the marks."""
 
     marks: Marks = {}  # noqa: RUF012 - one run at a time, so one table is enough
 
@@ -89,28 +89,29 @@ class _Clocked(observing._Watched):
 
 
 class _ClockedSandbox(Sandbox):
-    """The sandbox, which also notes when it stood."""
+    """The sandbox, which also stores the time when it was ready."""
 
     def start(
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
     ) -> Confined:
-        """Start a program and note the time."""
+        """Start a program and store the time."""
         confined = super().start(program, limits, home, inherited)
         _Clocked.marks['sandbox'] = time.monotonic()
         return confined
 
 
 def floor_of(scenario: Scenario) -> Scenario:
-    """Return the scenario that ends soon after the first message."""
+    """Return a copy of the scenario that ends soon after the first message."""
     return replace(scenario, steps=(Advance(2.0),))
 
 
 def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
     """
-    Examine the submission, nothing kept.
+    Run and judge the submission without keeping a recording.
 
     :returns: seconds from the start to each mark
-    :raises RuntimeError: if it does not get full points: then the time means nothing
+    :raises RuntimeError: if the submission does not get full points, because then the time is
+        meaningless
     """
     _Clocked.marks.clear()
     began = time.monotonic()
@@ -128,7 +129,7 @@ def floor_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
     Start the submission and wait for its first message.
 
     :returns: seconds from the start to each mark
-    :raises RuntimeError: if there was none
+    :raises RuntimeError: if no message arrived
     """
     _Clocked.marks.clear()
     began = time.monotonic()
@@ -144,7 +145,7 @@ def _since(began: float, marks: Marks) -> Marks:
 
 
 def main() -> None:
-    """Measure, print and save."""
+    """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.one_submission')
     help_text = 'whole runs and floor runs, each (default: %(default)s)'
     parser.add_argument('--runs', type=int, default=FULL_RUNS, metavar='N', help=help_text)
@@ -155,7 +156,7 @@ def main() -> None:
     files = {FILE: marked(publishers([REFERENCE])[REFERENCE])}
     sandbox = _ClockedSandbox(strongest().mode)
     observing._Watched = _Clocked  # type: ignore[misc]
-    whole_run(exam, files, sandbox)  # to read everything from disk once
+    whole_run(exam, files, sandbox)  # read everything from disk once before measuring
     whole, floor = [], []
     for _ in range(count):
         floor.append(floor_run(exam, files, sandbox))
@@ -167,7 +168,7 @@ def main() -> None:
 
 
 def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict[str, Any]:
-    """Put the figures together, as they are saved."""
+    """Combine the measurements into the figures to save."""
     whole_s = report.spread([marks['judged'] for marks in whole])
     first_s = report.spread([marks['first message'] for marks in floor])
     closed_s = report.spread([marks['closed'] for marks in floor])
@@ -185,7 +186,7 @@ def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict
 
 
 def _lengths(runs: Sequence[Marks]) -> dict[str, list[float]]:
-    """Return how long each step took in each run; a step ends with its mark."""
+    """Return the duration of each step in each run [s]; a step ends with its mark."""
     lengths: dict[str, list[float]] = {}
     for marks in runs:
         before = 0.0

@@ -1,9 +1,9 @@
 """
-A copy of this course with one lesson part in it, so that one exam can be measured alone.
+Make a copy of this course with a single lesson part, to measure one exam alone.
 
-The grader in the copy is the course's own, file by file; only the other exams are left out and
-the notebook is cut down to the publisher.  It has a gradebook and recordings of its own, so a
-measurement neither reads nor changes those of the course.
+The copy contains an unchanged copy of the grader; only the other exams are missing, and the
+notebook contains only the publisher.  The copy has a separate gradebook and separate recordings,
+so a measurement neither reads nor changes those of the course.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ KEPT_CELLS = ('spec_publisher', EXAM, f'check_{EXAM}')
 @dataclass(frozen=True)
 class ProjectRun:
     """
-    One ``python -m autograder grade`` of the class.
+    The outcome of one ``python -m autograder grade`` of the class.
 
-    :param wall_s: the whole command [s]
-    :param results: what it printed with ``--json``, by student
+    :param wall_s: real time of the complete command [s]
+    :param results: the output with ``--json``, by student
     """
 
     wall_s: float
@@ -56,13 +56,13 @@ def build(
     root: Path, answers: Mapping[str, str], seconds: int, more: str = '', more_points: float = 0
 ) -> Layout:
     """
-    Make the copy and hand in the answers.
+    Make the copy and submit the answers.
 
     :param root: an empty folder
-    :param answers: by student, the text of ``temp_publisher.py``
-    :param seconds: virtual seconds of the exam
-    :param more: further checks, as text of the exam's module
-    :param more_points: what they give
+    :param answers: text of ``temp_publisher.py``
+    :param seconds: duration of the exam [virtual s]
+    :param more: code of additional checks, appended to the exam's module
+    :param more_points: points of the additional checks
     """
     course, layout = Layout.here(), Layout(root)
     shutil.copytree(course.root / 'autograder', root / 'autograder', ignore=_left_out)
@@ -92,19 +92,19 @@ def build(
 
 
 def submitted(layout: Layout) -> Path:
-    """Return where the answers lie: not in the work folder, which each run starts without."""
+    """Return the folder of the submissions, outside the work folder, which each run deletes."""
     return layout.root / 'handed_in'
 
 
 def _left_out(folder: str, names: list[str]) -> list[str]:
-    """Leave out what grading has written, and the other exams."""
+    """Return the names not to copy: results of grading, and the other exams."""
     if Path(folder).name in ('visible', 'hidden'):
         return [name for name in names if name not in ('__init__.py', f'{EXAM}.py')]
     return [name for name in names if name == '_work']
 
 
 def _set_window(path: Path, seconds: int) -> None:
-    """Set how many seconds the copied exam lasts."""
+    """Set the duration of the copied exam."""
     text = path.read_text(encoding='utf-8')
     if text.count('seconds=60') != 1:
         raise RuntimeError(f'{path.name}: expected seconds=60 once; adapt this benchmark.')
@@ -112,7 +112,7 @@ def _set_window(path: Path, seconds: int) -> None:
 
 
 def _answered(release: dict[str, Any], text: str) -> dict[str, Any]:
-    """Return the release with an answer in it."""
+    """Return the release with an answer in its answer cell."""
     notebook = copy.deepcopy(release)
     for cell in notebook['cells']:
         if marks_of(cell).get('grade_id') == EXAM:
@@ -122,10 +122,10 @@ def _answered(release: dict[str, Any], text: str) -> dict[str, Any]:
 
 def grade(layout: Layout, jobs: int) -> ProjectRun:
     """
-    Grade the class with the whole command, as if for the first time.
+    Grade the class with the complete command, as if for the first time.
 
-    :param jobs: runs at a time
-    :raises RuntimeError: with the command's own words, if it gives no verdicts
+    :param jobs: number of concurrent runs
+    :raises RuntimeError: with the command's output, if it produces no verdicts
     """
     shutil.rmtree(layout.work, ignore_errors=True)
     command = [sys.executable, '-m', 'autograder', 'grade', '--fresh', '--json']
@@ -133,7 +133,7 @@ def grade(layout: Layout, jobs: int) -> ProjectRun:
     began = time.monotonic()
     done = subprocess.run(
         command,
-        cwd=layout.root,  # where Python looks for modules first: the copy is what runs
+        cwd=layout.root,  # Python searches here first, so the copy of the grader runs
         env={**os.environ, 'COURSE_SECRET': 'benchmark'},
         capture_output=True,
         text=True,

@@ -1,9 +1,9 @@
 """
-Grade the sample class repeatedly, to see whether all verdicts stay the same.
+Grade the sample class repeatedly, to find out whether all verdicts stay the same.
 
-Every repeat runs everything again.  Everything in a result is compared, including texts, except
-its timing and pictures.  Processes that only burn CPU time (``--busy``) show whether load changes
-a verdict.
+Each repeat runs everything again.  All parts of the results are compared, including texts, but not
+times and pictures.  Processes that only use CPU time (``--busy``) show whether load changes a
+verdict.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Outcome = dict[str, str]
 
 def main() -> int:
     """
-    Measure, print and save.
+    Measure, then print and save the figures.
 
     :returns: exit code, 1 if the outcomes differ
     """
@@ -81,12 +81,12 @@ def _arguments() -> argparse.Namespace:
 
 
 BURN = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass'
-"""A benchmark that is killed leaves none of these behind."""
+"""A busy loop that ends when the benchmark ends, even if the benchmark is killed."""
 
 
 @contextmanager
 def busy(count: int) -> Iterator[None]:
-    """Keep some processors busy, for as long as this process lives."""
+    """Keep some CPUs busy inside the ``with`` block."""
     burners = [subprocess.Popen([sys.executable, '-S', '-c', BURN]) for _ in range(count)]
     try:
         yield
@@ -98,9 +98,9 @@ def busy(count: int) -> Iterator[None]:
 
 def _grade_once(submitted: Path, recordings: Path, jobs: int) -> Outcome:
     """
-    Grade the class with a new folder of recordings, so that nothing is read from before.
+    Grade the class with a new folder of recordings, so that every program runs again.
 
-    :returns: every fact of every result by its place, as JSON
+    :returns: every value in the results by its path, as JSON
     """
     layout = Layout.here()
     outcome: Outcome = {}
@@ -117,7 +117,7 @@ def _grade_once(submitted: Path, recordings: Path, jobs: int) -> Outcome:
 
 
 def _facts(data: Any, place: str) -> Iterator[tuple[str, str]]:
-    """Yield the parts of a result by name, without what may differ by a clock step."""
+    """Yield the values of a result by path, without times and pictures, which vary."""
     if isinstance(data, dict):
         for name, value in data.items():
             if name not in ('timing', 'pictures'):
@@ -136,7 +136,7 @@ def _digest(outcome: Outcome) -> str:
 
 
 def _figures(outcomes: Sequence[Outcome], walls: Sequence[float]) -> dict[str, Any]:
-    """Put the figures together, as they are saved."""
+    """Combine the measurements into the figures to save."""
     places = sorted({place for outcome in outcomes for place in outcome})
     differ: dict[str, dict[str, int]] = {}
     for place in places:
@@ -169,7 +169,7 @@ def _print(facts: dict[str, Any], figures: dict[str, Any]) -> None:
         ['burners', figures['busy']],
     ]
     report.print_table(['', ''], rows)
-    # Equal files run once in a repeat, so many submissions may differ in the same way.
+    # Equal files run once per repeat, so many submissions may differ in the same way.
     alike: dict[tuple[str, str], list[str]] = {}
     for place, seen in figures['differing'].items():
         student, _, rest = place.partition('/')

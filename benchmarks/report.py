@@ -1,4 +1,4 @@
-"""What every benchmark says beside its figures: the machine, a plain table, a file of results."""
+"""Print and save what all benchmarks have in common: machine, plain tables, file of results."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RESULTS = Path(__file__).parent / 'results'
 
 
 def machine() -> dict[str, Any]:
-    """Return what the figures depend on; nothing in it names a person, a host or a folder."""
+    """Return the facts on which figures depend; they identify no person, host or folder."""
     return {
         'date': datetime.now(timezone.utc).strftime('%Y-%m-%d %H:%M UTC'),
         'processor': _processor(),
@@ -31,7 +31,7 @@ def machine() -> dict[str, Any]:
 
 
 def _grader() -> str:
-    """Return a digest of the grader's files: figures of equal digests measured the same."""
+    """Return a digest of the grader's files: equal digests mean the same grader was measured."""
     state = hashlib.sha256()
     for path in sorted((RESULTS.parents[1] / 'autograder').rglob('*')):
         if path.suffix in ('.py', '.xml', '.bpf') and '_work' not in path.parts:
@@ -40,7 +40,7 @@ def _grader() -> str:
 
 
 def _load() -> float:
-    """Return how many processes wanted a processor during the last minute."""
+    """Return the load average of the last minute."""
     return round(os.getloadavg()[0], 1)
 
 
@@ -53,7 +53,7 @@ def _processor() -> str:
 
 
 def _ros() -> str:
-    """Return which ROS 2 is used, and the version of its Python client."""
+    """Return which ROS 2 is used, and the version of rclpy."""
     from environment.ros import ros_environment
 
     kind = ros_environment().kind
@@ -67,7 +67,7 @@ def _ros() -> str:
 
 def print_machine(facts: Mapping[str, Any]) -> None:
     """
-    Say on what the figures were taken.
+    Print the machine and software that produced the figures.
 
     :param facts: from :func:`machine`
     """
@@ -78,9 +78,9 @@ def print_machine(facts: Mapping[str, Any]) -> None:
 
 def print_table(headings: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """
-    Print rows under headings: the first column to the left, the others to the right.
+    Print rows below headings: the first column left-aligned, the others right-aligned.
 
-    :param rows: floats are printed with three decimals at most, None as nothing
+    :param rows: floats are printed with at most three decimals, None as an empty cell
     """
     texts = [[str(heading) for heading in headings]]
     texts += [[_text(value) for value in row] for row in rows]
@@ -107,7 +107,7 @@ def spread(seconds: Sequence[float]) -> dict[str, float]:
     """
     Return the median and the range of some measurements.
 
-    :param seconds: at least one
+    :param seconds: one or more measurements [s]
     """
     return {
         'median': round(statistics.median(seconds), 4),
@@ -122,7 +122,7 @@ def save(name: str, facts: Mapping[str, Any], figures: Mapping[str, Any], *, ful
     Write the figures of a full benchmark to ``results/<name>.json``.
 
     :param facts: from :func:`machine`, taken before the first measurement
-    :param full: whether it was run as the README's figures are
+    :param full: whether the benchmark ran at full size, as for the README
     """
     if facts['grader'] != _grader():
         print('Not written: the files of the grader changed meanwhile. Run this again.')

@@ -1,10 +1,10 @@
 """
-Kernels started and ended again and again, to see whether anything of them stays.
+Start and end kernels repeatedly, to find out whether they leave anything behind.
 
 Each kernel runs the cells of a small lesson: a node that logs, a listener, a node that fails, an
-interrupted wait.  Then it is shut down as *Restart & Run All* does it, with its nodes alive.
-Looked for afterwards are processes, files of the middleware in ``/dev/shm``, and nodes in the
-graph; threads are counted inside the kernel, because they end with it.
+interrupted wait.  Then it is shut down as by *Restart & Run All*, while its nodes are running.
+Afterwards the program looks for processes, for files of the middleware in ``/dev/shm`` and for
+nodes in the graph.  Threads are counted inside the kernel, because they end with it.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ KERNEL = 'ros2_jazzy'
 PATIENCE_S = 60.0
 DOMAIN = 90
 BIND = 'mount --bind "$0" /dev/shm && exec "$@"'
-# The middleware never removes the files of a port that a killed process had opened: what a kernel
-# leaves is seen in a folder of its own.  The kernel keeps the process id of the shell.
+# The middleware never removes the files of a port that a killed process has opened.  So each
+# kernel gets a separate /dev/shm, to see what it leaves.  The kernel keeps the process id of the
+# shell.
 OWN_SHARED_MEMORY = ['unshare', '--map-root-user', '--mount', 'sh', '-c', BIND]
 CELLS = (
     """
@@ -65,9 +66,9 @@ class Failing(Talker):
 
 def main() -> int:
     """
-    Measure, print and save.
+    Measure, then print and save the figures.
 
-    :returns: exit code, 1 if anything was left
+    :returns: exit code, 1 if anything was left behind
     """
     chosen = _arguments()
     os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
@@ -96,14 +97,14 @@ def main() -> int:
 
 
 def _one_kernel(number: int) -> dict[str, Any]:
-    """Run the cells in a new kernel, end it, and count what is left of it."""
+    """Run the cells in a new kernel, end it, and count what it leaves behind."""
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix='restart_') as folder:
         shared_memory = Path(folder, 'shm')
         shared_memory.mkdir()
         manager = KernelManager(kernel_name=KERNEL)
         spec = manager.kernel_spec
-        assert spec is not None  # set-up registers the kernel
+        assert spec is not None  # the set-up has registered the kernel
         spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
         manager.start_kernel(cwd=folder)
         client = manager.client()
@@ -113,7 +114,7 @@ def _one_kernel(number: int) -> dict[str, Any]:
             for cell in CELLS:
                 _run(client, cell)
             _interrupted(manager, client)
-            assert manager.provisioner is not None  # it is there since the kernel was started
+            assert manager.provisioner is not None  # exists since the kernel was started
             kernel = psutil.Process(manager.provisioner.pid)  # type: ignore[attr-defined]
             family = [kernel, *kernel.children(recursive=True)]
             threads = kernel.num_threads()
@@ -144,7 +145,7 @@ def _run(client: Any, cell: str) -> None:
 
 
 def _interrupted(manager: Any, client: Any) -> None:
-    """Interrupt a wait, as a learner does."""
+    """Interrupt a wait as a learner would."""
     client.execute('print("now", flush=True); wait_until(lambda: False, 60)')
     ended = False
     while True:
@@ -158,12 +159,12 @@ def _interrupted(manager: Any, client: Any) -> None:
 
 
 def _nodes_in_the_graph() -> int:
-    """Return how many nodes a newcomer finds, itself not counted."""
+    """Return how many nodes a new participant discovers, excluding itself."""
     context = Context()
     rclpy.init(context=context, domain_id=DOMAIN)
     try:
         node = Node('newcomer', context=context)
-        end = time.monotonic() + 1.0  # long enough to discover what is there
+        end = time.monotonic() + 1.0  # long enough to discover existing nodes
         found: Sequence[str] = ()
         while time.monotonic() < end:
             time.sleep(0.05)

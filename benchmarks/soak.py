@@ -1,14 +1,14 @@
 """
-Judge the same files repeatedly, calm and under load, to see whether a result changes.
+Judge the same files repeatedly, with and without load, to find out whether a result changes.
 
-The program judges a fixed panel of references, near misses and attacks (``panel.yaml``) 200 times;
+The program judges a fixed panel of references, near misses and attacks (``panel.yaml``) 200 times,
 or, with ``--everything``, all submissions and attacks a few times.  Each repeat runs all of them
-again, in a different order, in one of three ways in turn: *calm* (one run per processor),
-*oversubscribed* (runs and burners that together want the processors eight times over) and
-*parallel* (eight runs at a time).  Everything in a result is compared, including texts and flags,
-except its ``timing``; pictures, whose points may be one step of the clock apart, are counted
-separately.  If an attack's points vary from run to run, its docstring calls them a bound, and its
-result is compared with that bound.
+again in a different order.  The repeats alternate between three modes: *calm* (one run per CPU),
+*oversubscribed* (runs and busy loops that together need eight times the available CPUs) and
+*parallel* (eight runs at a time).  All parts of a result are compared, including texts and flags,
+except its ``timing``.  Pictures, whose points may differ by one step of the clock, are counted
+separately.  If an attack's points vary from run to run, its docstring states an upper bound, and
+its result is compared with that bound.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ NOT_COMPARED = ('timing', 'recording', 'pictures')
 
 @dataclass(frozen=True)
 class Way:
-    """How the tasks of one repeat are run."""
+    """A mode in which the tasks of one repeat are run."""
 
     name: str
     jobs: int
@@ -51,7 +51,7 @@ class Way:
 @dataclass
 class Seen:
     """
-    What came of the tasks until now, by name.
+    The outcomes of the tasks so far, by task name.
 
     :param outcomes: how often each outcome was seen, as JSON
     :param pictures: how often each set of pictures was seen
@@ -63,9 +63,9 @@ class Seen:
 
 def main() -> int:
     """
-    Measure, print and save.
+    Measure, then print and save the figures.
 
-    :returns: exit code, 1 if anything differs
+    :returns: exit code, 1 if any outcome differs
     """
     chosen = _arguments()
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
@@ -94,7 +94,7 @@ def main() -> int:
     name = 'soak_everything' if chosen.everything else 'soak'
     enough = FEW_REPEATS if chosen.everything else FULL_REPEATS
     full = len(done) >= enough and not chosen.only
-    # Of a shorter one, only what differs is worth a file.
+    # Save the results of a shorter measurement only if outcomes differ.
     report.save(name, facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
 
@@ -121,17 +121,17 @@ def _arguments() -> argparse.Namespace:
 
 
 Found = list[tuple[str, str, str]]
-"""Of each run: the task's name, what a result says, its pictures."""
+"""For each run: the task's name, the outcome and the pictures, as JSON."""
 
 
 def _repeats(
     chosen: argparse.Namespace, tasks: Sequence[Task], sandbox: Sandbox
 ) -> Iterator[tuple[dict[str, Any], Found]]:
-    """Run all tasks again and again, in the three ways in turn; yield what came of each time."""
+    """Run all tasks repeatedly, alternating between the modes; yield each repeat's results."""
     ways = (
         Way('calm', CORES),
-        # Most of those that want the processors are runs: each has as many rivals as it would
-        # have among burners, and twice as many runs are done.
+        # Most competing processes are runs instead of busy loops: each run has equally many
+        # competitors, and twice as many runs are completed.
         Way('oversubscribed', (chosen.oversubscribe - 2) * CORES, burners=2 * CORES),
         Way('parallel', chosen.parallel),
     )
@@ -147,7 +147,7 @@ def _repeats(
 def _repeat(
     tasks: Sequence[Task], way: Way, sandbox: Sandbox, number: int, until: float
 ) -> tuple[dict[str, Any], Found]:
-    """Run all tasks once, in an order of their own."""
+    """Run all tasks once, in an order that depends on the repeat."""
     order = random.Random(number).sample(tasks, len(tasks))
     began = time.monotonic()
 
@@ -168,7 +168,7 @@ def _repeat(
 
 
 def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
-    """Return all that a result says, and its pictures, as JSON."""
+    """Return a result without its timing, and its pictures, both as JSON."""
     try:
         result = examine(task.exam, dict(task.files), sandbox=sandbox)
     except GraderError as error:
@@ -182,19 +182,19 @@ def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
 
 
 def _verdicts(outcome: str) -> str:
-    """Return the verdicts in an outcome, without the texts."""
+    """Return only the verdicts of an outcome, without the texts."""
     if not outcome.startswith('{'):
         return outcome
     return ' '.join(f'{one["check"]}:{one["verdict"]}' for one in json.loads(outcome)['checks'])
 
 
 def _allowed(task: Task, outcome: str) -> bool:
-    """Return whether this outcome may differ from run to run."""
+    """Return whether an outcome may vary from run to run."""
     return task.bound is not None and not outcome.endswith('over its bound')
 
 
 def _differing(tasks: Sequence[Task], seen: Seen) -> dict[str, dict[str, int]]:
-    """Return the tasks of which more than one outcome was seen, or one over its bound."""
+    """Return the tasks with more than one outcome, or with an outcome above its bound."""
     differing = {}
     for task in tasks:
         outcomes = [one for one in seen.outcomes[task.name] if not _allowed(task, one)]
@@ -210,7 +210,7 @@ def _figures(
     mode: str,
     chosen: argparse.Namespace,
 ) -> dict[str, Any]:
-    """Put the figures together, as they are saved."""
+    """Combine the measurements into the figures to save."""
     ways: dict[str, dict[str, Any]] = {}
     for repeat in repeats:
         way = ways.setdefault(repeat['way'], {'repeats': 0, 'runs': 0, 'wall_s': 0.0, 'load': []})

@@ -1,8 +1,9 @@
 """
-What the soak judges: a fixed panel, or every submission and attack that there is.
+Collect the tasks of the soak test: a fixed panel, or all submissions and attacks.
 
-A task is one exam on one set of files.  The panel is data, in ``panel.yaml``; ``everything`` is
-each exam of each submission in ``tests/submissions`` and each program in ``tests/attacks``.
+A task is one exam on one set of files.  The panel is listed in ``panel.yaml``; ``everything``
+contains each exam of each submission in ``tests/submissions`` and each program in
+``tests/attacks``.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ ENDED = ('limit', 'ended', 'busy')
 @dataclass(frozen=True)
 class Task:
     """
-    One exam on one set of files.
+    One exam applied to one set of files.
 
-    :param bound: the most points it may get, if it is compared with a bound; else None
+    :param bound: maximum points for a result that is only compared with a bound, else None
     :param slow: whether it takes much longer than others
     """
 
@@ -45,9 +46,9 @@ class Task:
 
 def panel() -> list[Task]:
     """
-    Return the tasks of the panel, in its order.
+    Return the tasks of the panel, in the order of the file.
 
-    :raises SystemExit: if it names one that does not exist
+    :raises SystemExit: if the panel contains an unknown task
     """
     names = [
         name
@@ -68,7 +69,7 @@ def everything(names: Collection[str] = ()) -> list[Task]:
     """
     Return all tasks.
 
-    :param names: look only where these can be; empty for everywhere
+    :param names: restrict the search to folders that can contain these tasks; empty for all
     """
     layout = Layout.here()
     folders = {name.split('/')[0] for name in names}
@@ -80,7 +81,7 @@ def everything(names: Collection[str] = ()) -> list[Task]:
 
 
 def _submissions(layout: Layout, assignment: str, names: Collection[str]) -> Iterator[Task]:
-    """Yield every exam on the files of every submission; equal files are one task."""
+    """Yield every exam on the files of every submission; equal files give one task."""
     lesson = load_lesson(layout, assignment, SandboxEngine(strongest()))
     wanted = {tuple(name.split('/')[:2]) for name in names}
     known = set()
@@ -98,11 +99,11 @@ def _submissions(layout: Layout, assignment: str, names: Collection[str]) -> Ite
 
 
 def _attacks() -> Iterator[Task]:
-    """Yield every program of the corpus."""
+    """Yield a task for every program in ``tests/attacks``."""
     for attack in programs():
         files = tuple(sorted(files_of(attack).items()))
         bound = attack.points if attack.at_most else None
         name, exam = f'attack/{attack.kind}/{attack.name}', catalog.load(attack.kind)
-        # A flag that names a limit, or a bound, means that it goes on until somebody ends it.
+        # A flag about a limit, or a bound, means that the program runs until the grader ends it.
         slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
         yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')

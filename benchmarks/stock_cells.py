@@ -1,13 +1,13 @@
 """
-The notebook that stock nbgrader grades, as one script.
+Provide the notebook that stock nbgrader grades, as one script.
 
-``# %% NAME [POINTS]`` begins a cell, and a cell with points is a grade cell whose whole text is a
-hidden test.  It is what an instructor would write who knows ROS 2 and nbgrader well: the student's
-main() runs in a thread of the kernel, and the tests listen in real time.  The checks and points
-are those of the course's own exam, autograder/exams/visible/temperature_publisher.py.
+``# %% NAME [POINTS]`` begins a cell; a cell with points is a grade cell that consists of a hidden
+test.  The notebook is what an instructor with good knowledge of ROS 2 and nbgrader would write:
+the student's main() runs in a thread of the kernel, and the tests listen in real time.  Checks and
+points are those of the course's own exam, autograder/exams/visible/temperature_publisher.py.
 """
 
-# Notebook code for learners has no annotations.
+# Code in notebooks for learners has no annotations.
 # ruff: noqa: ANN001, ANN201
 # mypy: ignore-errors
 
@@ -40,7 +40,7 @@ def main(args=None):
 
 # %% starts_its_node 2
 def run_student():
-    """Run main(); what it raises must not reach stderr, which would zero the cell."""
+    """Run main(); its exceptions must not reach stderr, because nbgrader would give 0 points."""
     try:
         main()
     except BaseException as error:
@@ -67,7 +67,7 @@ student.start()
 
 
 def see():
-    """Look at the graph once, and take what arrives within a fifth of a second."""
+    """Read the graph once, and receive messages for 0.2 s."""
     executor.spin_once(timeout_sec=0.2)
     names.update(set(listener.get_node_names()) - {'listener'})
     endpoints[:] = listener.get_publishers_info_by_topic('/temperature_topic') or endpoints
@@ -76,7 +76,7 @@ def see():
 give_up = time.monotonic() + 10
 while not names and student.is_alive() and time.monotonic() < give_up:
     see()
-# Half a second more than whole, so that the last tick is due and no further one is.
+# Add half a second, so that the last expected tick is included and no further one is.
 end = time.monotonic() + WINDOW_S + 0.5
 while names and student.is_alive() and time.monotonic() < end:
     see()

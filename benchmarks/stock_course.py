@@ -1,8 +1,8 @@
 """
-A course as nbgrader's own documentation teaches it, graded by nbgrader alone.
+Make a course as nbgrader's documentation recommends, and grade it with stock nbgrader.
 
 The tests are hidden in the notebook's grade cells and run in the student's kernel, in real time,
-one submission after the other.  Everything happens in a temporary folder.
+one submission after the other.  All files are in a temporary folder.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ c.Execute.timeout = {timeout_s}
 @dataclass(frozen=True)
 class StockRun:
     """
-    One ``nbgrader autograde`` of the class.
+    The outcome of one ``nbgrader autograde`` of the class.
 
-    :param wall_s: the whole command [s]
-    :param each_s: from one submission's first line in nbgrader's log to the next one's [s]
-    :param points: by student and check
+    :param wall_s: real time of the complete command [s]
+    :param each_s: time from a submission's first line in nbgrader's log to that of the next [s]
+    :param points: points by student and check
     """
 
     wall_s: float
@@ -54,13 +54,13 @@ class StockRun:
 
 def build(root: Path, answers: Mapping[str, str], seconds: int) -> None:
     """
-    Make the course and hand in the answers.
+    Make the course and submit the answers.
 
     :param root: an empty folder
-    :param answers: by student, the text of a node file
-    :param seconds: how long the tests listen
+    :param answers: text of a node file, by student
+    :param seconds: how long the tests listen [s]
     """
-    # nbgrader stops a cell after 30 s unless it is told otherwise.
+    # By default, nbgrader stops a cell after 30 s.
     config = CONFIG.format(timeout_s=seconds + 60)
     (root / 'nbgrader_config.py').write_text(config, encoding='utf-8')
     source = root / 'source' / ASSIGNMENT / NOTEBOOK
@@ -97,13 +97,13 @@ def _source_notebook(seconds: int) -> NotebookNode:
             **({'points': float(points)} if points else {}),
         }
         cells.append(cell)
-    # The course's kernel logs to standard output: on stderr, every log line would zero its cell.
+    # Log to standard output, as in the course's kernel: a line on stderr would give 0 points.
     kernel = {'name': 'ros2_jazzy', 'display_name': 'ROS 2 Jazzy', 'language': 'python'}
     return new_notebook(cells=cells, metadata={'kernelspec': kernel})
 
 
 def _answered(release: NotebookNode, text: str) -> NotebookNode:
-    """Return the release with an answer in it, without the last block: a kernel is __main__."""
+    """Return the release with an answer, without ``if __name__``, which is true in a kernel."""
     notebook = nbformat.from_dict(release)
     for cell in notebook.cells:
         if cell.metadata.get('nbgrader', {}).get('grade_id') == ANSWER:
@@ -115,7 +115,7 @@ def autograde(root: Path) -> StockRun:
     """
     Grade the class with ``nbgrader autograde``.
 
-    :param root: made by :func:`build`
+    :param root: folder created by :func:`build`
     """
     began = time.monotonic()
     seen = _nbgrader(root, 'autograde', ASSIGNMENT, '--force')
@@ -129,9 +129,9 @@ def autograde(root: Path) -> StockRun:
 
 def _check_set_up(root: Path, students: Iterable[str]) -> None:
     """
-    Make sure that the kernels could work at all: otherwise every test would fail, and quickly.
+    Check that the kernels work: otherwise every test would fail, and quickly.
 
-    :raises RuntimeError: if a set-up cell failed, with what it said
+    :raises RuntimeError: if a set-up cell failed, with its output
     """
     for student in students:
         path = root / 'autograded' / student / ASSIGNMENT / NOTEBOOK
@@ -143,9 +143,9 @@ def _check_set_up(root: Path, students: Iterable[str]) -> None:
 
 def points(database: Path, assignment: str) -> dict[str, dict[str, float]]:
     """
-    Return what a gradebook says about the check cells of an assignment.
+    Return the points in a gradebook for the check cells of an assignment.
 
-    :returns: by student and grade id
+    :returns: points by student and grade id
     """
     from nbgrader.api import Gradebook
 
@@ -161,8 +161,8 @@ def _nbgrader(root: Path, *arguments: str) -> dict[str, float]:
     """
     Run an nbgrader command.
 
-    :returns: when each student was first named in the log, by :func:`time.monotonic`
-    :raises RuntimeError: with nbgrader's last lines, if it fails
+    :returns: the time of each student's first line in the log, from :func:`time.monotonic`
+    :raises RuntimeError: if the command fails, with the last lines of its output
     """
     process = subprocess.Popen(
         [sys.executable, '-m', 'nbgrader', *arguments],
@@ -198,9 +198,9 @@ def _nbgrader(root: Path, *arguments: str) -> dict[str, float]:
 
 
 def _variables(root: Path) -> dict[str, str]:
-    """Return nbgrader's environment: nothing of the user's settings, one domain for the class."""
+    """Return nbgrader's environment, without the user's settings and with one domain per class."""
     variables = {**os.environ, **ros_environment().variables}
-    # Nothing keeps other ROS programs of this machine out of a domain, but few use 215 to 232.
+    # Other ROS programs of this machine could use the same domain, but few use 215 to 232.
     variables['ROS_DOMAIN_ID'] = str(215 + os.getpid() % 18)
     for name in ('HOME', 'JUPYTER_CONFIG_DIR', 'JUPYTER_DATA_DIR', 'IPYTHONDIR', 'ROS_LOG_DIR'):
         folder = root / 'home' / name.lower()

@@ -1,8 +1,8 @@
 """
-The same six submissions and the same exam: stock nbgrader, and this project.
+Grade the same six submissions with the same exam, by stock nbgrader and by this project.
 
-Both take place in this one run, on this machine, and both write a gradebook.  Stock nbgrader
-executes the tests in the student's kernel and waits a real minute for each minute of messages.
+Both run one after the other on this machine, and both write a gradebook.  Stock nbgrader executes
+the tests in the student's kernel and waits a real minute for each minute of messages.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Points = Mapping[str, Mapping[str, float]]
 
 
 def main() -> None:
-    """Measure, print and save."""
+    """Measure, then print and save the figures."""
     chosen = _arguments()
     names = tuple(chosen.submissions.split(',')) if chosen.submissions else SIX
     facts = report.machine()
@@ -40,7 +40,8 @@ def main() -> None:
         layout = reduced_course.build(project_root, answers, chosen.seconds)
         ours: dict[int, list[ProjectRun]] = {jobs: [] for jobs in job_counts}
         stock: list[StockRun] = []
-        # This project before and after stock nbgrader, so that a change of load would show.
+        # Measure this project before and after stock nbgrader, so that a change of load becomes
+        # visible.
         for number in range(chosen.project_runs):
             for jobs in job_counts:
                 print(f'this project, --jobs {jobs}, run {number + 1} ...', flush=True)
@@ -73,7 +74,7 @@ def _figures(
     ours: Mapping[int, Sequence[ProjectRun]],
     entered: Points,
 ) -> dict[str, Any]:
-    """Put the figures together, as they are saved."""
+    """Combine the measurements into the figures to save."""
     project = {
         f'--jobs {jobs}': {
             **report.spread([run.wall_s for run in runs]),
@@ -94,7 +95,7 @@ def _figures(
 def _verdicts(
     name: str, stock: StockRun, ours: Mapping[int, Sequence[ProjectRun]], entered: Points
 ) -> dict[str, Any]:
-    """Compare what both say about one submission, in every run."""
+    """Compare the verdicts of both graders on one submission, in every run."""
     theirs = stock.points[name]
     runs = [run for group in ours.values() for run in group]
     found = [run.points()[name] for run in runs]

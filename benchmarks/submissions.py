@@ -1,4 +1,4 @@
-"""The publishers of the sample class, as texts that each benchmark puts where it needs them."""
+"""Provide the publishers of the sample class as source text for the benchmarks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SIX = (
     'fail__best_effort',
     'error__exception_in_callback',
 )
-"""Two right, four wrong in different ways, all of which a test in the kernel can see, too."""
+"""Two correct and four wrong submissions; a test in the kernel can detect all four mistakes."""
 
 
 def publishers(names: Sequence[str]) -> dict[str, str]:
@@ -28,7 +28,7 @@ def publishers(names: Sequence[str]) -> dict[str, str]:
     Return the publisher file of each named sample submission.
 
     :param names: folders of ``tests/submissions/07_temperature_monitor``
-    :raises SystemExit: if there is no such sample
+    :raises SystemExit: if a sample does not exist
     """
     layout = Layout.here()
     folder = layout.sample_class / ASSIGNMENT

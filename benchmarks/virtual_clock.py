@@ -1,8 +1,9 @@
 """
-Every style of keeping time on the virtual clock, again and again, calm and beside busy programs.
+Run every style of timing on the virtual clock repeatedly, with and without load.
 
-The programs are those of ``tests/clock/time_styles.py``, over a virtual minute in the grader's own
-sandbox.  Two runs agree if the same events are recorded at each instant, to the nanosecond.
+The programs are those of ``tests/clock/time_styles.py``; each runs for a virtual minute in the
+grader's own sandbox.  Two runs agree if the same events are recorded at each instant, to the
+nanosecond.
 """
 
 from __future__ import annotations
@@ -28,22 +29,23 @@ MINUTE = replace(WATCHED, steps=(Advance(59.8),))
 
 
 def programs() -> dict[str, tuple[str, Scenario]]:
-    """Return the text of each style, and what is done with it."""
+    """Return the program and the scenario of each style."""
     timed = {name: (body, MINUTE) for name, (body, _) in STYLES.items()}
     return {**timed, **{f'answers {name}': (body, ASKED) for name, body in ANSWERING.items()}}
 
 
 def transcript(found: Recording) -> str:
-    """Return what came, in an order that does not depend on that of one instant."""
+    """Return the recorded events as text; the order of events at one instant does not matter."""
     events = [event for event in found.events if event['event'] in ('message', 'log', 'input')]
     return json.dumps(sorted(events, key=lambda one: (one['clock_ns'], json.dumps(one))))
 
 
 def measure(body: str, scenario: Scenario, sandbox: Sandbox, repeats: int) -> tuple[int, float]:
     """
-    Repeat one style.
+    Run one style several times.
 
-    :returns: how many runs differ from the most frequent one, and the median wall time [s]
+    :returns: number of runs that differ from the most frequent result, and the median wall time
+        [s]
     """
     seen: dict[str, int] = {}
     times = []
@@ -56,7 +58,7 @@ def measure(body: str, scenario: Scenario, sandbox: Sandbox, repeats: int) -> tu
 
 
 def main() -> None:
-    """Measure, print and save."""
+    """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
     parser.add_argument('--repeats', type=int, default=REPEATS, help='runs of each style')
     parser.add_argument('--busy', type=int, default=BUSY, help='programs beside them')

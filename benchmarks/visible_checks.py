@@ -1,10 +1,10 @@
 """
-How long a learner waits for ``check(...)``: every visible check, with the solution and the stub.
+Measure how long ``check(...)`` takes: every visible check, with the solution and the stub.
 
-Each is a child process, as in a notebook, on a folder laid out like that of a learner; the median
-of three counts.  A check that builds messages is measured three ways: the solution's files as they
-were built before (what a learner meets who runs the check again), files that nobody has built yet,
-and the stub.
+Each check is a child process, as in a notebook, on a folder like that of a learner; the result is
+the median of three.  A check that builds messages is measured with three sets of files: the
+solution, built before (as when a learner repeats the check); files that were never built; and the
+stub.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Files = Mapping[str, str]
 
 
 def visible_exams(layout: Layout) -> list[Exam]:
-    """Return the visible exams of the course in its order."""
+    """Return the visible exams in the order of the course."""
     return [
         exam
         for assignment in layout.assignments()
@@ -44,9 +44,9 @@ def visible_exams(layout: Layout) -> list[Exam]:
 
 def files_of(layout: Layout, exam: Exam, solved: bool) -> Files:
     """
-    Return the files that the cells of a lesson make.
+    Return the files that the cells of a lesson save.
 
-    :param solved: of the solution, or of the release as students get it
+    :param solved: use the solution instead of the release
     """
     release = read_release(layout.release(exam.assignment))
     name = layout.release(exam.assignment).name
@@ -58,7 +58,7 @@ def files_of(layout: Layout, exam: Exam, solved: bool) -> Files:
 
 def lay_out(files: Files, folder: Path, comment: str = '') -> None:
     """
-    Write files as a notebook's cells do.
+    Write files as the cells of a notebook do.
 
     :param comment: appended to message files, so that they differ from those of earlier builds
     """
@@ -71,10 +71,10 @@ def lay_out(files: Files, folder: Path, comment: str = '') -> None:
 
 def waited_s(exam: Exam, folder: Path, solved: bool) -> float:
     """
-    Return how long one check takes as a learner starts it [s].
+    Return the time of one check, started as in a notebook [s].
 
     :param solved: whether full points are expected
-    :raises RuntimeError: if there is no such verdict: then the time means nothing
+    :raises RuntimeError: if the verdict is unexpected, because then the time is meaningless
     """
     command = [sys.executable, '-m', 'autograder.commands.check', exam.name]
     command += ['--files', str(folder), '--visible', '--json']
@@ -95,8 +95,8 @@ def measured(
     """
     Return the times of a check on some files, None if there are no files to check.
 
-    :param solved: whether they are a solution's
-    :param new: whether the files are such as were never built before
+    :param solved: whether the files are a solution
+    :param new: whether to change the files so that they were never built before
     """
     if not files:
         return None
@@ -109,7 +109,7 @@ def measured(
 
 
 def main() -> None:
-    """Measure, print and save."""
+    """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.visible_checks')
     help_text = 'runs of each check (default: %(default)s)'
     parser.add_argument('--runs', type=int, default=RUNS, metavar='N', help=help_text)
@@ -136,7 +136,7 @@ def _of_one(layout: Layout, exam: Exam, runs: int) -> dict[str, Any]:
         first = measured(exam, solution, runs, solved=True, new=True)
         with tempfile.TemporaryDirectory(prefix='visible-') as folder:
             lay_out(solution, Path(folder))
-            waited_s(exam, Path(folder), True)  # builds, if it was never built
+            waited_s(exam, Path(folder), True)  # builds the messages if necessary
     else:
         first = None
     return {
@@ -147,7 +147,7 @@ def _of_one(layout: Layout, exam: Exam, runs: int) -> dict[str, Any]:
 
 
 def _slowest(found: Mapping[str, Any]) -> float:
-    """Return the longest median of what a prepared machine answers."""
+    """Return the longest median of checks that need no first build [s]."""
     return max((found[one]['median'] for one in ('solution', 'stub') if found[one]), default=0.0)
 
 

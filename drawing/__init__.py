@@ -1,1 +1,1 @@
-"""Pictures as SVG with words, and where their boxes go; knows nothing of the project."""
+"""Draw accessible SVG pictures and lay out graphs; this package imports nothing of the project."""

@@ -1,9 +1,9 @@
 """
 Place the boxes and lines of a graph, in layers from left to right.
 
-A node that only publishes is left of its topics, one that only subscribes is right of them, and
-one that does both is between them.  A line that spans several layers gets a place in each, so that
-no line runs through a box.  Equal graphs give equal pictures.
+A node that only publishes is left of its topics, a node that only subscribes is right of them, and
+a node that does both is between them.  A line that spans several layers gets a place in each of
+them, so that no line crosses a box.  Equal graphs give equal pictures.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 Arrow = tuple[str, str]
-"""From one box to another, by their keys."""
+"""An arrow from one box to another, given by their keys."""
 
 GAP_X = 84.0
 _NARROW_GAP_X = 56.0
@@ -26,10 +26,10 @@ _SWEEPS = 8
 @dataclass
 class Spot:
     """
-    The place of a box, or of a line that passes.
+    The place of a box, or of a line that crosses a layer.
 
-    :param x: of the left side
-    :param y: of the middle
+    :param x: left side
+    :param y: vertical centre
     """
 
     key: str
@@ -43,10 +43,10 @@ class Spot:
 @dataclass
 class Layout:
     """
-    A finished layout.
+    The places of all boxes and lines of a graph.
 
     :param spots: places of the boxes by key
-    :param routes: for each arrow, the points that its line goes through
+    :param routes: for each arrow, the points of its line
     """
 
     spots: dict[str, Spot] = field(default_factory=dict)
@@ -59,11 +59,11 @@ def arrange(
     sizes: Mapping[str, tuple[float, float]], arrows: Sequence[Arrow], odd: frozenset[str]
 ) -> Layout:
     """
-    Return places for boxes and lines.
+    Lay out the boxes and lines of a graph.
 
-    :param sizes: width and height of each box, by key, in the order in which ties are broken
+    :param sizes: width and height of each box, by key, in the order that breaks ties
     :param arrows: without repetition; two boxes may have arrows in both directions
-    :param odd: keys of the boxes in the odd layers: the topics
+    :param odd: keys of the boxes for odd-numbered layers: the topics
     """
     forward = _without_cycles(list(sizes), arrows)
     layers = _layers(list(sizes), forward, odd)
@@ -78,7 +78,7 @@ def arrange(
 
 
 def _without_cycles(keys: list[str], arrows: Sequence[Arrow]) -> list[Arrow]:
-    """Return the arrows with those that close a cycle turned round."""
+    """Return the arrows, with those that close a cycle reversed."""
     targets: dict[str, list[str]] = {key: [] for key in keys}
     for start, end in arrows:
         targets[start].append(end)
@@ -103,7 +103,7 @@ def _without_cycles(keys: list[str], arrows: Sequence[Arrow]) -> list[Arrow]:
 
 
 def _layers(keys: list[str], forward: list[Arrow], odd: frozenset[str]) -> dict[str, int]:
-    """Return the layer of each box: right of all that lead to it, as far right as it can."""
+    """Return the layer of each box: right of its predecessors; a source is next to a successor."""
     layers = {key: int(key in odd) for key in keys}
     for _ in keys:
         for start, end in forward:
@@ -117,7 +117,7 @@ def _layers(keys: list[str], forward: list[Arrow], odd: frozenset[str]) -> dict[
 
 
 def _chain(arrow: Arrow, spots: dict[str, Spot]) -> list[str]:
-    """Return the keys that a line passes, with new spots in the layers between."""
+    """Return the keys along a line, with new spots in the layers that the line crosses."""
     start, end = arrow
     keys = [start]
     for layer in range(spots[start].layer + 1, spots[end].layer):
@@ -141,7 +141,7 @@ def _neighbours(links: list[Arrow]) -> dict[str, list[str]]:
 
 
 def _order(columns: list[list[Spot]], links: list[Arrow]) -> None:
-    """Order each layer so that few lines cross: each box near the middle of its neighbours."""
+    """Sort each layer so that few lines cross: each box goes near the middle of its neighbours."""
     near = _neighbours(links)
     best = _crossings(columns, links), [list(column) for column in columns]
     for sweep in range(_SWEEPS):
@@ -183,7 +183,7 @@ def _place_x(columns: list[list[Spot]]) -> None:
     for column in columns:
         width = max((spot.width for spot in column), default=0.0)
         for spot in column:
-            # Boxes of a layer have one centre; a line passes from side to side.
+            # Boxes in a layer have a common centre; a line crosses from side to side.
             spot.x = x + (width - spot.width) / 2 if spot.width else x
             spot.width = spot.width or width
         x += width + gap
@@ -204,7 +204,7 @@ def _place_y(columns: list[list[Spot]], links: list[Arrow]) -> None:
 
 
 def _stack(column: list[Spot], wanted: Mapping[str, float]) -> None:
-    """Put the boxes of a layer as near to wanted heights as their order and the gaps allow."""
+    """Place the boxes of a layer as close to the wanted heights as their order and gaps allow."""
     blocks: list[tuple[float, list[Spot], list[float]]] = []  # mean, spots, offsets
     for spot in column:
         mean, spots, offsets = wanted[spot.key], [spot], [0.0]
@@ -234,7 +234,7 @@ def _finish(
     chains: dict[Arrow, list[str]],
     arrows: Sequence[Arrow],
 ) -> Layout:
-    """Move everything to the origin and lead each line from side to side."""
+    """Move everything to the origin and connect each line to the sides of its boxes."""
     top = min((spot.y - spot.height / 2 for spot in spots.values()), default=0.0)
     for spot in spots.values():
         spot.y -= top
@@ -266,6 +266,6 @@ def _finish(
 
 
 def _port(index: int, count: int, height: float) -> float:
-    """Return where on a box's side a line ends, from the middle."""
+    """Return the offset from the middle of a box's side at which a line ends."""
     step = min(14.0, (height - 8.0) / max(count - 1, 1))
     return (index - (count - 1) / 2) * step

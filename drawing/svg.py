@@ -1,8 +1,8 @@
 """
-Pieces of the pictures that the notebook draws: SVG, with words for those who cannot see it.
+Provide the elements of the SVG pictures, which are also described in words for screen readers.
 
-Lines and letters take the colour of the surrounding text, and areas are a transparent tint, so
-that a picture is readable on a light and on a dark page.  Colour never says anything alone.
+Lines and letters take the colour of the surrounding text, and areas have a transparent tint, so
+pictures are readable on a light and a dark page.  Colour is never the only sign of a difference.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import html
 
 FONT = 'system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif'
 
-_LEAST = 480.0  # pixels of width below which letters are too small; the picture then scrolls
+_LEAST = 480.0  # minimum width in pixels for readable letters; a narrower page scrolls the picture
 
 BLUE = '#1e88e5'
 ORANGE = '#f57c00'
@@ -23,14 +23,14 @@ GREEN = '#43a047'
 Table = Sequence[Sequence[object]]
 """The data of a picture: the first row names the columns."""
 MAX_ROWS = 60
-"""Rows of a table, or times in one of its cells, that a reader would still go through."""
+"""Maximum number of table rows, or of times in one cell, that a reader can still follow."""
 
 
 def escape(text: object) -> str:
     """
-    Return a text that is safe inside an element and inside an attribute.
+    Return text that is safe inside an HTML element and inside an attribute.
 
-    :param text: anything; names and messages come from programs that nobody has checked
+    :param text: anything; names and messages come from untrusted programs
     """
     cleaned = ''.join(letter if letter.isprintable() else ' ' for letter in str(text))
     return html.escape(cleaned)
@@ -45,20 +45,20 @@ def picture(
     table: Table = (),
 ) -> str:
     """
-    Return a whole picture as HTML, with its data in a table that opens below it.
+    Return a complete picture as HTML, with its data in a table that opens below it.
 
-    :param width: of the drawing; it shrinks with a narrow page
-    :param title: what it is a picture of
-    :param description: what can be seen in it, in words
-    :param parts: of the drawing, as SVG
-    :param table: the data, for :func:`data_table`; empty if the page shows it elsewhere
+    :param width: width of the drawing; it shrinks to fit a narrow page
+    :param title: the subject of the picture
+    :param description: the contents of the picture as text
+    :param parts: elements of the drawing, as SVG
+    :param table: the data, for :func:`data_table`; empty if the page shows the data elsewhere
     """
     drawn = ''.join(parts)
-    # Equal pictures have equal names, so that equal results give equal pages.
+    # Equal pictures have equal ids, so that equal results give identical pages.
     whole = f'{title}|{description}|{drawn}'
     name = f'picture-{hashlib.sha256(whole.encode()).hexdigest()[:12]}'
     return (
-        # Focusable, so that it can be scrolled without a mouse on a narrow page.
+        # Focusable, so that users can scroll it on a narrow page without a mouse.
         f'<div role="group" aria-label="{escape(title)}" tabindex="0" '
         f'style="overflow-x: auto; color: var(--jp-content-font-color1, currentColor)">'
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" '
@@ -76,7 +76,7 @@ def data_table(title: str, table: Table) -> str:
     """
     Return the data of a picture as HTML: a line that opens a table.
 
-    :param title: what it is a picture of
+    :param title: the subject of the picture
     """
     head, *rows = ([escape(cell) for cell in row] for row in table)
     cell = 'style="text-align: left; padding: 2px 12px 2px 0"'
@@ -92,7 +92,7 @@ def data_table(title: str, table: Table) -> str:
 
 
 def listed(times: Sequence[float], most: int = MAX_ROWS) -> str:
-    """Return times in one line; if there are too many, the first ones and the last [s]."""
+    """Return times in one line [s]; a long list shows only the first ones and the last."""
     head = times if len(times) <= most else times[: most - 2]
     words = ' '.join(f'{time:.2f}' for time in head)
     return words if len(times) <= most else f'{words} ... {times[-1]:.2f}'
@@ -112,8 +112,8 @@ def text(
     """
     Return one line of text.
 
-    :param anchor: 'start', 'middle' or 'end' of the line is at x
-    :param faint: of less importance
+    :param anchor: which point of the line is at x: 'start', 'middle' or 'end'
+    :param faint: use a weaker colour for less important text
     """
     style = ''.join(
         (
@@ -149,7 +149,7 @@ def line(
 def box(
     x: float, y: float, width: float, height: float, *, colour: str, rounded: float = 0
 ) -> str:
-    """Return a rectangle with a tint of a colour."""
+    """Return a rectangle tinted with a colour."""
     return (
         f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" '
         f'rx="{rounded:g}" fill="{colour}" fill-opacity=".16" stroke="{colour}" '
@@ -169,7 +169,7 @@ SHAPES = {
 
 def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
     """
-    Return a small sign.
+    Return a small symbol, such as a diamond.
 
     :param kind: a key of :data:`SHAPES`
     """
@@ -187,9 +187,9 @@ def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
 
 def text_width(words: str, size: float = 12) -> float:
     """
-    Return about how wide a text will be; generous, because every machine has other fonts.
+    Estimate the width of a text; generously, because fonts differ between machines.
 
-    :param size: of its letters
+    :param size: font size
     """
     wide = sum(
         1.45 if letter in 'mwMW@' else 0.62 if letter in 'iljft/.:,|() ' else 1.0
@@ -200,9 +200,9 @@ def text_width(words: str, size: float = 12) -> float:
 
 def ticks(low: float, high: float, most: int = 8) -> list[float]:
     """
-    Return round numbers between two others, for an axis.
+    Return round numbers between two limits, for an axis.
 
-    :param most: about how many
+    :param most: approximate maximum of their number
     """
     span = max(high - low, 1e-9)
     raw = span / max(most, 1)

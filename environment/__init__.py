@@ -1,1 +1,1 @@
-"""Set-up of the course: finds or installs everything that `make` needs (stdlib only)."""
+"""Set up the course: find or install everything that `make` needs (standard library only)."""

@@ -32,7 +32,7 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
         )
         return 2
     places = Places.of(environ.get('VENV') or '.venv', course)
-    # Imported where they are used: `ready` runs before every make goal and has to be quick.
+    # Imported where needed: `ready` runs before every make goal and must start quickly.
     if command == 'ready':
         from environment.stamps import is_ready
 
@@ -55,7 +55,7 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
 
 
 def run(command: Sequence[str], places: Places, environ: Mapping[str, str]) -> int:
-    """Replace this process by a command with the ROS environment."""
+    """Replace this process with a command that has the ROS environment."""
     from environment.ros import EnvironmentError_, ros_environment
 
     try:
@@ -73,7 +73,7 @@ def run(command: Sequence[str], places: Places, environ: Mapping[str, str]) -> i
 
 
 def lock(environ: Mapping[str, str]) -> int:
-    """Resolve with every supported Python of this machine; each has to be there."""
+    """Resolve with every supported Python on this machine; all of them must be present."""
     from environment import interpreters
     from environment.lock import oldest_of_each, write_lock
 
@@ -92,7 +92,7 @@ if __name__ == '__main__':
     try:
         sys.exit(main(sys.argv[1:], os.environ))
     except BrokenPipeError:
-        # The reader, such as head, has seen enough; Python would complain once more at its end.
+        # The reader, such as head, has closed the pipe; Python would report that again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         sys.exit(1)
     except KeyboardInterrupt:

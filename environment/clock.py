@@ -1,4 +1,4 @@
-"""Build the virtual clock of the grader's runs: the library for programs, and its driver."""
+"""Build the virtual clock for the grader's runs: the library for programs, and its driver."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ DRIVER, LIBRARY = 'driver', 'clock.so'
 
 
 def sources() -> list[Path]:
-    """Return the C files and headers, sorted."""
+    """Return the C sources and headers, sorted."""
     return sorted(path for path in CLOCK_SOURCES.iterdir() if path.suffix in ('.c', '.h'))
 
 
 def commands(folder: Path, *options: str) -> list[list[str]]:
     """
-    Return the compiler's two command lines.
+    Return the two compiler commands, for the library and the driver.
 
-    :param folder: where the results go
-    :param options: further options of the compiler
+    :param folder: folder for the compiled files
+    :param options: additional compiler options
     """
     driver = CLOCK_SOURCES / 'driver.c'
     library = [str(path) for path in sources() if path.suffix == '.c' and path != driver]
@@ -35,7 +35,7 @@ def commands(folder: Path, *options: str) -> list[list[str]]:
 
 
 def build(places: Places, environ: Mapping[str, str], job: Job) -> None:
-    """Compile both aside, then move them into place: a run never sees half a file."""
+    """Compile to temporary files and rename them, so that a run never sees an incomplete file."""
     places.clock.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=places.notes) as aside:
         for command in commands(Path(aside)):

@@ -1,10 +1,10 @@
 """
-Keep what the build of the course's own package found out, for the builds of the grader.
+Keep results of the course package's build, to speed up the grader's builds.
 
-In each build of a message package, CMake looks for Python again, 2 s of CPU time, and the compiler
-reads the same headers again, 1.3 s.  The grader's builds start from these notes.  They are only a
-short cut: if a note is missing or no longer fits, CMake searches again and the compiler reads the
-headers.
+In each build of a message package, CMake searches for Python again (2 s of CPU time) and the
+compiler parses the same headers again (1.3 s).  The grader's builds reuse the stored results.
+They are only an optimisation: if one is missing or no longer valid, CMake searches again and the
+compiler parses the headers.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ import subprocess
 from environment.places import Places, PROJECT, write_atomically
 
 STAND_IN = PROJECT / 'autograder' / 'inside' / 'hand_over.py'
-"""Replaces Python in CMake's steps of the grader's builds, which saves many starts of Python."""
-LONGEST_FIRST_LINE = 127  # of a script, on every kernel: execve(2)
+"""Replaces Python in the grader's builds, so that CMake starts the interpreter less often."""
+LONGEST_FIRST_LINE = 127  # maximum length of a script's first line on every kernel: execve(2)
 # An entry of CMakeCache.txt is NAME:TYPE=VALUE.
 ENTRY = re.compile(r'^(\w+):\w+=(.*)$', re.M)
-# Headers that are compiled: the name, the language as CMake and as GCC call it, the target of the
-# course's own package that tells the options (after its name), and what is taken of its defines.
+# Headers to precompile: file name, language as named by CMake and by GCC, suffix of the target in
+# the course's package that has the right options, and prefix of the defines to keep.
 HEADERS = (
     ('fast_dds.hpp', 'CXX', 'c++', 'rosidl_typesupport_fastrtps_c', '-DFASTCDR'),
     ('python_api.h', 'C', 'c', 'rosidl_generator_py', '-DPy_'),
 )
-# Of a Makefile: "# compile CXX with /usr/bin/c++", "CXX_FLAGS = -O3 -std=gnu++17 -fPIC -Wall".
+# Matches in a Makefile: "# compile CXX with /usr/bin/c++", "CXX_FLAGS = -O3 -std=gnu++17 -fPIC".
 SETTING = re.compile(r'^(?:# (?=compile))?(C(?:XX)?_\w+|compile \w+ with)(?: =)? (.*)$', re.M)
-# A precompiled header fits where these are the same; a grader's build does not optimise.
+# A precompiled header is valid if these options are equal; a grader's build does not optimise.
 KEPT_OPTIONS = ('-std', '-f', '-W')
-# How FindPython lists an interpreter's properties; the ABI of extension modules comes seventh.
+# Indices into FindPython's list of interpreter properties; 6 is the ABI of extension modules.
 MAJOR, MINOR, PATCH, SOABI = 1, 2, 3, 6
 
 
 def keep(places: Places) -> bool:
     """
-    Copy CMake's notes from the workspace's build folder to where the CMake files are.
+    Copy CMake's results from the workspace's build folder to the folder of the CMake files.
 
-    :returns: whether there were any of the known form
+    :returns: False if there were none in the known format
     """
     package = places.package_name
     built, known = places.workspace / 'build' / package, places.cmake / 'known'
@@ -61,7 +61,7 @@ def keep(places: Places) -> bool:
 
 
 def _write_stand_in(path: Path, python: str) -> None:
-    """Write the Python that CMake finds, if a script's first line can name it."""
+    """Write the stand-in for Python that CMake finds, if a script's first line can name Python."""
     first = f'#!{python} -SE\n'
     if len(first) <= LONGEST_FIRST_LINE and len(first.split()) == len(('python', '-SE')):
         write_atomically(path, first + STAND_IN.read_text('utf-8'))
@@ -70,13 +70,13 @@ def _write_stand_in(path: Path, python: str) -> None:
 
 def _precompile(header: Path, flags: Path, language: str, called: str, defines: str) -> None:
     """
-    Compile a header with the options that the build had; or leave nothing.
+    Compile a header with the options of the build; if that fails, leave no file behind.
 
-    :param header: beside it GCC looks for the compiled one, ``.gch``
-    :param flags: CMake's options of a target
-    :param language: as CMake calls it
-    :param called: what GCC calls it
-    :param defines: how those begin that the headers look at; GCC wants the same ones later
+    :param header: the header; GCC looks for the compiled file next to it, with suffix ``.gch``
+    :param flags: file with CMake's options for a target
+    :param language: CMake's name of the language
+    :param called: GCC's name of the language
+    :param defines: prefix of the defines that affect the headers; GCC requires the same ones later
     """
     compiled = header.with_name(f'{header.name}.gch')
     try:

@@ -1,8 +1,8 @@
 """
-Describe a prepared environment: which variables make ROS 2 work in a fresh process.
+Describe a prepared environment: the variables with which ROS 2 works in a new process.
 
-With the wheels everything lies in the venv. With a sourced installation the variables that its
-setup file exported are kept, so that later nobody needs to source anything.
+With the wheels, everything is in the venv. With a sourced installation, the description keeps the
+variables that its setup file exported, so that later shells need not source it again.
 """
 
 from __future__ import annotations
@@ -16,20 +16,22 @@ from environment.ros import RosEnvironment
 
 SYSTEM_PATH = ('/usr/local/sbin', '/usr/local/bin', '/usr/sbin', '/usr/bin', '/sbin', '/bin')
 
-# What every process of the course wants, wherever ROS comes from.
+# For every process of the course, wherever ROS comes from.
 COMMON = {
-    # Assigning a string to a number field is an error at once, not a crash at publish time.
+    # Raise an error when a string is assigned to a number field, instead of a crash at publish
+    # time.
     'ROS_PYTHON_CHECK_FIELDS': '1',
-    # nbgrader gives 0 to a grade cell with any stderr, and JupyterLab paints it red.
+    # nbgrader gives 0 points to a grade cell with output on stderr, and JupyterLab shows it in
+    # red.
     'RCUTILS_LOGGING_USE_STDOUT': '1',
     'RCUTILS_COLORIZED_OUTPUT': '1',
     'RCUTILS_CONSOLE_OUTPUT_FORMAT': '[{severity}] [{name}]: {message}',
-    # A class in one room must not hear each other.
+    # Students in one room must not receive each other's messages.
     'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
 }
 
-# What a sourced installation exports and its programs need; PYTHONPATH, PATH and
-# LD_LIBRARY_PATH are treated apart.
+# Variables that a sourced installation exports and its programs need; PYTHONPATH, PATH and
+# LD_LIBRARY_PATH are handled separately.
 SOURCED_NAMES = (
     'AMENT_PREFIX_PATH',
     'CMAKE_PREFIX_PATH',
@@ -44,7 +46,7 @@ SOURCED_NAMES = (
 
 
 def join_paths(*parts: str | Path | Iterable[str | Path]) -> str:
-    """Return the parts as one search path: in order, without empty and repeated entries."""
+    """Join the parts to one search path, in order, without empty and repeated entries."""
     flat: list[str] = []
     for part in parts:
         flat += (
@@ -58,10 +60,10 @@ def join_paths(*parts: str | Path | Iterable[str | Path]) -> str:
 
 def describe_wheels(places: Places, base_prefix: str) -> RosEnvironment:
     """
-    Describe a venv that holds the ROS 2 wheels.
+    Describe a venv that contains the ROS 2 wheels.
 
     :param places: the prepared folders
-    :param base_prefix: installation of the interpreter that the venv was made from
+    :param base_prefix: installation of the interpreter with which the venv was created
     """
     venv, site = places.venv, places.site_packages()
     base = {
@@ -69,8 +71,8 @@ def describe_wheels(places: Places, base_prefix: str) -> RosEnvironment:
         'VIRTUAL_ENV': str(venv),
         'PATH': join_paths(venv / 'bin', SYSTEM_PATH),
         'AMENT_PREFIX_PATH': str(venv),
-        # Without these two every Python start re-executes itself once to set them. Nearly all of
-        # the hundred libraries that rclpy loads are in the first folder.
+        # Without these two variables, every Python start re-executes itself once to set them.
+        # Nearly all of the hundred libraries that rclpy loads are in the first folder.
         'LD_LIBRARY_PATH': join_paths(venv / 'lib', sorted(site.glob('ros_*.libs'))),
         '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1',
         'CMAKE_TOOLCHAIN_FILE': str(places.cmake / 'ros_wheels_toolchain.cmake'),
@@ -85,7 +87,7 @@ def describe_sourced(
     Describe a venv that uses a sourced ROS 2 installation (apt or conda).
 
     :param places: the prepared folders
-    :param base_prefix: installation of the interpreter that the venv was made from
+    :param base_prefix: installation of the interpreter with which the venv was created
     :param environ: the environment of the shell in which the installation was sourced
     """
     kept = {name: environ[name] for name in SOURCED_NAMES if environ.get(name)}
@@ -119,9 +121,9 @@ def _describe(
 
 def trial_of_messages(package: str) -> str:
     """
-    Return a Python program that loads ROS and every message of a built package.
+    Return the code of a Python program that imports ROS and every message of a built package.
 
-    :param package: empty for none
+    :param package: name of the package, empty for none
     """
     if not package:
         return 'import rclpy'
@@ -135,12 +137,12 @@ for name in [name for name in dir(messages) if name[0].isupper()]:
 
 def with_workspace(base: Mapping[str, str], prefix: Path) -> dict[str, str]:
     """
-    Return the variables with a built workspace in front.
+    Return the variables with the paths of a built workspace in front.
 
-    :param base: variables without it
+    :param base: variables without the workspace
     :param prefix: where colcon installed the package
     """
-    # Debian's own CMake rules may say local/lib and dist-packages; both are accepted.
+    # Debian's CMake rules may use local/lib and dist-packages; both are accepted.
     python = [
         folder
         for pattern in ('lib/python3*/*-packages', 'local/lib/python3*/*-packages')
@@ -156,7 +158,7 @@ def with_workspace(base: Mapping[str, str], prefix: Path) -> dict[str, str]:
 
 
 def _outermost(folders: Iterable[str]) -> list[str]:
-    """Return the existing folders, resolved, without /usr and folders inside others."""
+    """Return the existing folders, resolved, without /usr and folders inside other folders."""
     real = {str(Path(folder)) for folder in folders if Path(folder).is_dir()}
     real |= {os.path.realpath(folder) for folder in real}
     outer: list[str] = []

@@ -1,7 +1,7 @@
 """
-`make doctor`: one line for each requirement, with its state and its fix. Uses no network.
+Implement `make doctor`: one line per requirement, with its state and fix, without network access.
 
-`missing` stops the course from working; `weak` leaves a part of it out.
+The course does not work with a `missing` requirement; with a `weak` one, some part does not.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ _UBUNTU_FIX = (
 @dataclass(frozen=True)
 class Finding:
     """
-    The state of one requirement.
+    The result of checking one requirement.
 
     :param name: the requirement
     :param state: ok, weak or missing
     :param detail: what was found
-    :param fix: what to type or change, '' if nothing
+    :param fix: what to type or change, '' if nothing is wrong
     """
 
     name: str
@@ -77,7 +77,7 @@ class Finding:
 
 
 def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield the findings, each after those that it depends on."""
+    """Yield the findings, each after the findings on which it depends."""
     python = interpreters.probe(str(places.python), environ)
     ros = _description(places)
     yield check_python(interpreters.find(environ, environ.get('PYTHON', '')), ros)
@@ -111,7 +111,7 @@ def _description(places: Places) -> RosEnvironment | None:
 
 
 def check_python(found: Interpreter | None, ros: RosEnvironment | None) -> Finding:
-    """Judge the Python that a set-up would build on."""
+    """Check the Python that the set-up would use."""
     if found is None:
         packages = ' '.join(system.python_packages(None))
         return Finding(
@@ -136,7 +136,7 @@ def check_python(found: Interpreter | None, ros: RosEnvironment | None) -> Findi
 
 
 def check_venv(places: Places, python: Interpreter | None) -> Finding:
-    """Judge the virtual environment: it exists, and its Python runs."""
+    """Check that the virtual environment exists and that its Python runs."""
     if python:
         return Finding('venv', OK, f'{places.venv} (Python {python.release})')
     if places.python.is_symlink() or places.python.exists():
@@ -145,7 +145,7 @@ def check_venv(places: Places, python: Interpreter | None) -> Finding:
 
 
 def check_programs(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Judge the compiler by compiling, make and cmake by starting them."""
+    """Check the compiler by compiling a file, make and cmake by starting them."""
     compiler = shutil.which('g++')
     fix = system.command_to_type([tool for tool in system.TOOLS if tool.required])
     if not compiler:
@@ -174,7 +174,7 @@ def _starts(name: str, path: str | None, environ: Mapping[str, str], fix: str) -
 
 
 def check_bubblewrap(failure: str) -> Finding:
-    """Judge the sandbox by what happened when it was tried."""
+    """Check the sandbox, given the error of the attempt to use it."""
     if not failure:
         return Finding('bubblewrap', OK, 'a trial sandbox ran')
     if failure == 'not installed':
@@ -185,7 +185,7 @@ def check_bubblewrap(failure: str) -> Finding:
 
 
 def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[Finding]:
-    """Compare the installed versions with the lock, one line for each purpose."""
+    """Compare the installed versions with the lock, with one line per purpose."""
     pins = pins_for(LOCK_FILE.read_text(encoding='utf-8'), python_version, ros=ros)
     have = installed_versions(places.site_packages())
     purposes = purposes_of(LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8'))
@@ -227,7 +227,7 @@ def check_messages(places: Places) -> Finding:
 
 
 def installed_versions(site_packages: Path) -> dict[str, str]:
-    """Return name -> version of what is installed in a folder."""
+    """Return the versions of the packages installed in a folder, by name."""
     return {
         canonical(found.metadata['Name']): found.version
         for found in importlib.metadata.distributions(path=[str(site_packages)])
@@ -236,7 +236,7 @@ def installed_versions(site_packages: Path) -> dict[str, str]:
 
 
 def purposes_of(requirements: str) -> dict[str, str]:
-    """Return name -> its heading in requirements.in."""
+    """Return the heading in requirements.in under which each package is listed, by name."""
     purposes, heading = {}, ''
     for line in requirements.splitlines():
         if line.startswith('# --- '):
@@ -277,7 +277,7 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
 
 
 def check_workspace(places: Places) -> Finding:
-    """Judge the built course package: there, and built from the sources as they are."""
+    """Check that the course package is built, and from the current sources."""
     name = places.package_name
     if not name:
         return Finding('ROS package', OK, 'the course has none')
@@ -290,7 +290,7 @@ def check_workspace(places: Places) -> Finding:
 
 
 def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:
-    """Judge the Jupyter kernel: there, and with the environment as it is described."""
+    """Check that the Jupyter kernel is installed with the described environment."""
     path = places.venv / 'share' / 'jupyter' / 'kernels' / install_files.KERNEL_NAME
     try:
         spec = json.loads((path / 'kernel.json').read_text(encoding='utf-8'))
@@ -302,7 +302,7 @@ def check_kernel(places: Places, ros: RosEnvironment | None) -> Finding:
 
 
 def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
-    """Report which ``ros2`` is in use: the installation's or the course's."""
+    """Report which ``ros2`` is used: the installation's or the course's."""
     if ros and (real := installed_ros2(ros)):
         return Finding('ros2 command', OK, real)
     script = places.venv / 'bin' / 'ros2'
@@ -312,14 +312,14 @@ def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
 
 
 def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:
-    """Report whether the next make goal has something to prepare."""
+    """Report whether the next make goal has to prepare anything."""
     if stamps.is_ready(places, environ):
         return Finding('set-up', OK, 'complete and up to date')
     return Finding('set-up', WEAK, 'the next make goal will prepare something first', PREPARE)
 
 
 def check_exchange(root: Path) -> Finding:
-    """Judge the modes of nbgrader's exchange: students can remove only their own work."""
+    """Check the modes of nbgrader's exchange, which let students remove only their own work."""
     loose = unprotected(root)
     if loose:
         fix = ' && '.join(f'chmod {mode:o} {shlex.quote(str(path))}' for path, mode in loose)
@@ -331,7 +331,7 @@ def check_exchange(root: Path) -> Finding:
 
 
 def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
-    """Judge the free space of a folder."""
+    """Check the free disk space of a folder."""
     try:
         free_mb = shutil.disk_usage(folder).free // 2**20
     except OSError:
@@ -341,7 +341,7 @@ def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
 
 
 def run_doctor(places: Places, environ: Mapping[str, str]) -> int:
-    """Print the findings as they come; return 1 if something is missing."""
+    """Print each finding as soon as it is known; return 1 if something is missing."""
     worst = 0
     for finding in findings(places, environ):
         print(finding.line(), flush=True)

@@ -1,7 +1,8 @@
 """
-nbgrader's exchange: where it is, and the modes that protect the work in it.
+Locate nbgrader's exchange, and set the modes that protect the work in it.
 
-Students of one machine share it. The sticky bit lets them remove and rename only what they own.
+All students on a machine share it. The sticky bit lets them remove and rename only their own
+files.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ import stat
 from environment.places import stated
 
 SETTING = 'COURSE_EXCHANGE'
-"""The environment variable that replaces the course's own folder."""
+"""Environment variable with a folder that replaces the course's own exchange."""
 ROOT_MODE = 0o1777
-"""Every user may write; nbgrader itself asks for 0777, without the sticky bit."""
+"""Every user may write; nbgrader itself uses 0777, without the sticky bit."""
 
 
 def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
     """
     Return the root folder of the exchange.
 
-    :param project: the folder of the course, from which a relative path is seen
+    :param project: the folder of the course, to which a relative path refers
     """
     chosen = environ.get(SETTING)
     if chosen:
@@ -35,11 +36,11 @@ def exchange_root(project: Path, environ: Mapping[str, str]) -> Path:
 
 def unprotected(root: Path) -> list[tuple[Path, int]]:
     """
-    Return the folders in which users can remove the work of others, each with the mode it needs.
+    Return the folders in which users can remove the work of others, with their correct modes.
 
-    :param root: of the exchange, which need not exist
+    :param root: root folder of the exchange, which need not exist
     """
-    # glob, unlike Path.glob, skips what this user may not read.
+    # glob, unlike Path.glob, skips folders that this user may not read.
     inbound = sorted(glob.glob(f'{glob.escape(str(root))}/*/inbound'))
     found = []
     for path, needed in ((str(root), ROOT_MODE), *((one, stat.S_ISVTX) for one in inbound)):
@@ -51,7 +52,7 @@ def unprotected(root: Path) -> list[tuple[Path, int]]:
 
 
 def protect(root: Path) -> None:
-    """Give the folders of an exchange the modes they need, as far as this user may."""
+    """Set the correct modes of an exchange's folders, as far as this user's permissions allow."""
     for path, mode in unprotected(root):
-        with suppress(PermissionError):  # `make doctor` names what the owner has to change
+        with suppress(PermissionError):  # `make doctor` lists what the owner has to change
             path.chmod(mode)

@@ -1,4 +1,4 @@
-"""Write the small files that make a venv the course's own: .pth, kernel, description, settings."""
+"""Write the files that adapt a venv to the course: .pth, kernel, description, settings."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from environment.ros2_command import discovery_variables, installed_ros2
 KERNEL_NAME = 'ros2_jazzy'
 KERNEL_TITLE = 'ROS 2 Jazzy'
 GUIDE = 'roslab.guide'
-"""IPython extension that every kernel loads; a kernel also starts without it."""
+"""IPython extension that every kernel loads; if it is missing, a kernel starts anyway."""
 INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader', 'validate-assignment')
 INSTRUCTORS_SERVERS = ('course_list', 'formgrader', 'validate_assignment')
 """Parts of nbgrader that students do not need, by their names in JupyterLab and its server."""
 AUTOSAVE_S = 10
-"""JupyterLab's own default is two minutes."""
+"""Seconds between two automatic saves; JupyterLab's default is two minutes."""
 STYLE = """\
 /* Written by the set-up. JupyterLab breaks lines of output in the middle of words. */
 body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
@@ -34,8 +34,8 @@ def copy_cmake_files(places: Places) -> None:
 
 
 def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
-    """Return the content of kernel.json: it sets the ROS environment."""
-    # Jupyter fills in ${PATH}; the learner's own programs stay reachable behind the venv's.
+    """Return the contents of kernel.json, which sets the ROS environment."""
+    # Jupyter expands ${PATH}; the learner's own programs remain available after the venv's.
     path = {'PATH': f'{Path(ros.python).parent}:${{PATH}}'}
     variables = {**discovery_variables(ros), **ros.variables, **path}
     launch = [ros.python, '-m', 'ipykernel_launcher', '-f', '{connection_file}']
@@ -61,10 +61,10 @@ def write_jupyter_settings(places: Places) -> None:
     """
     Adapt JupyterLab to the course.
 
-    Its question about news is switched off: it asks the network and nags learners.  What the
-    server and its kernels say to each other is encrypted: others who work on the machine cannot
-    read it, and no kernel writes a warning about that to the learner's terminal.  Terminals know
-    the course.  Students' copies are without the parts of nbgrader that instructors use.
+    The question about news is switched off: it uses the network and distracts learners.  Messages
+    between the server and its kernels are encrypted: other users of the machine cannot read them,
+    and no kernel prints a warning about that to the learner's terminal.  Terminals have the
+    environment of the course.  Students' copies omit the parts of nbgrader that instructors use.
     """
     folder = places.venv / 'etc' / 'jupyter'
     server = {
@@ -93,15 +93,15 @@ def write_jupyter_settings(places: Places) -> None:
 
 def write_terminal(places: Places) -> None:
     """
-    Write what a terminal of JupyterLab starts: the user's shell, in which the course is known.
+    Write the program that a JupyterLab terminal starts: the user's shell with the course's PATH.
 
-    A login shell, which JupyterLab starts otherwise, sets PATH as if no environment were there.
+    JupyterLab's default is a login shell, which sets PATH as if there were no virtual environment.
     """
     own, venv = shlex.quote(str(places.terminal)), shlex.quote(str(places.venv / 'bin'))
     make = shlex.quote(shutil.which('make') or 'make')
     texts = {
         'shell': (
-            # Of the `make lab` that may have started the server; its ARGS are not for here.
+            # Set by the `make lab` that may have started the server; its ARGS must not apply here.
             'unset ARGS MAKEFLAGS MAKELEVEL MAKEOVERRIDES MFLAGS\n'
             f'PATH={own}/bin:{venv}:$PATH\nexport PATH\n'
             'case "${SHELL##*/}" in\n'
@@ -125,10 +125,10 @@ def write_terminal(places: Places) -> None:
 
 def write_lab_settings(places: Places) -> None:
     """
-    Have JupyterLab save notebooks every few seconds, unless the user chooses otherwise.
+    Make JupyterLab save notebooks every few seconds, unless the user chooses otherwise.
 
     ``check`` compares the saved notebook with the file that it judges, to notice a cell that was
-    edited and not run.
+    edited but not run.
     """
     path = places.venv / 'share' / 'jupyter' / 'lab' / 'settings' / 'overrides.json'
     settings = {'@jupyterlab/docmanager-extension:plugin': {'autosaveInterval': AUTOSAVE_S}}
@@ -136,8 +136,8 @@ def write_lab_settings(places: Places) -> None:
 
 
 def write_style(places: Places) -> None:
-    """Have JupyterLab wrap the lines of outputs at words."""
-    # Beside the user's own settings, the server looks for this file only here.
+    """Make JupyterLab wrap the lines of outputs between words."""
+    # Apart from the user's own settings, the server looks for this file only here.
     path = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
     write_atomically(path, STYLE)
     config = places.venv / 'etc' / 'jupyter' / 'jupyter_lab_config.json'
@@ -145,7 +145,7 @@ def write_style(places: Places) -> None:
 
 
 def write_path_file(places: Places) -> None:
-    """Put the grader and the course on the venv's module path."""
+    """Add the grader and the course to the venv's module path."""
     folders = dict.fromkeys((places.project, PROJECT))
     lines = ''.join(f'{folder}\n' for folder in folders)
     write_atomically(places.site_packages() / 'ros2_course.pth', lines)
@@ -157,14 +157,14 @@ def write_description(places: Places, ros: RosEnvironment) -> None:
 
 
 def ros2_script(places: Places) -> str:
-    """Return the text of ``<venv>/bin/ros2``; its Python is started without site to be quick."""
+    """Return the text of ``<venv>/bin/ros2``; it starts Python without site, to start quickly."""
     words = (places.python, '-S', '-E', PROJECT / 'environment' / 'ros2_command.py', places.venv)
     command = ' '.join(shlex.quote(str(word)) for word in words)
     return f'#!/bin/sh\n# Written by the set-up: {ROS2_MARK}.\nexec {command} "$@"\n'
 
 
 def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
-    """Install the course's ``ros2`` where ROS came without one, and only there."""
+    """Install the course's ``ros2`` only if the ROS installation has none."""
     script = places.venv / 'bin' / 'ros2'
     if installed_ros2(ros) is None:
         write_atomically(script, ros2_script(places))
@@ -174,7 +174,7 @@ def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
 
 
 def silence_colcon(places: Places) -> None:
-    """Make the empty set-up files that colcon looks for in a prefix and warns without."""
+    """Create the empty set-up files whose absence makes colcon print warnings."""
     for suffix in ('sh', 'bash'):
         (places.venv / f'local_setup.{suffix}').touch()
 

@@ -1,4 +1,4 @@
-"""Find a Python that can carry the course: CPython 3.10 to 3.13 with venv and headers."""
+"""Find a suitable Python for the course: CPython 3.10 to 3.13 with venv and headers."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pathlib import Path
 import shutil
 import subprocess
 
-# In order of preference: 3.12 is what Ubuntu 24.04 and thus Jazzy uses; 3.11 is tested as often.
+# Most preferred first: 3.12 is the version of Ubuntu 24.04 and thus of Jazzy; 3.11 is tested, too.
 PREFERRED = ('3.12', '3.11', '3.13', '3.10')
 TESTED = PREFERRED[:2]
-# Distributions build their Python with the profile of a trial run: grading takes a
-# fifth less processor time than with one that pyenv builds by default.
+# Distributions build Python with profile-guided optimisation: grading takes a fifth less CPU time
+# than with a Python that pyenv builds by default.
 DISTRIBUTION = '/usr'
 
-# Runs in the candidate. A venv's Python answers for the interpreter behind it.
+# Runs in the candidate. The Python of a venv describes the interpreter that created it.
 _PROBE = """
 import importlib.util, json, os, platform, sys, sysconfig
 print(json.dumps({
@@ -36,14 +36,14 @@ print(json.dumps({
 @dataclass(frozen=True)
 class Interpreter:
     """
-    The facts that a candidate prints about itself.
+    The facts that a candidate interpreter reports about itself.
 
     :param path: the interpreter
     :param release: '3.12.1'
     :param implementation: 'cpython'
-    :param base_prefix: where it is installed
-    :param has_venv: whether it can make a virtual environment with pip
-    :param has_headers: whether Python.h is there, which generated message code includes
+    :param base_prefix: installation folder
+    :param has_venv: whether it can create a virtual environment with pip
+    :param has_headers: whether Python.h exists, which generated message code includes
     :param platform: such as 'linux-x86_64'
     :param libc: name and version of the C library
     """
@@ -64,17 +64,17 @@ class Interpreter:
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """The release as numbers, to compare."""
+        """The release as a tuple of numbers, for comparisons."""
         return tuple(int(part) for part in self.release.split('.'))
 
     @property
     def supported(self) -> bool:
-        """Return whether the lock has pins for it."""
+        """Return whether the lock has pins for this version."""
         return self.implementation == 'cpython' and self.version in PREFERRED
 
     @property
     def preference(self) -> tuple[bool, bool, bool, int]:
-        """Smaller is better: complete, tested, the distribution's own, of the better version."""
+        """Sort key, best first: complete, tested, of the distribution, of a preferred version."""
         return (
             not self.complete,
             self.version not in TESTED,
@@ -84,11 +84,11 @@ class Interpreter:
 
     @property
     def complete(self) -> bool:
-        """Return whether it needs no further installation."""
+        """Return whether nothing else has to be installed for it."""
         return self.has_venv and self.has_headers
 
     def lacking(self) -> str:
-        """Return what is missing, in words; '' if nothing is."""
+        """Return what is missing, as text; '' if nothing is."""
         words = [] if self.has_venv else ['venv']
         words += [] if self.has_headers else ['headers (Python.h)']
         return ' and '.join(words)
@@ -96,11 +96,11 @@ class Interpreter:
 
 def probe(path: str, environ: Mapping[str, str]) -> Interpreter | None:
     """
-    Ask a candidate about itself.
+    Run a candidate to get its facts.
 
-    :param path: a command or a file
+    :param path: name of a command or path of an interpreter
     :param environ: environment to run it in
-    :returns: None if it does not run: a pyenv shim without that version, a broken link
+    :returns: None if it does not run, such as a pyenv shim without this version or a broken link
     """
     clean = {k: v for k, v in environ.items() if not k.startswith('PYTHON')}
     try:
@@ -119,7 +119,7 @@ def probe(path: str, environ: Mapping[str, str]) -> Interpreter | None:
 
 
 def candidates(environ: Mapping[str, str]) -> Iterator[str]:
-    """Yield commands and files worth probing, the preferred versions first."""
+    """Yield commands and files to try, the preferred versions first."""
     path = environ.get('PATH')
     pyenv = Path(environ.get('PYENV_ROOT') or Path(environ.get('HOME', '/'), '.pyenv'))
     for version in PREFERRED:
@@ -127,8 +127,8 @@ def candidates(environ: Mapping[str, str]) -> Iterator[str]:
             found = shutil.which(f'python{version}', path=folder)
             if found:
                 yield found
-        # glob, unlike Path.glob, skips what this user may not read: after `runuser -u` or `su`
-        # the variables still name the pyenv of the user before.
+        # glob, unlike Path.glob, skips folders that this user may not read: after `runuser -u` or
+        # `su`, the variables still name the pyenv folder of the previous user.
         homes = glob.glob(f'{glob.escape(str(pyenv))}/versions/{version}*')
         for home in sorted(homes, reverse=True):
             yield f'{home}/bin/python{version}'
@@ -140,9 +140,9 @@ def candidates(environ: Mapping[str, str]) -> Iterator[str]:
 
 def choose(found: Sequence[Interpreter]) -> Interpreter | None:
     """
-    Return the best of the interpreters, see :attr:`Interpreter.preference`.
+    Return the best interpreter according to :attr:`Interpreter.preference`, or None.
 
-    :param found: in the order in which they were found
+    :param found: interpreters in the order in which they were found
     """
     supported = [item for item in found if item.supported]
     return min(supported, key=lambda item: item.preference, default=None)
@@ -150,10 +150,10 @@ def choose(found: Sequence[Interpreter]) -> Interpreter | None:
 
 def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
     """
-    Find the interpreter to build on.
+    Find the interpreter for the virtual environment.
 
     :param environ: the environment of the shell
-    :param request: what the user typed as PYTHON=...; then only that one is considered
+    :param request: what the user typed as PYTHON=...; then no other is considered
     """
     if request:
         asked = probe(shutil.which(request, path=environ.get('PATH')) or request, environ)
@@ -164,12 +164,12 @@ def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
         if item:
             found.append(item)
             if item.supported and not any(item.preference[:3]):
-                break  # those that follow are of lesser versions
+                break  # the remaining candidates have less preferred versions
     return choose(found)
 
 
 def imports_rclpy(interpreter: Interpreter, environ: Mapping[str, str]) -> bool:
-    """Return whether an interpreter finds rclpy with the variables of the shell."""
+    """Return whether an interpreter can import rclpy with the variables of the shell."""
     done = subprocess.run(
         [interpreter.path, '-c', 'import rclpy'],
         env=dict(environ),
@@ -180,7 +180,7 @@ def imports_rclpy(interpreter: Interpreter, environ: Mapping[str, str]) -> bool:
 
 
 def wheels_refusal(interpreter: Interpreter) -> str:
-    """Return why the ROS 2 wheels cannot be used on this machine; '' if they can."""
+    """Return why the ROS 2 wheels cannot be used on this machine; '' if they can be."""
     name, version = interpreter.libc
     if interpreter.platform != 'linux-x86_64':
         return f'the ROS 2 wheels are for Linux on x86_64; this is {interpreter.platform}'

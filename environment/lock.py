@@ -1,9 +1,9 @@
 """
 Write requirements.lock: `python -m environment lock`, for developers and with network.
 
-Every supported Python that is found resolves requirements.in for itself; versions that differ get
-an environment marker. A line has the digests of the files that were found, and no address or path:
-any mirror serves the lock, and no file but these is installed.
+Every supported Python that is found resolves requirements.in separately; versions that differ get
+an environment marker. Each line has the digests of its files, but no address or path: any mirror
+can serve the lock, and pip installs only files with these digests.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def with_digests(lines: Iterable[str], digests: Iterable[Mapping[str, str]]) -> 
     """
     Return requirement lines with the digests of their files, sorted.
 
-    :param digests: of each Python, as :func:`pins_of_report` returns them
+    :param digests: digests for each Python, as :func:`pins_of_report` returns them
     """
     found: dict[str, set[str]] = {}
     for requirement, digest in (item for one in digests for item in one.items()):
@@ -72,7 +72,7 @@ def render(lines: Sequence[str], releases: Sequence[str]) -> str:
     """
     Return the text of the lock file.
 
-    :param lines: requirement lines
+    :param lines: the requirement lines
     :param releases: the Pythons that resolved them, such as '3.11.2'
     """
     ros = [line for line in lines if is_ros(line.split('==')[0])]
@@ -95,7 +95,7 @@ def render(lines: Sequence[str], releases: Sequence[str]) -> str:
 
 def resolve(python: str, *requirements: str) -> tuple[dict[str, str], dict[str, str]]:
     """
-    Resolve requirements with one interpreter, in a throw-away venv.
+    Resolve requirements with one interpreter, in a temporary venv.
 
     :param python: path of the interpreter
     :param requirements: arguments of pip
@@ -116,7 +116,7 @@ def write_lock(interpreters: Sequence[Interpreter]) -> None:
     """
     Resolve with every interpreter and write the lock.
 
-    :param interpreters: one of each supported version
+    :param interpreters: one interpreter per supported version
     """
     ordered = sorted(interpreters, key=lambda item: item.numbers)
     pins, digests = {}, []
@@ -134,8 +134,8 @@ def oldest_of_each(found: Sequence[Interpreter]) -> list[Interpreter]:
     """
     Return the oldest release of each version.
 
-    Some packages ask for a patch release (3.11.5) that a distribution does not have (Debian 12:
-    3.11.2); what the oldest resolves, the newer ones can install too.
+    Some packages require a patch release (3.11.5) that a distribution does not have (Debian 12 has
+    3.11.2). Newer releases can install what the oldest one resolves.
     """
     oldest: dict[str, Interpreter] = {}
     for item in sorted(found, key=lambda item: item.numbers, reverse=True):

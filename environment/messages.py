@@ -1,9 +1,9 @@
 """
-Install the message packages that ``environment/messages.txt`` names beyond the lock.
+Install the message packages that ``environment/messages.txt`` lists beyond those of the lock.
 
-They have a step and a stamp of their own, so that adding one installs one wheel and rebuilds
-nothing.  A note in the venv lists the installed ones (:func:`environment.ros.further_messages`):
-only runs that name such a package depend on it.
+They have a separate step and stamp, so that adding one installs one wheel and rebuilds nothing.  A
+note in the venv lists the installed packages (:func:`environment.ros.further_messages`): only runs
+that use such a package depend on it.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ VERSION = re.compile(r'<version>\s*([\w.]+)\s*</version>')
 
 def wanted(text: str) -> dict[str, str]:
     """
-    Return the pins of the file.
+    Parse ``messages.txt`` into pins.
 
     :param text: text of ``messages.txt``
     :returns: name -> version, such as ``'ros-trajectory-msgs'`` -> ``'5.3.6'``
-    :raises StepError: if a line is not the exact version of a ROS package
+    :raises StepError: if a line does not give the exact version of a ROS package
     """
     pins: dict[str, str] = {}
     for number, line in enumerate(text.splitlines(), 1):
@@ -61,13 +61,13 @@ def _versions_of(bare: str) -> str:
 
 
 def package_of(name: str) -> str:
-    """Return the ROS package of a wheel: ``trajectory_msgs`` of ``ros-trajectory-msgs``."""
+    """Return the ROS package of a wheel: ``trajectory_msgs`` for ``ros-trajectory-msgs``."""
     return name.removeprefix('ros-').replace('-', '_')
 
 
 def install_messages(plan: Plan, job: Job) -> None:
-    """Make the environment have what the file names, from wherever its ROS 2 comes."""
-    stamp = plan.digest('messages')  # first: a later edit is for the next time
+    """Install the packages that the file lists, from wheels or from the sourced ROS 2."""
+    stamp = plan.digest('messages')  # read first: later edits apply to the next run
     pins = wanted(stamps.messages_text())
     if plan.kind == 'wheels':
         uses = _install_wheels(plan, job, pins)
@@ -83,7 +83,7 @@ def _write_note(places: Places, note: Mapping[str, Sequence[str]]) -> None:
 
 
 def _closure(name: str, pins: Mapping[str, str], uses: Mapping[str, Iterable[str]]) -> list[str]:
-    """Return the pins of a package and of all further ones that it uses."""
+    """Return the pins of a package and of all listed packages that it needs."""
     found, ahead = set(), [name]
     while ahead:
         one = ahead.pop()
@@ -97,7 +97,7 @@ def _closure(name: str, pins: Mapping[str, str], uses: Mapping[str, Iterable[str
 
 
 def _install_wheels(plan: Plan, job: Job, pins: Mapping[str, str]) -> dict[str, set[str]]:
-    """Install the named wheels, remove other further ones; return what each one uses."""
+    """Install the listed wheels, remove those no longer listed; return what each one uses."""
     places = plan.places
     lock = pins_for(LOCK_FILE.read_text(encoding='utf-8'), plan.python.version)
     for name in pins.keys() & lock.keys():
@@ -119,7 +119,7 @@ def _install_wheels(plan: Plan, job: Job, pins: Mapping[str, str]) -> dict[str, 
                 f'check names, versions and network; {_versions_of("NAME")}',
             ) from error
         uses = requirements(json.loads(report.read_text(encoding='utf-8')), {**lock, **pins})
-        # Noted first: what a stopped set-up leaves half installed can be removed by the next one.
+        # Write the note first, so that the next set-up can remove a partial installation.
         _write_note(places, {**before, **{package_of(name): [] for name in pins}})
         job.run(install, env, 'pip')
     gone = {f'ros-{package.replace("_", "-")}' for package in before} - pins.keys() - lock.keys()
@@ -130,10 +130,10 @@ def _install_wheels(plan: Plan, job: Job, pins: Mapping[str, str]) -> dict[str, 
 
 def requirements(report: Mapping[str, Any], pins: Mapping[str, str]) -> dict[str, set[str]]:
     """
-    Return which packages each wheel requires.
+    Return the packages that each wheel requires.
 
-    :param report: of ``pip install --report``
-    :param pins: name -> version of all that is or will be installed
+    :param report: report of ``pip install --report``
+    :param pins: name -> version of everything that is or will be installed
     :raises StepError: if a required package is missing or has an unsuitable version
     """
     found: dict[str, set[str]] = {}
@@ -161,7 +161,7 @@ def requirements(report: Mapping[str, Any], pins: Mapping[str, str]) -> dict[str
 
 
 def _suits(version: str, sign: str | None, asked: str) -> bool:
-    """Return whether a version is what ``~=`` or ``==`` asks for; anything suits no sign."""
+    """Return whether a version satisfies ``~=`` or ``==``; with no sign, any version does."""
     if sign != '~=':
         return sign is None or version == asked
     series, _, patch = asked.rpartition('.')
@@ -176,11 +176,11 @@ def find_sourced(
     pins: Mapping[str, str], prefixes: str
 ) -> tuple[dict[str, str], dict[str, set[str]]]:
     """
-    Return the versions that an installation has of the named packages, and which each one uses.
+    Return the installed versions of the listed packages, and the packages that each one uses.
 
-    :param pins: of ``messages.txt``; the installation decides on the versions
-    :param prefixes: as in ``AMENT_PREFIX_PATH``
-    :raises StepError: if it does not have one
+    :param pins: pins of ``messages.txt``; the installation determines the versions
+    :param prefixes: search path of the installation, as in ``AMENT_PREFIX_PATH``
+    :raises StepError: if the installation lacks a package
     """
     versions: dict[str, str] = {}
     uses: dict[str, set[str]] = {}

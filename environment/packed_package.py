@@ -1,10 +1,11 @@
 """
-The course's ROS package in one file that does not show the answers of a lesson.
+Store the course's ROS package in one file that does not reveal the answers of a lesson.
 
-Lesson 07 asks for this package, so students' copies have its nodes, definitions and build rules
-in ``packed.bin`` only.  The set-up unpacks the file, compiles the modules with the Python in use,
-builds the package and removes the sources: the nodes run, and students do not read the answer by
-accident.  A student can still unpack the file; ``similar`` compares submissions with the package.
+Lesson 07 asks students to write this package, so students' copies contain its nodes, definitions
+and build rules only in ``packed.bin``.  The set-up unpacks the file, compiles the modules with the
+installed Python, builds the package and removes the sources: the nodes run, and students do not
+read the answer by accident.  A student can still unpack the file on purpose; ``similar`` compares
+submissions with the package.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ TOPS = ('CMakeLists.txt', 'package.xml', 'msg', 'temp_monitor_pkg')
 
 def pack(package: Path) -> bytes:
     """
-    Return the sources of the package as one file; the same sources give the same bytes.
+    Return the sources of the package as one file; equal sources give equal bytes.
 
-    :param package: its folder
+    :param package: folder of the package
     """
     texts: dict[str, str] = {}
     for top in TOPS:
@@ -38,10 +39,10 @@ def pack(package: Path) -> bytes:
 
 def unpack(data: bytes, folder: Path) -> None:
     """
-    Write the sources again.
+    Write the packed sources to a folder.
 
     :param data: what :func:`pack` returned
-    :param folder: receives them
+    :param folder: the target folder
     """
     for name, text in json.loads(zlib.decompress(data)).items():
         path = folder / name
@@ -50,7 +51,7 @@ def unpack(data: bytes, folder: Path) -> None:
 
 
 def without_words(text: str) -> str:
-    """Return the text of a module without its docstrings and comments."""
+    """Return the code of a module without its docstrings and comments."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
         if not isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):

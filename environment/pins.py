@@ -1,8 +1,8 @@
 """
-Read and merge exact pins: what the lock file says for one Python.
+Read and merge exact pins: the lines of the lock file that apply to one Python.
 
-The lock serves four Pythons; where they differ, lines carry an environment marker. Only the few
-markers that :func:`merge` writes are understood, so no packaging library is needed.
+The lock covers four Pythons; where they differ, lines have an environment marker. This module
+understands only the markers that :func:`merge` writes, so it needs no packaging library.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 import re
 
-# Belongs to the ROS packages too: NumPy must be the one that a sourced ROS 2 was compiled with.
+# These are ROS packages, too: NumPy must be the version with which a sourced ROS 2 was compiled.
 ROS_NAMES = {'numpy'}
 
 PIN = re.compile(
@@ -21,12 +21,12 @@ MARKER = re.compile(r'python_version (==|>=|<) "3\.(\d+)"')
 
 
 def canonical(name: str) -> str:
-    """Return a project name in the one spelling that comparisons use."""
+    """Return a project name in its normalised spelling, for comparisons."""
     return re.sub(r'[-_.]+', '-', name).lower()
 
 
 def is_ros(name: str) -> bool:
-    """Return whether a package comes with a sourced ROS 2 installation."""
+    """Return whether a package is part of a sourced ROS 2 installation."""
     return name.startswith('ros-') or name in ROS_NAMES
 
 
@@ -35,8 +35,8 @@ def pins_for(text: str, python: str, *, ros: bool = True) -> dict[str, str]:
     Return the pins of the lock for one Python.
 
     :param text: text of the lock file
-    :param python: such as '3.12'
-    :param ros: False leaves out what a sourced ROS 2 installation brings
+    :param python: version of the Python, such as '3.12'
+    :param ros: False omits packages that are part of a sourced ROS 2 installation
     :returns: name -> version
     """
     return {
@@ -46,10 +46,10 @@ def pins_for(text: str, python: str, *, ros: bool = True) -> dict[str, str]:
 
 def requirements_for(text: str, python: str, *, ros: bool = True) -> list[str]:
     """
-    Return what pip installs for one Python: a line for each pin, with the digests of its files.
+    Return the requirements for one Python: one line per pin, with the digests of its files.
 
     :param text: text of the lock file
-    :param python: such as '3.12'
+    :param python: version of the Python, such as '3.12'
     :param ros: as for :func:`pins_for`
     """
     return [
@@ -68,7 +68,7 @@ def _lines_for(text: str, python: str, *, ros: bool) -> Iterator[re.Match[str]]:
 
 
 def applies(marker: str, minor: int) -> bool:
-    """Evaluate the few markers that :func:`merge` writes."""
+    """Evaluate an environment marker written by :func:`merge`."""
     tests = [
         {'==': minor == int(bound), '>=': minor >= int(bound), '<': minor < int(bound)}[sign]
         for sign, bound in MARKER.findall(marker)
@@ -80,7 +80,7 @@ def merge(pins: Mapping[str, Mapping[str, str]]) -> list[str]:
     """
     Merge the pins of several Pythons into requirement lines.
 
-    :param pins: for each Python ('3.12') its name -> version
+    :param pins: for each Python ('3.12'), a dictionary name -> version
     :returns: sorted lines, with a marker where the Pythons differ
     """
     pythons = sorted(pins, key=_minor)
@@ -96,7 +96,7 @@ def merge(pins: Mapping[str, Mapping[str, str]]) -> list[str]:
 
 
 def _marker(used_by: Sequence[str], pythons: Sequence[str]) -> str:
-    """Return the environment marker of the Pythons that use a version, '' for all of them."""
+    """Return the environment marker of the Pythons that use a version, '' for all Pythons."""
     if list(used_by) == list(pythons):
         return ''
     first, last = used_by[0], used_by[-1]

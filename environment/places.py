@@ -1,4 +1,4 @@
-"""Names of the folders and files that the set-up makes, all of them inside the venv."""
+"""Name the folders and files that the set-up creates, all of them inside the venv."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
 FILE = 'course.toml'
 UNSTATED = {'exams': 'exams', 'package': '', 'work': 'autograder/_work'}
-"""Values for lines that a ``course.toml`` does not have."""
+"""Defaults for settings that ``course.toml`` does not contain."""
 NO_PACKAGE = '-'
-"""Name of the prefix if the course has no ROS package; no package can have this name."""
+"""Stands for the package's name in the prefix if the course has none; no package can have it."""
 
 
 def stated(project: Path, name: str) -> str:
     """
-    Return what ``course.toml`` says: the text of the line ``name = '...'``.
+    Return a setting of ``course.toml``: the text in the line ``name = '...'``.
 
     :param project: the folder of a course
     :param name: one of :data:`UNSTATED`
-    :raises ValueError: if the line is of another form
+    :raises ValueError: if the line has an unexpected form
     """
     file = project / FILE
     text = file.read_text(encoding='utf-8') if file.is_file() else ''
@@ -53,7 +53,7 @@ class Places:
 
     @classmethod
     def of(cls, venv: str, project: Path = PROJECT) -> Places:
-        """Return the places of a venv named as in `VENV=...`: relative to the project."""
+        """Return the places of a venv given as in `VENV=...`, relative to the project."""
         return cls(venv=Path(os.path.normpath(project / venv)), project=project)
 
     @property
@@ -63,37 +63,37 @@ class Places:
 
     @property
     def notes(self) -> Path:
-        """Return the folder of stamps and logs, which the set-up keeps between runs."""
+        """The folder of stamps and logs, which the set-up keeps between runs."""
         return self.venv / 'ros2_course'
 
     @property
     def logs(self) -> Path:
-        """One log file for each step."""
+        """The folder with one log file per step."""
         return self.notes / 'logs'
 
     @property
     def ready(self) -> Path:
-        """Written last: the digest of everything that the prepared environment was made from."""
+        """Written last: the digest of all inputs of the prepared environment."""
         return self.notes / 'ready.json'
 
     @property
     def lock(self) -> Path:
-        """Held while the set-up runs. It is next to the venv because the venv may be removed."""
+        """Held while the set-up runs. It is next to the venv, because the venv may be removed."""
         return self.venv.with_name(self.venv.name + '.lock')
 
     @property
     def cmake(self) -> Path:
-        """Copy of the CMake files: inside the venv, so that a sandbox that binds it sees them."""
+        """Copy of the CMake files inside the venv, visible in a sandbox that binds the venv."""
         return self.notes / 'cmake'
 
     @property
     def terminal(self) -> Path:
-        """Return the shell that terminals of JupyterLab start."""
+        """The shell that JupyterLab terminals start."""
         return self.notes / 'terminal'
 
     @property
     def clock(self) -> Path:
-        """The compiled virtual clock of the grader's runs."""
+        """The compiled virtual clock for the grader's runs."""
         return self.notes / 'clock'
 
     @property
@@ -123,13 +123,13 @@ class Places:
         return not self.project.joinpath(*exams, 'hidden').is_dir()
 
     def site_packages(self) -> Path:
-        """Return the folder of the installed Python packages, whichever Python the venv has."""
+        """Return the folder of the installed packages, for any version of the venv's Python."""
         found = sorted(self.venv.glob('lib/python3.*/site-packages'))
         return found[0] if found else self.venv / 'lib' / 'site-packages'
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a file so that a reader or a kill at any moment sees the old or the new text."""
+    """Write a file atomically: readers see the old or the new text, even after a kill."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
     with os.fdopen(handle, 'w', encoding='utf-8') as file:

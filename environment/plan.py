@@ -1,4 +1,4 @@
-"""Decide what is to be prepared: from which ROS 2, on which Python, in which folder."""
+"""Decide what to prepare: with which ROS 2, with which Python, in which folder."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from environment.places import Places
 from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
 from environment.steps import StepError
 
-# Variables that would make the venv's Python, pip or colcon load or do something else.
+# Variables that would affect the venv's Python, pip or colcon in unexpected ways.
 _HARMFUL = (
-    # Ours when make calls; colcon's own make would look for the job server of the outer one.
+    # Set by make for this process; colcon's make would look for the outer make's job server.
     'MAKEFLAGS',
     'MAKELEVEL',
     'MFLAGS',
@@ -31,12 +31,12 @@ _HARMFUL = (
 @dataclass
 class Plan:
     """
-    The choices of one set-up.
+    The choices for one run of the set-up.
 
     :param places: the folders
-    :param environ: the environment of the shell, with a remembered sourced ROS 2 added
+    :param environ: the shell's environment, plus the variables of a remembered sourced ROS 2
     :param kind: 'wheels' or 'sourced'
-    :param interpreter: the Python to build on, None if there is none yet
+    :param interpreter: the Python to use, None if none is installed yet
     """
 
     places: Places
@@ -46,7 +46,7 @@ class Plan:
 
     @property
     def python(self) -> Interpreter:
-        """The interpreter, which the first step makes sure of."""
+        """The interpreter; the first step ensures that it exists."""
         assert self.interpreter is not None
         return self.interpreter
 
@@ -56,11 +56,11 @@ class Plan:
         return 'PyPI' if self.kind == 'wheels' else 'the sourced installation'
 
     def clean_environ(self) -> dict[str, str]:
-        """Return the shell's environment without what harms a foreign Python."""
+        """Return the shell's environment without variables that affect another Python."""
         return {k: v for k, v in self.environ.items() if k not in _HARMFUL}
 
     def description(self) -> RosEnvironment:
-        """Describe the environment as it is now."""
+        """Describe the current environment."""
         if self.kind == 'sourced':
             return describe.describe_sourced(self.places, self.python.base_prefix, self.environ)
         return describe.describe_wheels(self.places, self.python.base_prefix)
@@ -68,7 +68,7 @@ class Plan:
     def digest(self, step: str) -> str:
         """Return the digest that the stamp of a step must have to be up to date."""
         python = self.python
-        # The same Python has several names: python3, python3.12.
+        # One Python can have several names: python3, python3.12.
         path = os.path.realpath(python.path)
         venv = stamps.digest_of(str(self.places.venv), path, python.version, self.kind)
         packages = stamps.packages_digest(python.version, self.kind)
@@ -85,10 +85,10 @@ class Plan:
 
 def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
     """
-    Decide on the source of ROS 2 and on the Python.
+    Choose the source of ROS 2 and the Python.
 
-    A shell in which ROS 2 Jazzy is sourced is used if its Python can import rclpy. A venv that
-    was once prepared so keeps it in later shells, where nothing is sourced.
+    A sourced ROS 2 Jazzy is used if its Python can import rclpy. A venv that was prepared this way
+    keeps it in later shells, even if nothing is sourced there.
     """
     wish = environ.get('ROS_SOURCE', '')
     if wish not in ('', 'wheels', 'sourced'):
@@ -110,13 +110,13 @@ def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
 
 
 def _python_of_venv(places: Places, environ: Mapping[str, str]) -> Interpreter | None:
-    """Return the Python of an existing venv, kept unless a different one is chosen."""
+    """Return the Python of an existing venv, unless the user has chosen a different one."""
     python = interpreters.probe(str(places.python), environ) if places.python.exists() else None
     return python if python and python.supported and python.complete else None
 
 
 def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, str] | None:
-    """Return an environment with ROS 2 sourced: the shell's, or the one remembered."""
+    """Return an environment with ROS 2 sourced: the shell's or the remembered one, else None."""
     if environ.get('ROS_DISTRO') == 'jazzy' and environ.get('AMENT_PREFIX_PATH'):
         return dict(environ)
     try:
@@ -129,7 +129,7 @@ def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, st
 
 
 def _sourced_pythons(places: Places, environ: Mapping[str, str]) -> list[str]:
-    """Return the Pythons to try for rclpy: the venv's, conda's, the system's, the first found."""
+    """Return the Pythons to try for rclpy: of the venv, of conda, of the system, first on PATH."""
     names = [str(places.python)] if places.python.exists() else []
     if environ.get('CONDA_PREFIX'):
         names.append(str(Path(environ['CONDA_PREFIX'], 'bin', 'python3')))
@@ -137,7 +137,7 @@ def _sourced_pythons(places: Places, environ: Mapping[str, str]) -> list[str]:
 
 
 def _python_with_rclpy(environ: Mapping[str, str], names: list[str]) -> Interpreter | None:
-    """Return the first of the named Pythons that the sourced ROS 2 belongs to."""
+    """Return the first Python that can import the sourced installation's rclpy."""
     for name in names:
         python = interpreters.find(environ, name)
         if python and interpreters.imports_rclpy(python, environ):

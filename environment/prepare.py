@@ -1,12 +1,12 @@
 """
-The steps from a fresh machine to a prepared environment.
+Define the steps from a new machine to a prepared environment.
 
 system programs -> virtual environment -> packages -> further message packages -> course package
 -> kernel and files -> trial -> self-check of the grader
 
-Every step reports whether it is needed, so a second run does nothing and a run that was stopped
-anywhere continues. A virtual environment whose packages were not completely installed is created
-again: pip cannot distinguish a half-copied package from a complete one.
+Every step reports whether it is needed, so a second run does nothing, and an interrupted run
+continues where it stopped. A virtual environment with an incomplete installation of packages is
+created again: pip cannot distinguish a half-copied package from a complete one.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from environment.steps import Job, locked, run_steps, Screen, Step, StepError
 
 def prepare(places: Places, environ: Mapping[str, str]) -> bool:
     """
-    Prepare everything; do nothing if it is already.
+    Prepare the environment; do nothing if it is already prepared.
 
-    :returns: False if a step failed; what and why was shown
+    :returns: False if a step failed; the failure was already printed
     """
     if stamps.is_ready(places, environ):
         return True
@@ -53,7 +53,7 @@ def prepare(places: Places, environ: Mapping[str, str]) -> bool:
             screen.say(f'  try: {error.try_this}' if error.try_this else '')
             return False
         places.ready.unlink(missing_ok=True)
-        # Taken before: what is edited while the steps run is for the next time.
+        # Computed first: later edits apply to the next run.
         digest = stamps.whole_digest(places)
         if not run_steps(steps_of(plan), places.logs, screen, (handle,)):
             return False
@@ -150,7 +150,7 @@ def _runs(plan: Plan) -> bool:
 
 
 def check_system(plan: Plan, job: Job) -> None:
-    """Install programs and complete or find the Python; refuse a machine that cannot do it."""
+    """Install programs, find or complete the Python, and stop if the machine is unsuitable."""
     request = plan.environ.get('PYTHON', '')
     if plan.interpreter is None and request:
         raise StepError(
@@ -173,7 +173,7 @@ def check_system(plan: Plan, job: Job) -> None:
 
 
 def make_venv(plan: Plan, job: Job) -> None:
-    """Make the virtual environment from nothing; a folder that is not ours is left alone."""
+    """Create the virtual environment from scratch; never touch a folder of unknown origin."""
     places = plan.places
     if plan.kind == 'wheels' and (refusal := interpreters.wheels_refusal(plan.python)):
         raise StepError(refusal, 'see environment.md: RoboStack, a container or WSL2')
@@ -187,9 +187,9 @@ def make_venv(plan: Plan, job: Job) -> None:
 
 def clear_venv(places: Places) -> None:
     """
-    Empty the folder of the venv, but keep the notes, whose log is being written.
+    Empty the folder of the venv except for the notes, which include the log in use.
 
-    :raises StepError: if it holds something that neither venv nor this set-up made
+    :raises StepError: if the folder contains files not created by venv or this set-up
     """
     if not places.venv.exists():
         return
@@ -217,7 +217,7 @@ def clear_venv(places: Places) -> None:
 
 
 def install_packages(plan: Plan, job: Job) -> None:
-    """Install the pins of the lock, byte-compiled: a sandbox cannot write the cache itself."""
+    """Install the pins of the lock and compile them, because sandboxes cannot write the cache."""
     places, version = plan.places, plan.python.version
     digest = plan.digest('packages')
     lock = LOCK_FILE.read_text(encoding='utf-8')
@@ -248,7 +248,7 @@ def install_packages(plan: Plan, job: Job) -> None:
 
 
 def build_workspace(plan: Plan, job: Job) -> None:
-    """Build the course's ROS package with colcon, from nothing: a removed file leaves no trace."""
+    """Build the course's ROS package from scratch, so that removed files leave no trace."""
     places = plan.places
     digest = plan.digest('workspace')
     install_files.copy_cmake_files(places)
@@ -267,7 +267,7 @@ def build_package(plan: Plan, job: Job) -> None:
     env = {
         **plan.clean_environ(),
         **plan.description().base_variables,
-        # Without the user's own defaults, which may ask for another layout.
+        # Ignore the user's own defaults, which may choose another layout.
         'COLCON_HOME': str(places.workspace / 'colcon'),
     }
     job.run(
@@ -293,11 +293,12 @@ def build_package(plan: Plan, job: Job) -> None:
 
 def package_sources(plan: Plan, job: Job) -> Path:
     """
-    Return the folder of the course's ROS package to build.
+    Return the folder with the sources of the course's ROS package.
 
-    A packed one is unpacked in the workspace, its modules compiled and without their sources.
+    A packed package is unpacked in the workspace; its modules are compiled and their sources
+    removed.
 
-    :raises StepError: if there is neither the package nor a packed one
+    :raises StepError: if there is no package, packed or not
     """
     package, name = plan.places.package, plan.places.package_name
     if (package / 'package.xml').is_file():
@@ -309,7 +310,7 @@ def package_sources(plan: Plan, job: Job) -> Path:
     shutil.copytree(package, sources)
     packed_package.unpack(packed.read_bytes(), sources)
     job.run(
-        # Beside the sources, which then may go; -d: what tracebacks call their folder.
+        # -b: next to the sources, which are then removed; -d: the folder's name in tracebacks.
         [str(plan.places.python), '-m', 'compileall', '-q', '-b', '-d', name]
         + ['--invalidation-mode', 'unchecked-hash', str(sources / name)],
         plan.clean_environ(),
@@ -321,14 +322,14 @@ def package_sources(plan: Plan, job: Job) -> Path:
 
 
 def build_clock(plan: Plan, job: Job) -> None:
-    """Compile the virtual clock on the machine it runs on; it depends on the C library alone."""
+    """Compile the virtual clock on the machine that uses it; it depends only on the C library."""
     digest = plan.digest('clock')
     clock.build(plan.places, plan.clean_environ(), job)
     stamps.write_stamp(plan.places, 'clock', digest)
 
 
 def try_imports(plan: Plan, job: Job) -> None:
-    """Start a fresh Python with the described variables and load ROS and the messages."""
+    """Start a new Python with the described variables, and import ROS and the messages."""
     ros = plan.description()
     command = [ros.python, '-c', describe.trial_of_messages(ros.package)]
     job.run(command, {**plan.clean_environ(), **ros.variables}, 'python')
@@ -341,16 +342,16 @@ def _can_grade(plan: Plan) -> bool:
 
 def prove_grader(plan: Plan, job: Job) -> None:
     """
-    Let the grader grade the reference solution; its recordings are what grading starts with.
+    Grade the reference solutions as a self-check; later gradings reuse the recordings.
 
-    Lessons work without a grader, so a machine whose sandbox refuses is prepared anyway.
+    Lessons work without a grader, so a machine without a working sandbox is still prepared.
     """
     ros = plan.description()
     job.run([ros.python, '-m', 'autograder', 'self-check'], plan.clean_environ(), 'self-check')
 
 
 def leave_venv(places: Places) -> None:
-    """Go on in the base interpreter if this Python is the venv's, which may have to be removed."""
+    """Continue in the base interpreter if this Python is the venv's, which may be removed."""
     base = getattr(sys, '_base_executable', sys.executable)
     if os.path.realpath(sys.prefix) == os.path.realpath(places.venv) and base != sys.executable:
         os.execv(base, [base, '-S', '-E', '-m', 'environment', *sys.argv[1:]])

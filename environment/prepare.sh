@@ -1,10 +1,10 @@
 #!/bin/sh
 # Prepare the environment; called by make before every goal, from the root of the project.
-# Instant when there is nothing to do. Otherwise it looks for a Python that can run the set-up,
-# which is not yet the one that the course will run on: the set-up chooses that itself.
+# Instant if there is nothing to do. Otherwise, find a Python that can run the set-up. The set-up
+# itself chooses the Python for the course, which may be a different one.
 
 own="${VENV:-.venv}/bin/python"
-# -S: without site, so the start is quick and nothing installed can interfere.
+# -S: without site, for a quick start that no installed package can affect.
 if [ -x "$own" ] && "$own" -S -E -m environment ready 2>/dev/null; then
   exit 0
 fi

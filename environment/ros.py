@@ -1,9 +1,9 @@
 """
-The one place that knows where ROS 2 is.
+Provide the description of the ROS 2 installation to all other modules.
 
-`environment prepare` writes what it found to `<venv>/ros_environment.json`; everything else reads
-it through :func:`ros_environment` and so works alike with the wheels from PyPI and with a sourced
-installation. Nothing here imports ROS.
+`environment prepare` writes its findings to `<venv>/ros_environment.json`. Everything else reads
+them through :func:`ros_environment`, and so works equally with the wheels from PyPI and with a
+sourced installation. This module does not import ROS.
 """
 
 from __future__ import annotations
@@ -17,24 +17,26 @@ from environment.places import NO_PACKAGE
 
 FILE_NAME = 'ros_environment.json'
 MESSAGES_NAME = 'ros_messages.json'
-"""File next to it, which lists the installed packages of environment/messages.txt."""
+"""File in the same folder that lists the installed packages of environment/messages.txt."""
 
 
 class EnvironmentError_(RuntimeError):  # noqa: N801 - EnvironmentError is a builtin
-    """Raised when the environment was not prepared or its description is damaged."""
+    """Raised if the environment was not prepared or its description is damaged."""
 
 
 @dataclass(frozen=True)
 class RosEnvironment:
     """
-    How to start a process that can use ROS 2.
+    The interpreter and the variables of a process that can use ROS 2.
 
     :param kind: 'wheels' (from PyPI) or 'sourced' (an installation that was sourced)
     :param python: interpreter of the prepared virtual environment
-    :param variables: all that a process needs to import rclpy and the course's own package
-    :param base_variables: the same without the course's own workspace, to build student packages
+    :param variables: variables needed to import rclpy and the course's own package
+    :param base_variables: the same variables without the course's workspace, to build student
+        packages
     :param read_only: directories that a sandbox binds read-only, without /usr
-    :param workspace: install prefix of the course's own ROS package, a folder of its name
+    :param workspace: install prefix of the course's own ROS package, a folder named after the
+        package
     """
 
     kind: str
@@ -56,10 +58,10 @@ class RosEnvironment:
     @classmethod
     def from_json(cls, text: str) -> RosEnvironment:
         """
-        Read a description back.
+        Parse a description.
 
         :param text: what :meth:`to_json` wrote
-        :raises ValueError: if it is no JSON, or a key is missing, unknown or of the wrong type
+        :raises ValueError: if it is not JSON, or a key is missing, unknown or of the wrong type
         """
         data = json.loads(text)
         names = {field.name for field in fields(cls)}
@@ -73,10 +75,10 @@ class RosEnvironment:
 
 def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
     """
-    Return the prepared ROS environment of the running virtual environment.
+    Return the ROS environment of the running virtual environment.
 
-    :param venv: another virtual environment; by default the one this Python belongs to
-    :raises EnvironmentError_: if it is missing or unreadable, with what to type
+    :param venv: another virtual environment; by default the one to which this Python belongs
+    :raises EnvironmentError_: if it is missing or unreadable, the message gives the command to run
     """
     path = Path(venv or sys.prefix) / FILE_NAME
     try:
@@ -96,10 +98,10 @@ def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
 
 def further_messages(venv: Path) -> dict[str, list[str]]:
     """
-    Return the message packages that an environment has beyond those of the lock.
+    Return the message packages that an environment has in addition to those of the lock.
 
-    :returns: name of the ROS package, such as ``'trajectory_msgs'``, -> its version, and those of
-        the further packages that it uses
+    :returns: name of the ROS package, such as ``'trajectory_msgs'``, -> its version, followed by
+        the versions of the additional packages that it uses
     """
     try:
         found = json.loads((venv / MESSAGES_NAME).read_text(encoding='utf-8'))

@@ -1,9 +1,9 @@
 """
-Start the course's own small ``ros2`` with the ROS environment, for ``<venv>/bin/ros2``.
+Start the course's small ``ros2`` command with the ROS environment, for ``<venv>/bin/ros2``.
 
-It runs in any terminal, sourced or not, and in cells of a notebook.  Search paths that are set
-already stay in front, so a workspace that was built in a notebook or sourced in a terminal is
-found.  Where the ROS installation in use has a ``ros2`` of its own, that one is started instead.
+It runs in any terminal, sourced or not, and in cells of a notebook.  Existing search paths stay in
+front, so a workspace that was built in a notebook or sourced in a terminal is found.  If the ROS
+installation has a ``ros2`` command, that command is started instead.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import shutil
 import sys
 
 if not __package__:
-    # Run as a file with -S and -E, which is quicker; then only this folder is on the path.
+    # Runs as a file with -S and -E, which starts faster; then sys.path contains only this folder.
     sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
 from environment.places import PROJECT
@@ -28,9 +28,9 @@ _SEARCH_PATHS = ('AMENT_PREFIX_PATH', 'LD_LIBRARY_PATH', 'PYTHONPATH')
 
 def installed_ros2(ros: RosEnvironment, path: str = '') -> str | None:
     """
-    Return the ``ros2`` of the ROS installation in use; the wheels have none.
+    Return the ``ros2`` command of the ROS installation, None for the wheels, which have none.
 
-    :param path: a search path to look at besides that of the installation
+    :param path: an additional search path
     """
     if ros.kind != 'sourced':
         return None
@@ -49,9 +49,9 @@ def discovery_variables(ros: RosEnvironment) -> dict[str, str]:
 
 def overlaid(environ: Mapping[str, str], ros: RosEnvironment) -> dict[str, str]:
     """
-    Return the variables of a shell, completed by those that ROS needs.
+    Return the variables of a shell, completed by the variables that ROS needs.
 
-    What the shell says stays; search paths are joined, the shell's in front.
+    Existing values are kept; search paths are joined, with the shell's in front.
     """
     variables = {**discovery_variables(ros), **ros.variables, **environ}
     for name in _SEARCH_PATHS:
@@ -64,7 +64,7 @@ def overlaid(environ: Mapping[str, str], ros: RosEnvironment) -> dict[str, str]:
 
 
 def main(arguments: list[str], environ: Mapping[str, str]) -> int:
-    """Replace this process by the command; return an exit code only if that is not possible."""
+    """Replace this process with the command; return an exit code only if that fails."""
     venv, *rest = arguments
     try:
         ros = ros_environment(venv)

@@ -1,9 +1,9 @@
 """
 Claim ROS domains, so that no two programs of this machine choose the same one.
 
-A claim is an abstract Unix socket named after the domain.  It is no file, all users of a machine
-share the names, and the system frees a name when its process has ended, however it ended.  Nothing
-here imports ROS.
+A claim is an abstract Unix socket named after the domain.  It is not a file, all users of a
+machine share the names, and the system frees a name when its process ends in any way.  This module
+does not import ROS.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import errno
 import socket
 
 DOMAINS = range(1, 102)
-"""0 is the default of ROS; above 101, Linux may give the ports to other programs."""
+"""0 is ROS's default domain; above 101, Linux may assign the ports to other programs."""
 NAME = 'ros2-course-domain-'
-"""The beginning of a socket's name; the number of the domain follows."""
+"""Prefix of a socket's name; the number of the domain follows."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,9 @@ class Claim:
     """
     A claimed domain.
 
-    :param domain: its number
-    :param holder: keeps the claim until it is closed; child processes do not inherit it
+    :param domain: number of the domain
+    :param holder: socket that keeps the claim until it is closed; child processes do not inherit
+        it
     """
 
     domain: int

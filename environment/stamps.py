@@ -1,9 +1,8 @@
 """
-Know what is up to date: digests of what each step was made from.
+Determine which steps are up to date, from digests of their inputs.
 
-A step's stamp is written after the step succeeded, so a step that was killed has none and runs
-again. The stamp of the whole makes the second `make` instant: it is compared without starting
-anything.
+A step's stamp is written after the step has succeeded, so a killed step has none and runs again.
+The stamp of the entire set-up makes a second `make` immediate: comparing it starts no process.
 """
 
 from __future__ import annotations
@@ -24,12 +23,12 @@ from environment.places import (
     write_atomically,
 )
 
-# Not installed by colcon here, so a change in them needs no build.
+# The build does not install these, so changes in them need no new build.
 _SKIPPED = {'__pycache__', '.pytest_cache', '.ruff_cache', '.mypy_cache', 'test'}
 
 
 def digest_of(*texts: str) -> str:
-    """Return one digest of several texts; their borders count."""
+    """Return one digest of several strings; it depends on where each string ends."""
     sha = hashlib.sha256()
     for text in texts:
         data = text.encode()
@@ -63,7 +62,7 @@ def digest_of_files(paths: Iterable[Path], root: Path) -> str:
 
 
 def package_digest(places: Places) -> str:
-    """Return the digest of the sources of the course's ROS package, and of what builds it."""
+    """Return the digest of the course package's sources and of the code that builds it."""
     environment = PROJECT / 'environment'
     own = files_below(places.package) if places.package_name else []
     builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py', STAND_IN]
@@ -74,13 +73,13 @@ def package_digest(places: Places) -> str:
 
 
 def clock_digest() -> str:
-    """Return the digest of the sources of the virtual clock, and of what builds it."""
+    """Return the digest of the virtual clock's sources and of the code that builds it."""
     files = [path for path in files_below(CLOCK_SOURCES) if path.suffix in ('.c', '.h')]
     return digest_of_files([*files, PROJECT / 'environment' / 'clock.py'], PROJECT)
 
 
 def whole_digest(places: Places) -> str:
-    """Return the digest of everything that a prepared environment is made from."""
+    """Return the digest of all inputs of a prepared environment."""
     own = files_below(PROJECT / 'environment')
     return digest_of(
         str(places.project),
@@ -92,13 +91,13 @@ def whole_digest(places: Places) -> str:
 
 
 def packages_digest(python_version: str, kind: str) -> str:
-    """Return the digest of what pip installs: the pins for this Python only."""
+    """Return the digest of the packages that pip installs: the pins for this Python only."""
     text = LOCK_FILE.read_text(encoding='utf-8')
     return digest_of(kind, *requirements_for(text, python_version, ros=kind == 'wheels'))
 
 
 def messages_text() -> str:
-    """Return the text of the file that names further message packages, empty without one."""
+    """Return the text of ``messages.txt``, empty if there is no such file."""
     try:
         return MESSAGES_FILE.read_text(encoding='utf-8')
     except FileNotFoundError:
@@ -107,9 +106,9 @@ def messages_text() -> str:
 
 def ros_request(environ: Mapping[str, str]) -> str:
     """
-    Return which ROS 2 the shell asks for.
+    Return which ROS 2 the shell requests.
 
-    :returns: '' for no wish, else the value of ROS_SOURCE or the sourced prefixes
+    :returns: the value of ROS_SOURCE or the sourced prefixes, '' if there is no request
     """
     if environ.get('ROS_SOURCE'):
         return environ['ROS_SOURCE']
@@ -117,7 +116,7 @@ def ros_request(environ: Mapping[str, str]) -> str:
 
 
 def read_stamp(places: Places, step: str) -> str:
-    """Return the digest a step was last done with, '' if it was not."""
+    """Return the digest with which a step last succeeded, '' if it never did."""
     try:
         return (places.notes / f'{step}.stamp').read_text(encoding='utf-8')
     except OSError:
@@ -125,7 +124,7 @@ def read_stamp(places: Places, step: str) -> str:
 
 
 def write_stamp(places: Places, step: str, digest: str) -> None:
-    """Remember that a step is done."""
+    """Store the digest of a completed step."""
     write_atomically(places.notes / f'{step}.stamp', digest)
 
 
@@ -133,9 +132,9 @@ def write_ready(
     places: Places, environ: Mapping[str, str], python_version: str, digest: str
 ) -> None:
     """
-    Remember that everything is done, and for which wishes.
+    Store that everything is prepared, and for which requested ROS 2 and Python.
 
-    :param digest: :func:`whole_digest` of what was prepared
+    :param digest: :func:`whole_digest` of the inputs of the prepared environment
     """
     ready = {
         'digest': digest,
@@ -148,9 +147,9 @@ def write_ready(
 
 def is_ready(places: Places, environ: Mapping[str, str]) -> bool:
     """
-    Return whether a prepared environment is up to date and what the user asks for.
+    Return whether the prepared environment is up to date and matches the user's request.
 
-    A shell that asks for nothing (no PYTHON=, nothing sourced) takes what is there.
+    A shell without a request (no PYTHON=, nothing sourced) accepts any prepared environment.
     """
     try:
         ready = json.loads(places.ready.read_text(encoding='utf-8'))

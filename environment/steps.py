@@ -1,4 +1,4 @@
-"""Run the steps of the set-up: show progress, keep logs, explain a failure, hold the lock."""
+"""Run the steps of the set-up: show progress, keep logs, explain failures, hold the lock."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LAST_LINES = 12
 
 class StepError(Exception):
     """
-    Raised when a step cannot be done.
+    Raised when a step cannot be completed.
 
     :param message: what was expected and what was found
     :param try_this: what the user should type or change
@@ -33,11 +33,11 @@ class StepError(Exception):
 @dataclass
 class Screen:
     """
-    Show progress: a living line on a terminal, plain lines in a pipe, little on CI.
+    Shows progress: one updated line on a terminal, plain lines in a pipe, few lines on CI.
 
-    :param out: where to write
-    :param live: whether the line may be rewritten
-    :param quiet: whether to leave out the line at the start of a step
+    :param out: stream to write to
+    :param live: whether to update one line in place
+    :param quiet: whether to omit the line at the start of a step
     """
 
     out: TextIO = field(default_factory=lambda: sys.stderr)
@@ -46,7 +46,7 @@ class Screen:
 
     @classmethod
     def of(cls, environ: Mapping[str, str]) -> Screen:
-        """Return the screen that suits standard error."""
+        """Return a screen with the settings that suit standard error."""
         ci = environ.get('CI', '').lower() not in ('', '0', 'false')
         dumb = environ.get('TERM', 'dumb') == 'dumb'
         return cls(live=sys.stderr.isatty() and not ci and not dumb, quiet=ci)
@@ -57,7 +57,7 @@ class Screen:
         print(f'{clear}{text}', file=self.out, flush=True)
 
     def redraw(self, text: str) -> None:
-        """Rewrite the living line; nothing elsewhere."""
+        """Update the line in place; do nothing unless the screen is live."""
         if self.live:
             width = shutil.get_terminal_size().columns - 1
             print(f'\r\033[K{text[:width]}', end='', file=self.out, flush=True)
@@ -66,12 +66,12 @@ class Screen:
 @dataclass
 class Job:
     """
-    What a step gets to work with.
+    The tools with which a step runs commands.
 
     :param log: the open log file of the step
-    :param tick: called again and again while a command runs
-    :param keep_open: file descriptors that children inherit: the lock, so that an orphaned pip
-        of a killed set-up keeps the next one waiting instead of writing beside it
+    :param tick: called regularly while a command runs
+    :param keep_open: file descriptors that children inherit, for example the lock: an orphaned pip
+        of a killed set-up then blocks the next set-up instead of writing at the same time
     """
 
     log: IO[str]
@@ -88,8 +88,8 @@ class Job:
         """
         Run a command with its output in the log.
 
-        :param what: the name of the command in an error
-        :raises StepError: if it does not exist or ends with a code other than 0
+        :param what: name of the command in error messages
+        :raises StepError: if the command does not exist or fails
         """
         name = what or Path(command[0]).name
         print('$', *command, file=self.log, flush=True)
@@ -127,13 +127,13 @@ class Step:
     """
     One step of the set-up.
 
-    :param name: names its log and stamp
-    :param title: what the user sees
-    :param needed: returns whether it has to run; called after the steps before it are done
-    :param run: does it; raises StepError
-    :param about: a hint how long it takes
-    :param try_this: what to do if it fails and the error does not say
-    :param optional: whether its failure is only reported and the set-up is complete anyway
+    :param name: name of its log and stamp
+    :param title: text that the user sees
+    :param needed: returns whether the step must run; called after the previous steps
+    :param run: does the work; raises StepError
+    :param about: a hint about the duration
+    :param try_this: advice for a failure whose error contains none
+    :param optional: whether the set-up is complete even if this step fails
     """
 
     name: str
@@ -152,7 +152,7 @@ def run_steps(
     Run the steps that are needed, in order.
 
     :param logs: folder of the log files
-    :returns: False if one failed that is not optional; what and why was shown
+    :returns: False if a step that is not optional failed; the failure was already printed
     """
     for number, step in enumerate(steps, start=1):
         if not step.needed():
@@ -182,7 +182,7 @@ def run_steps(
 
 
 def explain(error: StepError, step: Step, label: str, log_path: Path, screen: Screen) -> None:
-    """Say what failed, the end of its log and what to do."""
+    """Print which step failed, the end of its log and what to do."""
     screen.say(f'{label}: FAILED: {error}')
     lines = log_path.read_text(encoding='utf-8', errors='replace').splitlines()
     if lines:
@@ -195,9 +195,9 @@ def explain(error: StepError, step: Step, label: str, log_path: Path, screen: Sc
 @contextmanager
 def locked(path: Path, screen: Screen) -> Iterator[int]:
     """
-    Hold the lock of the set-up; print a line and wait while a different set-up holds it.
+    Hold the lock of the set-up; if another set-up holds it, print a line and wait.
 
-    The kernel frees it when its holder is gone, however it ended.
+    The kernel frees the lock when the process ends in any way.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)

@@ -1,4 +1,4 @@
-"""Programs from the system: a compiler, make and bubblewrap; installed by apt where allowed."""
+"""Find the system's compiler, make and bubblewrap; install them with apt where possible."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Which = Callable[[str], 'str | None']
 @dataclass(frozen=True)
 class Tool:
     """
-    One program of the system.
+    A program that the system provides.
 
-    :param title: its name for people
-    :param command: what has to be on the PATH
-    :param apt: the Debian and Ubuntu package
-    :param dnf: the Fedora package
+    :param title: name shown to users
+    :param command: name of the executable on the PATH
+    :param apt: name of the Debian and Ubuntu package
+    :param dnf: name of the Fedora package
     :param required: whether the set-up stops without it
     """
 
@@ -36,18 +36,19 @@ class Tool:
 TOOLS = (
     Tool('C++ compiler', 'g++', 'g++', 'gcc-c++'),
     Tool('make', 'make', 'make', 'make'),
-    # Lessons and their visible checks work without it; grading stops and prints the reason.
+    # Lessons and their visible checks work without bubblewrap; grading stops and prints the
+    # reason.
     Tool('bubblewrap', 'bwrap', 'bubblewrap', 'bubblewrap', required=False),
 )
 
 
 def missing_tools(which: Which = shutil.which) -> list[Tool]:
-    """Return the programs that are not there."""
+    """Return the programs that are missing."""
     return [tool for tool in TOOLS if not which(tool.command)]
 
 
 def python_packages(interpreter: Interpreter | None) -> list[str]:
-    """Return the apt packages that complete the system's Python, or bring one."""
+    """Return the apt packages that complete the system's Python, or that install one."""
     if interpreter is None:
         return ['python3', 'python3-venv', 'python3-dev']
     if not interpreter.path.startswith('/usr/bin/'):
@@ -57,7 +58,7 @@ def python_packages(interpreter: Interpreter | None) -> list[str]:
 
 
 def apt_get(environ: Mapping[str, str]) -> list[str] | None:
-    """Return how apt-get can be run without asking for a password; None if it cannot."""
+    """Return a command for apt-get that asks for no password, or None if there is none."""
     path = environ.get('PATH')
     if not shutil.which('apt-get', path=path):
         return None
@@ -65,7 +66,7 @@ def apt_get(environ: Mapping[str, str]) -> list[str] | None:
         return ['apt-get']
     sudo = shutil.which('sudo', path=path)
     if sudo and subprocess.run([sudo, '-n', 'true'], capture_output=True).returncode == 0:
-        # sudo drops the environment, so the variable is set behind it.
+        # sudo drops the environment, so `env` sets the variable after it.
         return [sudo, '-n', 'env', 'DEBIAN_FRONTEND=noninteractive', 'apt-get']
     return None
 
@@ -73,7 +74,7 @@ def apt_get(environ: Mapping[str, str]) -> list[str] | None:
 def command_to_type(
     tools: Sequence[Tool], python: Sequence[str] = (), which: Which = shutil.which
 ) -> str:
-    """Return the one line that installs what is missing."""
+    """Return one command that installs everything that is missing."""
     if which('apt-get') or not which('dnf'):
         return f'sudo apt-get install -y {" ".join([*(t.apt for t in tools), *python])}'
     dnf = ['python3-devel'] if python else []
@@ -82,9 +83,9 @@ def command_to_type(
 
 def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpreter | None) -> None:
     """
-    Install what is missing with apt, where that needs no password.
+    Install missing programs with apt, if that needs no password.
 
-    :raises StepError: if something required stays missing, with the command to type
+    :raises StepError: if a required program is still missing; it gives the command to type
     """
     tools, python = missing_tools(), python_packages(interpreter)
     command = apt_get(environ)
@@ -92,7 +93,8 @@ def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpret
         env = {**environ, 'DEBIAN_FRONTEND': 'noninteractive'}
         packages = [*(tool.apt for tool in tools), *python]
         try:
-            # The lists of a fresh container are empty; old ones still serve if this fails.
+            # A new container has no package lists; existing lists may suffice if this command
+            # fails.
             job.run([*command, 'update', '-q'], env, 'apt-get update')
         except StepError as error:
             print(error, file=job.log, flush=True)
@@ -107,11 +109,11 @@ def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpret
 
 def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
     """
-    Try bubblewrap by running it.
+    Run bubblewrap to find out whether it works.
 
-    :param bwrap: path of the program, None if there is none
-    :param root: as root no user namespace is made
-    :returns: '' if it works, else its own words
+    :param bwrap: path of the program, None if it is not installed
+    :param root: whether this is root, for whom no user namespace is created
+    :returns: '' if it works, else its error message
     """
     if not bwrap:
         return 'not installed'

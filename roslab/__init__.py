@@ -87,7 +87,7 @@ __all__ = [
 
 
 def load_ipython_extension(ipython: Any) -> None:
-    """Serve ``%load_ext roslab``, which does what the import does."""
+    """Support ``%load_ext roslab``, which has the same effect as ``import roslab``."""
     register(ipython)
 
 

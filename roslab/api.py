@@ -1,4 +1,4 @@
-"""The short functions that lessons call; they use the session of the running kernel."""
+"""The short functions that lessons call; each uses the session of the running kernel."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def start(
     parameters: Mapping[str, Any] | None = None,
 ) -> Node:
     """
-    Create a node and run it in the background; it replaces an older node of the same name.
+    Create a node and run it in the background, replacing an older node of the same name.
 
-    :param factory: a subclass of Node, a function that returns a node, or a node
+    :param factory: a subclass of Node, a function that returns a node, or an existing node
     :param name: replaces the node's own name, as ``-r __node:=name`` does in a terminal
     :param parameters: initial values of declared parameters, as ``-p name:=value`` does
     """
@@ -51,12 +51,12 @@ def stop(node: Node | str) -> None:
 
 
 def stop_all() -> None:
-    """Stop and destroy all nodes that were started here, and end what ``listen`` subscribed to."""
+    """Stop and destroy all nodes of this notebook, and end all subscriptions of ``listen``."""
     session().stop_all()
 
 
 def nodes() -> dict[str, Node]:
-    """Return the nodes that run here, by name."""
+    """Return the nodes that this notebook runs, by name."""
     return session().nodes()
 
 
@@ -67,31 +67,31 @@ def listen(
     Subscribe to a topic and store the received messages in ``messages``.
 
     :param topic: name of the topic
-    :param msg_type: class of its messages
-    :param depth: messages that are kept until the next callback
-    :param qos: the whole profile, instead of a reliable one of that depth
+    :param msg_type: class of the topic's messages
+    :param depth: how many messages wait in the queue for the callback
+    :param qos: a complete QoS profile, instead of a reliable one of this depth
     """
     return Listener(session(), topic, msg_type, qos or QoSProfile(depth=depth))
 
 
 def wait_until(condition: Callable[[], T], timeout: float = 5.0, what: str = 'a condition') -> T:
     """
-    Wait until a condition is true, while nodes continue to run.
+    Wait until a condition is true; nodes continue to run meanwhile.
 
     :param condition: called after each callback, until it returns a true value
     :param timeout: the longest time to wait [s]
-    :param what: the condition in words, for the message after a timeout
+    :param what: description of the condition, for the error message
     :returns: what the condition returned
-    :raises TimeoutError: with possible reasons
+    :raises TimeoutError: after ``timeout``; its message lists possible reasons
     """
     return wait_until_in(session(), condition, timeout, what)
 
 
 def logs(node: Node | str | None = None) -> LogTable:
     """
-    Return the log lines of this notebook so far, as a table.
+    Return the log lines recorded in this notebook so far, as a table.
 
-    :param node: only this node, or the node of this name
+    :param node: return only the lines of this node (a node or its name)
     """
     if node is None:
         return log_table()
@@ -105,7 +105,7 @@ def graph(topic: str | None = None, *, all: bool = False) -> Graph:
 
     Nodes of this notebook appear at once, those of other programs after discovery.
 
-    :param topic: only this topic and its nodes
+    :param topic: show only this topic and its nodes
     :param all: include hidden nodes, ``/rosout`` and ``/parameter_events``
     """
     return graph_now(session(), topic, all)
@@ -117,12 +117,12 @@ def timeline(
     seconds: float | None = None,
 ) -> Timeline:
     """
-    Return messages against time: a picture, or a table of text with ``str()``.
+    Show messages on a time axis: a picture, or a plain-text table with ``str()``.
 
-    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
-        stands for all its topics
+    :param sources: listeners, plots, simulations or recorded topics. The axis begins when the
+        first listener began to listen; a simulation contributes all its topics
     :param marks: names and times of other events, on the scale of the first listener's ``now`` [s]
-    :param seconds: only so many seconds before the newest event [s]
+    :param seconds: show only this much time before the newest event [s]
     """
     return make_timeline(sources, marks, seconds)
 
@@ -136,13 +136,13 @@ def plot(
     marks: Mapping[str, Iterable[float]] | None = None,
 ) -> Plot:
     """
-    Plot a number of a topic against time, in this cell, while later cells run.
+    Plot a numeric field of a topic against time; the picture in this cell stays up to date.
 
-    :param topic: its name; the type is found in the graph. Or the messages of a simulation, as in
+    :param topic: its name (the graph gives its type), or the messages of a simulation, as in
         ``plot(run['temperature_topic'], 'temperature_value')``
-    :param field: such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
+    :param field: path of the field, such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
-    :param threshold: a level to compare the values with
+    :param threshold: a value to mark with a horizontal line
     :param marks: names and times of other events, as in ``timeline`` [s]
     """
     if seconds is None:
@@ -158,10 +158,10 @@ def echo(
     """
     Print messages as they arrive, as ``ros2 topic echo`` does.
 
-    :param topic: its name; the type is found in the graph
-    :param count: how many messages
+    :param topic: its name; the graph gives its type
+    :param count: how many messages to print
     :param timeout: how long to wait for all of them [s]
-    :param qos: profile of the subscription, instead of one that fits all publishers
+    :param qos: profile of the subscription, instead of one that is compatible with all publishers
     """
     print_messages(session(), topic, count, timeout, qos)
 
@@ -170,7 +170,7 @@ def hz(topic: str, count: int = 5, timeout: float = 10.0) -> None:
     """
     Print how often messages arrive, as ``ros2 topic hz`` does.
 
-    :param topic: its name; the type is found in the graph
+    :param topic: its name; the graph gives its type
     :param count: how many messages to measure
     :param timeout: how long to wait for them [s]
     """
@@ -181,7 +181,7 @@ def info(name: str) -> None:
     """
     Print the output of ``ros2 topic info -v`` for a topic, or of ``ros2 node info`` for a node.
 
-    :param name: of a topic or a node
+    :param name: name of a topic or a node
     """
     print_info(session(), name)
 

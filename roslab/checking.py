@@ -1,8 +1,8 @@
 """
-Visible checks: the grader's own engine, run on the learner's saved files.
+Run visible checks: the grader's own engine, applied to the learner's saved files.
 
-The learner's code never runs in the kernel for this.  A child process runs it, in a sandbox if one
-is available, and prints its verdicts as one line of JSON.
+The learner's code does not run in the kernel.  A child process runs it, in a sandbox if one is
+available, and prints its verdicts as one line of JSON.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ def check(exam: Any = None) -> CheckReport:
     """
     Run the visible checks of an exercise and show the result.
 
-    :param exam: name of the exercise, such as 'temperature_publisher'; for any other name, the
-        report lists the names
-    :returns: the report, true if every check passed
-    :raises AssertionError: only under nbgrader's Validate, if a check failed
+    :param exam: name of the exercise, such as 'temperature_publisher'; for an unknown name, the
+        report lists the valid names
+    :returns: the report, which is true if every check passed
+    :raises AssertionError: if a check failed, but only under nbgrader's Validate
     """
     report = _run(exam, learner_package())
     if report.result is not None:
@@ -107,7 +107,7 @@ def _shown(given: Any) -> str:
 
 
 def _exercise_of(given: Any) -> str | None:
-    """Return the exercise whose file defines a class, a function or the class of an object."""
+    """Return the exercise that requires the file of a class, a function or an object's class."""
     module = getattr(given, '__module__', None) or getattr(given, '__name__', '')
     for name in catalog.names(hidden=False):
         if f'{module}.py' in map(_file_name, catalog.load(name, hidden=False).requires):
@@ -116,7 +116,7 @@ def _exercise_of(given: Any) -> str | None:
 
 
 def _exercises_here() -> list[str]:
-    """Return the exercises that the notebook checks somewhere."""
+    """Return the exercises for which the notebook contains a ``check`` call."""
     shell = get_ipython()
     texts = texts_now(shell) if shell is not None else []
     known = catalog.names(hidden=False)
@@ -142,7 +142,7 @@ def _no_such(exam: str, error: ExamInvalid) -> Problem:
 
 
 def _lesson_of(exam: Exam) -> str | None:
-    """Return the file name of the lesson that an exercise belongs to, None if there is none."""
+    """Return the file name of the lesson of an exercise, or None if there is none."""
     try:
         return Layout.here().release(exam.assignment).name
     except FileNotFoundError:
@@ -150,7 +150,7 @@ def _lesson_of(exam: Exam) -> str | None:
 
 
 def _of_exercise(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
-    """Return the files that an exercise is about."""
+    """Return the files that an exercise requires."""
     required = set(map(_file_name, exam.requires))
     return {name: text for name, text in files.items() if Path(name).name in required}
 
@@ -164,7 +164,7 @@ def _is_stub(name: str, text: str) -> bool:
 
 
 def _left_over(files: Collection[str]) -> tuple[str, ...]:
-    """Return the files that no cell of the notebook saves any more, for example after a rename."""
+    """Return the files that no cell of the notebook saves now, for example after a rename."""
     shell = get_ipython()
     texts = texts_now(shell) if shell is not None else []
     made = set()
@@ -176,7 +176,7 @@ def _left_over(files: Collection[str]) -> tuple[str, ...]:
 
 
 def _read(exam: str, outcome: child.Outcome) -> CheckReport:
-    """Read the last line of the child; report any other output as a fault of the checker."""
+    """Read the last line of the child's output; report anything else as a fault of the checker."""
     answer = _last_json(outcome.output)
     try:
         if 'error' in answer:

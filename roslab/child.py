@@ -1,7 +1,7 @@
 """
-Run a command for a cell, with a time limit, interruptible, leaving no processes behind.
+Run a command for a cell with a time limit; an interrupt or the limit ends all its processes.
 
-The command stays in the kernel's process group, so that it ends if the kernel is killed.
+The command stays in the kernel's process group, so killing the kernel also ends the command.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Outcome:
     """
     The outcome of a command.
 
-    :param returncode: None if it was ended at its deadline
+    :param returncode: exit code, None if the command was ended at its deadline
     :param output: the end of its output on stdout and stderr
-    :param seconds: how long it took [s]
+    :param seconds: how long the command ran [s]
     """
 
     returncode: int | None
@@ -54,11 +54,11 @@ def run(
     """
     Run a command until it ends or its deadline passes.
 
-    :param on_tick: called regularly with the seconds that have passed and the end of the output
+    :param on_tick: called regularly with the elapsed time [s] and the end of the output
     :raises OSError: if the command cannot be started
     """
     begin = time.monotonic()
-    # Allow interrupts only while waiting, so that every started process is known and ended.
+    # Allow interrupts only while waiting, so that every process that starts is recorded and ended.
     with tempfile.TemporaryFile() as log, HeldInterrupts() as interrupts:
         process = subprocess.Popen(
             command,
@@ -90,10 +90,10 @@ def run_grader(module: str, *arguments: str, text: str, deadline_s: float) -> Ou
     """
     Run a module of the grader on the learner's files.
 
-    :param text: what is going on, for the line that counts the seconds
-    :param deadline_s: when to end it [s]
+    :param text: description of the work, shown next to the elapsed seconds
+    :param deadline_s: time limit of the command [s]
     """
-    # In an empty folder: a file of the learner's beside the notebook must not replace a module.
+    # Run in an empty folder: a file next to the notebook must not shadow a module.
     with tempfile.TemporaryDirectory(prefix='check-') as empty, ElapsedTime(text) as elapsed:
         return run(
             [sys.executable, '-m', module, *arguments],
@@ -105,7 +105,7 @@ def run_grader(module: str, *arguments: str, text: str, deadline_s: float) -> Ou
 
 
 def _end_of(log: int) -> str:
-    """Return the last lines of a file that a process still writes; keep the file offset."""
+    """Return the last lines of a log that a process is still writing; keep the file offset."""
     size = os.fstat(log).st_size
     return os.pread(log, _TAIL_BYTES, max(0, size - _TAIL_BYTES)).decode('utf-8', 'replace')
 
@@ -126,7 +126,7 @@ def _wait(
 
 
 def _kill_tree(process: subprocess.Popen[bytes]) -> None:
-    """End a process that still runs, with all its children."""
+    """Kill a process and all its children, if it is still running."""
     if process.poll() is not None:
         return
     try:

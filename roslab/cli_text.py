@@ -2,7 +2,7 @@
 Format facts as ROS 2's command line tools print them.
 
 These functions need no node, session or terminal.  The notebook functions ``echo``, ``hz``,
-``info`` and ``topics`` print their results, and so do the ``ros2`` commands.
+``info`` and ``topics`` print their results, and so do the commands of :mod:`roslab.ros2`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import yaml
 NamesAndTypes = Iterable[tuple[str, Sequence[str]]]
 
 TRUNCATE_AT = 128
-"""Longer texts and arrays are cut by ``ros2 topic echo``, unless it is asked for all."""
+"""``ros2 topic echo`` truncates longer strings and arrays, unless an option changes this."""
 
 _WIDEST = 2**31 - 1
 _SECTIONS = (
@@ -42,11 +42,11 @@ def message_yaml(
     """
     Return a message as YAML, with a line break at the end.
 
-    :param message: of any generated class
-    :param truncate: longest text and array that is written in full, None for no limit
-    :param no_arr: write only type and length of arrays
-    :param no_str: write only the length of texts
-    :param flow: all on one line
+    :param message: an instance of any generated message class
+    :param truncate: longest string or array to write in full, None for no limit
+    :param no_arr: write only the type and length of arrays
+    :param no_str: write only the length of strings
+    :param flow: write everything on one line
     """
     options = _Options(truncate, no_arr, no_str)
     return _dump(message_dict(message, options), flow)
@@ -62,10 +62,10 @@ def field_text(
     flow: bool = False,
 ) -> str:
     """
-    Return the value of one field as ``ros2 topic echo --field`` writes it, with a line break.
+    Return the value of one field as ``ros2 topic echo --field`` prints it, with a line break.
 
-    :param value: of a field, which may be a message
-    :param field_type: as in ``get_fields_and_field_types``, for ``no_arr``
+    :param value: value of the field, which may be a message
+    :param field_type: its type as in ``get_fields_and_field_types``, needed for ``no_arr``
     """
     plain = _plain(value, field_type, _Options(truncate, no_arr, no_str))
     return _dump(plain, flow) if isinstance(plain, dict) else f'{plain}\n'
@@ -81,7 +81,7 @@ def echo_text(message: Any, **options: Any) -> str:
 
 
 class _Options:
-    """How values are shortened."""
+    """Options that control how values are shortened."""
 
     def __init__(
         self, truncate: int | None = None, no_arr: bool = False, no_str: bool = False
@@ -95,7 +95,7 @@ def message_dict(message: Any, options: _Options | None = None) -> dict[str, Any
     """
     Return a message as a dictionary of plain values, in the order of its definition.
 
-    :param options: how values are shortened, by default not at all
+    :param options: how to shorten values; by default, values are complete
     """
     shorten = options or _Options()
     return {
@@ -141,10 +141,10 @@ def _sequence(value: Any, field_type: str, options: _Options) -> Any:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes repeated objects in full instead of naming the first."""
+    """A YAML dumper that writes repeated objects in full instead of referring to the first one."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Make PyYAML write no anchors."""
+        """Prevent PyYAML from writing anchors."""
         return True
 
 
@@ -181,10 +181,10 @@ def topic_info_text(
     """
     Return what ``ros2 topic info`` prints.
 
-    :param types: types of the topic; if there are several by mistake, they are shown as a list
+    :param types: types of the topic; several types, a mistake, are shown as a list
     :param publishers: rclpy's ``TopicEndpointInfo``, whose ``str()`` is printed
-    :param subscriptions: in the same form
-    :param verbose: also each endpoint, as ``-v`` asks for
+    :param subscriptions: the same for subscriptions
+    :param verbose: include each endpoint, as ``-v`` does
     """
     blocks = [
         f'Type: {types[0] if len(types) == 1 else list(types)}',
@@ -218,7 +218,7 @@ def hz_text(times: Sequence[float]) -> str:
     """
     Return what ``ros2 topic hz`` prints.
 
-    :param times: when messages were received, at least two [s]
+    :param times: arrival times of at least two messages [s]
     """
     gaps = [later - earlier for earlier, later in pairwise(times)]
     mean = sum(gaps) / len(gaps)

@@ -1,12 +1,12 @@
 """
-Handle the lines that C code of ROS writes to the console.
+Intercept the lines that ROS's C code writes to the console.
 
-``rclpy`` hands each line to C code, which writes it to stdout of the process, publishes it on
-``/rosout`` and appends it to a file.  In a notebook, stdout is too late: the line reaches the
-kernel through a pipe, when its node can no longer be determined.  So a format, set in an
-environment variable that ROS reads once, puts marks around each line.  Lines that came from Python
-are dropped where the kernel reads them, because they were printed when they were logged; lines
-that C code wrote by itself, without their marks, go to the running cell.
+``rclpy`` passes each log line to C code, which writes it to the stdout of the process, publishes
+it on ``/rosout`` and appends it to a file.  A notebook cannot rely on stdout: the line reaches the
+kernel through a pipe, too late to determine which node logged it.  So an environment variable that
+ROS reads once sets a log format with marks around each line.  The kernel drops marked lines of
+Python code, because they were shown when they were logged.  Lines that only C code wrote lose
+their marks and go to the running cell.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ _VARIABLES = {
     f'{_NEXT}{{message}}{_END[0]}',
 }
 MARK = f'{_BEGIN}{_NEXT}{_NEXT}{_NEXT}{_END}'.encode()
-"""A line from no node: when it arrives, everything written before it has been read."""
+"""A marked line without a node: when it arrives, all earlier output has been read."""
 _C_FILES = ('.c', '.cc', '.cpp', '.cxx', '.h', '.hpp')
-# Colours of the level's name and its background.  ROS colours the whole line, but no shade of
+# Colours of the level name and its background.  ROS colours the whole line, but no shade of
 # yellow is readable on both a white and a black page.
 _COLOURS = {
     'DEBUG': '38;5;231;48;5;240',
@@ -42,7 +42,7 @@ _COLOURS = {
 
 def log_text(level: str, logger: str, message: str) -> str:
     """
-    Return a log line as it is shown, with the name of its level on the level's colour.
+    Return a log line as notebooks show it, with the name of its level on a coloured background.
 
     :param level: such as 'WARN'
     :param logger: name of the logger
@@ -58,7 +58,7 @@ def mark_console() -> bool:
     """
     Make ROS put marks around each console line.
 
-    :returns: whether this worked; it does not if ROS has already set up its outputs
+    :returns: False if ROS had already set up its log outputs, so that the marks have no effect
     """
     if rclpy.context.g_logging_ref_count:
         return False
@@ -72,7 +72,7 @@ def spare_the_terminal(stream: Any) -> None:
     """
     Stop the kernel from copying the output of C code to the terminal of the Jupyter server.
 
-    :param stream: the kernel's stdout, whose file number is the terminal, not the notebook
+    :param stream: the kernel's stdout; its file descriptor is the terminal, not the notebook
     """
     with suppress(io.UnsupportedOperation):
         terminal = stream.fileno()
@@ -82,7 +82,7 @@ def spare_the_terminal(stream: Any) -> None:
 
 
 class ConsoleLines:
-    """Removes marked lines from a text that arrives in pieces."""
+    """Removes marked lines from text that arrives in pieces."""
 
     def __init__(self) -> None:
         self._rest = ''
@@ -116,7 +116,7 @@ def _shown(line: str) -> str:
 
 @contextmanager
 def _variables(changed: Mapping[str, str]) -> Iterator[None]:
-    """Set environment variables for a moment; child processes must not inherit the marks."""
+    """Set environment variables temporarily; child processes must not inherit the marks."""
     before = {name: os.environ.get(name) for name in changed}
     os.environ.update(changed)
     try:

@@ -1,9 +1,10 @@
 """
 Create a node that replaces the older node of the same name.
 
-Running a cell twice creates a second node of the same name.  ROS 2 allows that but warns, and
-breaks the logging of both when one of them is destroyed.  A cell only calls ``start(Talker)``.
-The node's name is known when ``Node.__init__`` is called, so the older node is destroyed there.
+Running a cell twice would create a second node of the same name.  ROS 2 allows this with a
+warning, but destroying one of the two nodes breaks the logging of both.  ``start(Talker)`` does
+not reveal the node's name: it becomes known when ``Node.__init__`` is called, so that call first
+destroys the older node.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from roslab.interrupts import HeldInterrupts
 @dataclass
 class Construction:
     """
-    Changes to apply while a node is created, and the created nodes.
+    The changes to apply while a node is created, and the nodes created so far.
 
-    :param context: for nodes that name no other
-    :param make_room: called with the key of a node that is about to be created
-    :param name: replaces the name that the class gives, as ``-r __node:=`` does
-    :param parameters: initial values, as ``-p name:=value`` does
+    :param context: context of nodes that specify none
+    :param make_room: called with the key of a node just before its creation
+    :param name: replaces the name given by the class, as ``-r __node:=`` does
+    :param parameters: initial values of parameters, as ``-p name:=value`` does
     """
 
     context: Context
@@ -55,9 +56,9 @@ class Construction:
 
 def key_of(name: str, namespace: str | None) -> str:
     """
-    Return the key of a node in a notebook: its name, or its full name inside a namespace.
+    Return the key of a node in a notebook: its name, or its full name if it has a namespace.
 
-    :param name: the node's own name
+    :param name: name of the node without namespace
     :param namespace: as given to ``Node`` or returned by ``get_namespace``
     """
     space = (namespace or '').strip('/')
@@ -81,7 +82,7 @@ def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]
 @contextmanager
 def constructing(construction: Construction) -> Iterator[None]:
     """
-    Apply a construction to the nodes that this thread creates, and to no others.
+    Apply a construction to the nodes that this thread creates inside the ``with`` block.
 
     :param construction: collects the nodes in ``made``
     """

@@ -1,7 +1,7 @@
 """
-Errors that a notebook shows as one line.
+Define the errors that a notebook shows as one line.
 
-IPython lets an exception choose how it is shown.  These exceptions leave out the frames of this
+IPython lets an exception choose how it is shown.  These exceptions omit the frames of this
 package, which do not help learners.
 """
 
@@ -11,26 +11,26 @@ from typing import TypeVar
 
 
 class RoslabError(Exception):
-    """Raised for a call that cannot work, with what was expected and what to try."""
+    """Raised when a call cannot work; the message gives the expected value and what to try."""
 
     def _render_traceback_(self) -> list[str]:
         return [f'{type(self).__name__}: {self}']
 
 
 class NameRefusedError(RoslabError):
-    """A magic line names no file that may be written."""
+    """Raised when a magic line does not name a file that may be written."""
 
 
 class AnswerRefusedError(RoslabError):
-    """An ``%%answer`` cell holds none of the letters."""
+    """Raised when an ``%%answer`` cell contains none of the permitted letters."""
 
 
 class NodeSyntaxError(RoslabError):
-    """A ``%%node`` cell is not valid Python; IPython would add its own frames to a SyntaxError."""
+    """Raised for invalid Python in a ``%%node`` cell; IPython adds frames to a SyntaxError."""
 
 
 class NotHereError(RoslabError):
-    """Something is missing that has to exist first; the message says what to run."""
+    """Raised when something must exist first; the message names the cell or command to run."""
 
 
 E = TypeVar('E', bound=BaseException)
@@ -38,10 +38,10 @@ E = TypeVar('E', bound=BaseException)
 
 def shown_as(error: E, text: str) -> E:
     """
-    Let a notebook show an error as a given text instead of a traceback.
+    Make a notebook show a given text instead of the traceback of an error.
 
     :param error: any error; its type is unchanged
-    :param text: all that is shown
+    :param text: the only text that the notebook shows
     """
     error._render_traceback_ = lambda: [text]  # type: ignore[attr-defined]
     return error
@@ -49,8 +49,8 @@ def shown_as(error: E, text: str) -> E:
 
 def not_written_yet(message: str) -> NotImplementedError:
     """
-    Return the error of an exercise that still has its stub.
+    Return the error for an exercise whose stub is still unchanged.
 
-    :param message: which cell, and what to do
+    :param message: names the cell and what to do
     """
     return shown_as(NotImplementedError(message), f'NotImplementedError: {message}')

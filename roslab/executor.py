@@ -1,10 +1,10 @@
 """
 The background executor of a kernel.
 
-All nodes of a notebook are served by a single thread, one callback at a time, like a program that
-calls ``rclpy.spin``.  Two things differ from ``SingleThreadedExecutor``: an exception in a
-callback goes to a function instead of ending the loop, and other threads can request actions
-between two callbacks, so that entities are added and destroyed while no wait set holds them.
+A single thread serves all nodes of a notebook, one callback at a time, like a program that calls
+``rclpy.spin``.  Two things differ from ``SingleThreadedExecutor``.  An exception in a callback is
+passed to a handler function instead of ending the loop.  Other threads can request actions between
+two callbacks, so that entities are added and destroyed while no wait set uses them.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def destroy_wholly(node: Node) -> None:
     """
     Destroy a node at once, even if something still refers to it.
 
-    rclpy leaves the state machine of a lifecycle node to the garbage collector, and with it the
-    node's name, topics and services in the graph.
+    rclpy leaves the state machine of a lifecycle node to the garbage collector.  Until then, the
+    node's name, topics and services would stay in the graph.
     """
     node.destroy_node()
     if hasattr(node, '_state_machine'):
@@ -47,15 +47,16 @@ def destroy_wholly(node: Node) -> None:
 
 
 class CallbackStopped(BaseException):
-    """Raised inside a callback that does not return, to free its thread."""
+    """Raised inside a callback that does not return, to free the executor thread."""
 
 
 class Progress:
     """
     Wakes waiting cells each time a callback has run.
 
-    Built on queues in C instead of a condition variable: an interrupt of the kernel may happen at
-    any instruction of the waiting cell, and must never leave a lock locked that callbacks need.
+    It uses queues implemented in C, not a condition variable.  An interrupt of the kernel may
+    happen at any instruction of the waiting cell; it must never leave a lock held that callbacks
+    need.
     """
 
     def __init__(self) -> None:
@@ -69,12 +70,12 @@ class Progress:
 
     def wait(self, reached: Callable[[], Any], timeout_s: float, slice_s: float) -> Any:
         """
-        Return the value of ``reached`` as soon as it is true, or its last value at the end.
+        Return the value of ``reached`` as soon as it is true, or its last value after the timeout.
 
-        :param reached: called in this thread, after each callback and at least once each slice
+        :param reached: called in this thread, after each callback and at least once per slice
         :param timeout_s: how long to wait [s]
-        :param slice_s: the longest time between two looks [s]; discovery runs in the background
-            without a callback, so only another look shows its results
+        :param slice_s: the longest time between two calls [s]; discovery runs in the background
+            without a callback, so only another call of ``reached`` sees its results
         """
         waiter: SimpleQueue[None] = SimpleQueue()
         end = time.monotonic() + timeout_s
@@ -90,12 +91,12 @@ class Progress:
 
 class GuardedExecutor(Executor):
     """
-    Runs callbacks one at a time and survives their exceptions.
+    An executor that runs callbacks one at a time and survives their exceptions.
 
     :param context: the context of all its nodes
-    :param on_failure: called in the spinning thread with the node and what its callback raised
+    :param on_failure: called in the spinning thread with the node and its callback's exception
     :param on_progress: called in the spinning thread after each callback and request
-    :param around: returns the context manager that is entered for each callback of a node
+    :param around: given a node, returns the context manager to enter for each of its callbacks
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class GuardedExecutor(Executor):
         self._around = around
         self._asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self.running: tuple[Node | None, float] | None = None
-        """The node whose callback runs now and since when (``time.monotonic``), or None."""
+        """The node whose callback is running and its start time (``time.monotonic``), or None."""
 
     def ask(self, request: Callable[[], None]) -> None:
         """Request an action between two callbacks; safe in any thread and in finalizers."""
@@ -123,7 +124,7 @@ class GuardedExecutor(Executor):
         """
         Run the requested actions, then wait for one callback and run it.
 
-        :param timeout_sec: how long to wait [s], None for as long as it takes
+        :param timeout_sec: how long to wait [s], None for no limit
         """
         while not self._asked.empty():
             self._asked.get()()
@@ -155,7 +156,7 @@ class GuardedExecutor(Executor):
             with self._around(node):
                 task()
             failure = task.exception()
-        except BaseException as stop:  # a task stores an Exception but lets SystemExit through
+        except BaseException as stop:  # a task stores an Exception but does not catch SystemExit
             task.cancel()
             failure = stop
         finally:
@@ -192,28 +193,28 @@ class BackgroundExecutor:
 
     @property
     def alive(self) -> bool:
-        """Return whether callbacks are being run."""
+        """Return whether the thread is running callbacks."""
         return self._thread.is_alive() and not self._stopping and self.context.ok()
 
     @property
     def is_this_thread(self) -> bool:
-        """Return whether the caller is a callback."""
+        """Return whether the caller runs in the executor thread, inside a callback."""
         return threading.current_thread() is self._thread
 
     @property
     def running(self) -> tuple[Node | None, float] | None:
-        """The node whose callback runs now and since when (``time.monotonic``), or None."""
+        """The node whose callback is running and its start time (``time.monotonic``), or None."""
         return self._executor.running
 
     def add(self, node: Node) -> None:
-        """Serve a node."""
+        """Start serving a node."""
         self._between_callbacks(lambda: self._executor.add_node(node))
 
     def destroy(self, node: Node, patience_s: float = 1.0) -> None:
         """
         Stop serving a node and destroy it, even if its callback does not return.
 
-        :param patience_s: how long a running callback may still take [s]
+        :param patience_s: how long to wait for a running callback [s]
         """
 
         def go() -> None:
@@ -228,17 +229,17 @@ class BackgroundExecutor:
         # Try again, because the thread may only have been slow.  Destroying a node twice is
         # harmless.
         if not self._do(go, patience_s):
-            go()  # another node blocks the thread, so no wait set is in use
+            go()  # a callback of another node blocks the thread, so no wait set is in use
 
     def ask(self, request: Callable[[], None]) -> None:
-        """Request an action between two callbacks, without waiting for it."""
+        """Request an action between two callbacks and return without waiting for it."""
         self._executor.ask(request)
 
     def stop(self, patience_s: float = 1.0) -> bool:
         """
-        End the thread.
+        Stop the thread.
 
-        :param patience_s: how long a running callback may still take [s]
+        :param patience_s: how long to wait for a running callback [s]
         :returns: whether the thread has ended
         """
         self._stopping = True
@@ -256,7 +257,7 @@ class BackgroundExecutor:
             action()
 
     def _do(self, action: Callable[[], object], patience_s: float) -> bool:
-        """Run an action in the thread; False means that it was withdrawn, not run."""
+        """Run an action in the thread; return False if it was withdrawn after the timeout."""
         if self.is_this_thread or not self._thread.is_alive():
             action()
             return True
@@ -265,7 +266,7 @@ class BackgroundExecutor:
         return request.wait(patience_s)
 
     def _break_callback(self) -> None:
-        """Raise :class:`CallbackStopped` at the next line of Python that the thread executes."""
+        """Raise :class:`CallbackStopped` at the next Python line that the thread executes."""
         ctypes.pythonapi.PyThreadState_SetAsyncExc(
             ctypes.c_ulong(self._thread.ident or 0), ctypes.py_object(CallbackStopped)
         )
@@ -279,7 +280,7 @@ class BackgroundExecutor:
             except ExternalShutdownException:
                 return
             except CallbackStopped:
-                continue  # arrived after the callback had already returned
+                continue  # the exception arrived after the callback had returned
             except Exception as error:
                 # A cell destroyed a node while the wait set was built; the next round succeeds.
                 failures += 1
@@ -289,7 +290,7 @@ class BackgroundExecutor:
 
 
 class _Request:
-    """An action that either the executor runs or the requester withdraws, never both."""
+    """An action that is either run by the executor or withdrawn by the requester, never both."""
 
     def __init__(self, action: Callable[[], object]) -> None:
         self._action = action
@@ -298,7 +299,7 @@ class _Request:
         self._done: SimpleQueue[BaseException | None] = SimpleQueue()
 
     def __call__(self) -> None:
-        """Run the action if it was not withdrawn."""
+        """Run the action unless it was withdrawn."""
         try:
             self._tickets.get_nowait()
         except Empty:
@@ -328,7 +329,7 @@ class _Request:
             with suppress(Empty):
                 self._tickets.get_nowait()
                 return False
-            error = None  # the action is running and counts as done
+            error = None  # the action is already running and counts as completed
         if error is not None:
             raise error
         return True

@@ -1,8 +1,8 @@
 """
-One field of a message, named by a path such as ``temperature``, ``header.stamp.sec``, ``data[0]``.
+Read one message field, given by a path such as ``temperature``, ``header.stamp.sec``, ``data[0]``.
 
-A path is checked against the definition of the message before the first message arrives, so that a
-mistake is reported at once, with the fields that exist.
+The path is checked against the message definition before the first message arrives, so a wrong
+path is reported at once, with the fields that exist.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ _DEEPEST = 4
 
 def numeric_fields(msg_type: Any) -> list[str]:
     """
-    Return the paths of all numeric fields of a message, those of arrays with ``[0]``.
+    Return the paths of all numeric fields of a message; paths into arrays end in ``[0]``.
 
-    :param msg_type: class of a message
+    :param msg_type: class of the message
     """
     return _numeric(msg_type, '', _DEEPEST)
 
@@ -50,12 +50,12 @@ def _numeric(msg_type: Any, prefix: str, depth: int) -> list[str]:
 
 def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
     """
-    Return a function that reads a number from a message.
+    Return a function that reads a numeric field from a message.
 
     :param msg_type: class of the messages
-    :param path: names with dots, items of arrays with brackets
+    :param path: field names joined by dots, array indices in brackets
     :returns: the function, which returns None if an array is too short
-    :raises RoslabError: if there is no such field, or it is not a number
+    :raises RoslabError: if the field does not exist or is not numeric
     """
     steps: list[str | int] = []
     here: Any = msg_type
@@ -92,13 +92,13 @@ def _value(message: Any, steps: list[str | int]) -> float | None:
 
 
 def _item_type(kind: str) -> str | None:
-    """Return the type of an array's items, None if the type is not an array."""
+    """Return the type of an array's items, or None if the type is not an array."""
     match = _LIST.fullmatch(kind)
     return (match['item'] or match['fixed']) if match else None
 
 
 def _class_of(kind: str) -> Any:
-    """Return the class of a field that is a message, from its type ``package/Name``."""
+    """Return the message class for a field type ``package/Name``."""
     package, _, name = kind.partition('/')
     return message_class(f'{package}/msg/{name.split("/")[-1]}')
 
@@ -120,7 +120,7 @@ def _no_number(msg_type: Any, path: str, kind: str) -> RoslabError:
 
 
 def _offer(msg_type: Any) -> str:
-    """Return a sentence that lists the numeric fields."""
+    """Return a sentence that lists the numeric fields of a message."""
     found = numeric_fields(msg_type)
     if not found:
         every = ', '.join(msg_type.get_fields_and_field_types()) or 'none'

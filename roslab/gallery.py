@@ -1,7 +1,7 @@
 """
-Explain errors: search the gallery of lesson 08 by the text of a message.
+Explain errors: find the entry in the gallery of lesson 08 that matches an error message.
 
-The entries are data, in ``gallery.yaml``.  Build errors are also looked up in the table that
+The entries are data in ``gallery.yaml``.  Build errors are also looked up in the table that
 ``build_messages`` uses.
 """
 
@@ -28,7 +28,7 @@ LESSON = '08_what_went_wrong'
 FILE = Path(__file__).with_name('gallery.yaml')
 _MOST = 3
 _NO_MODULE = re.compile(r"No module named '(\w{4,60})'")
-"""Shorter names are one slip away from too many others."""
+"""Shorter names differ by one letter from too many other names."""
 _MANUAL = 'docs.python.org/3/library/exceptions.html'
 _OF_ROS = re.compile(r'\b(?:rcl|rmw|rosidl)')
 _WIDTH = 96
@@ -45,9 +45,9 @@ class Entry:
     """
     One error of the gallery.
 
-    :param key: its name, and the id of the cell of lesson 08 that makes the mistake
-    :param heading: of that exhibit
-    :param patterns: regular expressions that match the message, or a description of silence
+    :param key: name of the entry and id of the cell in lesson 08 that makes the mistake
+    :param heading: heading of the entry's section in lesson 08
+    :param patterns: regular expressions that match an error message or a description of a symptom
     :param cause: what happened
     :param repair: what to do
     """
@@ -60,9 +60,9 @@ class Entry:
 
     def matched(self, text: str) -> int:
         """
-        Return how much of a text matches this entry, 0 if nothing does.
+        Return the length of the text that matches this entry, 0 if there is no match.
 
-        :param text: a message in which all white space is one space
+        :param text: a message in which each run of white space is one space
         """
         found = (re.search(pattern, text, re.IGNORECASE) for pattern in self.patterns)
         return max((len(match.group()) for match in found if match), default=0)
@@ -70,7 +70,7 @@ class Entry:
 
 @cache
 def entries() -> tuple[Entry, ...]:
-    """Return the entries of the gallery, in the order of the lesson."""
+    """Return the entries of the gallery in the order in which lesson 08 shows them."""
     rows = yaml.safe_load(FILE.read_text(encoding='utf-8'))
     return tuple(
         Entry(
@@ -86,7 +86,7 @@ def entries() -> tuple[Entry, ...]:
 
 def nearest(text: str) -> list[Entry]:
     """
-    Return the entries that match a message, the best match first.
+    Return the entries that match a message, best match first.
 
     :param text: an error message, or the end of a log
     """
@@ -98,10 +98,10 @@ def nearest(text: str) -> list[Entry]:
 
 def explain(error: str | BaseException | None = None) -> None:
     """
-    Print what an error means, how to repair it, and where lesson 08 shows it.
+    Print what an error means, how to fix it, and where lesson 08 shows it.
 
-    :param error: its text, or an exception; by default the last red error of this notebook
-    :raises RoslabError: if there was none, or something else is given
+    :param error: an error message or an exception; by default the last error of this notebook
+    :raises RoslabError: if there was no error, or the argument has a different type
     """
     if error is None:
         error = getattr(sys, 'last_value', None)
@@ -133,7 +133,7 @@ def explain(error: str | BaseException | None = None) -> None:
 
 
 def _misspelt_module(text: str) -> str:
-    """Return the module whose name differs by one typing mistake from the missing module."""
+    """Return the known module whose name differs by one typing mistake from the missing one."""
     found = _NO_MODULE.search(text)
     if found is None:
         return ''
@@ -143,7 +143,7 @@ def _misspelt_module(text: str) -> str:
 
 
 def _one_slip(written: str, right: str) -> bool:
-    """Return whether one letter was left out, added or replaced, or two were swapped."""
+    """Return whether one letter is missing, added or wrong, or two neighbours are swapped."""
     pairs = enumerate(zip(written, right, strict=False))
     at = next((at for at, pair in pairs if len(set(pair)) == 2), min(len(written), len(right)))
     first, second = written[at:], right[at:]
@@ -153,7 +153,7 @@ def _one_slip(written: str, right: str) -> bool:
 
 
 def _ways_on(text: str, error: str | BaseException | None) -> tuple[str, ...]:
-    """Return further places to search: Python's manual, or the issues of ROS."""
+    """Return other places to look for help: Python's manual, or the issue trackers of ROS."""
     name = text.partition(':')[0].strip()
     kind = getattr(builtins, name, None)
     pythons_own = isinstance(kind, type) and issubclass(kind, BaseException)

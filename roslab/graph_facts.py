@@ -1,8 +1,8 @@
 """
 Read the publishers and subscriptions of the live ROS graph as plain data.
 
-An endpoint is *matched* if one on the other side has the same type and a QoS that fits.  The graph
-also lists endpoints that will never be matched, so this module distinguishes them.
+An endpoint is *matched* if an endpoint on the other side has the same type and a compatible QoS
+profile.  The graph also lists endpoints without a match, so this module distinguishes the two.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from roslab.lookup import is_hidden, nodes_now
 from roslab.session import HELPER_NAME
 
 QUIET_TOPICS = ('/parameter_events', '/rosout')
-"""Every node has these; they would cover everything else in a picture."""
+"""Every node has endpoints on these topics; showing them would make pictures unreadable."""
 
 NOBODY_SUBSCRIBES = 'nobody subscribes'
 NOBODY_PUBLISHES = 'nobody publishes'
@@ -40,9 +40,9 @@ class Endpoint:
     """
     A publisher or a subscription.
 
-    :param node: full name of the node that has it
+    :param node: full name of its node
     :param type: such as ``std_msgs/msg/String``
-    :param here: whether it belongs to this kernel's own participant, if that was determined
+    :param here: whether it belongs to this kernel's participant, None if unknown
     """
 
     node: str
@@ -66,7 +66,7 @@ class Topic:
 
     @property
     def types(self) -> list[str]:
-        """All types of its endpoints; more than one type is a mistake."""
+        """All types of its endpoints; more than one type is an error."""
         return sorted({end.type for end in (*self.publishers, *self.subscriptions)})
 
 
@@ -75,9 +75,9 @@ class Edge:
     """
     An arrow between a node and a topic.
 
-    :param outward: from the node to the topic: the node publishes
-    :param matched: whether an endpoint on the other side fits
-    :param remark: why not, or a hidden listener
+    :param outward: True from node to topic (the node publishes), False from topic to node
+    :param matched: whether the node's endpoint is matched
+    :param remark: why it is not matched, or which hidden node it is matched with
     """
 
     node: str
@@ -90,9 +90,9 @@ class Edge:
 @dataclass(frozen=True)
 class Pair:
     """
-    A publisher and a subscription of a topic.
+    A publisher and a subscription on the same topic.
 
-    :param reason: why they do not connect, empty if they do
+    :param reason: why they do not match, empty if they do
     """
 
     publisher: str
@@ -106,8 +106,8 @@ class Facts:
     """
     The graph at one moment.
 
-    :param nodes: full names; a name that several nodes have is listed several times
-    :param everything: hidden nodes are part of the picture
+    :param nodes: full names; a name that n nodes share is listed n times
+    :param everything: whether the picture includes hidden nodes
     """
 
     nodes: tuple[str, ...]
@@ -116,7 +116,7 @@ class Facts:
 
     @cached_property
     def pairs(self) -> list[Pair]:
-        """All pairs of visible endpoints, in order."""
+        """All pairs of visible endpoints, sorted."""
         found = {
             Pair(out.node, topic.name, into.node, mismatch(out, into))
             for topic in self.topics
@@ -124,7 +124,7 @@ class Facts:
             for into in self._shown(topic.subscriptions)
         }
         connected = {(p.publisher, p.topic, p.subscription) for p in found if not p.reason}
-        # If two nodes have several pairs of endpoints, one connected pair is enough.
+        # If two nodes have several pairs of endpoints, one matched pair is enough.
         kept = (
             pair
             for pair in found
@@ -134,7 +134,7 @@ class Facts:
 
     @cached_property
     def edges(self) -> list[Edge]:
-        """All arrows, by topic, publishers first."""
+        """All arrows, sorted by topic, publishers first."""
         found = []
         for topic in self.topics:
             for ends, others, outward in (
@@ -149,7 +149,7 @@ class Facts:
 
     def label(self, node: str) -> str:
         """
-        Return the name of a node in text and picture.
+        Return the label of a node in the text and the picture.
 
         :param node: its full name
         """
@@ -164,7 +164,7 @@ class Facts:
     def _verdict(
         self, own: Sequence[Endpoint], others: Sequence[Endpoint], outward: bool
     ) -> tuple[bool, str]:
-        """Return whether a node's endpoints are matched, with a remark."""
+        """Return whether endpoints of a node are matched, and a remark."""
         fitting = [other for other in others if any(not _between(e, other, outward) for e in own)]
         if self._shown(fitting):
             return True, ''
@@ -178,12 +178,12 @@ class Facts:
 
 
 def _between(end: Endpoint, other: Endpoint, outward: bool) -> str:
-    """Return why two endpoints do not connect; empty if they do."""
+    """Return why two endpoints do not match, or an empty string if they do."""
     return mismatch(end, other) if outward else mismatch(other, end)
 
 
 def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
-    """Return the endpoints of the other side that the picture does not show."""
+    """Return a description of the other side's endpoints that the picture does not show."""
     if not outward:
         return HIDDEN_PUBLISHES
     helpers = [end for end in ends if end.node == f'/{HELPER_NAME}']
@@ -194,7 +194,7 @@ def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
 
 def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
     """
-    Return why two endpoints of a topic do not connect, or an empty string.
+    Return why two endpoints of a topic do not match, or an empty string if they do.
 
     :param publisher: the offering side
     :param subscription: the requesting side
@@ -216,7 +216,7 @@ def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
 
 
 def _wanting(offers: QoSProfile, wants: QoSProfile, policy: str) -> QoSProfile:
-    """Return a profile that equals the offered one in all but one policy."""
+    """Return a profile that differs from the offered one in a single requested policy."""
     values = {name: getattr(offers, name) for name in _POLICIES}
     values[policy] = getattr(wants, policy)
     return QoSProfile(depth=1, **values)
@@ -232,9 +232,9 @@ def _policy(qos: QoSProfile, policy: str) -> str:
 
 def read_graph(node: Node, everything: bool = False) -> Facts:
     """
-    Return the current graph as one node knows it.
+    Return the current graph as seen by one node.
 
-    :param node: any node; it knows what its process has discovered
+    :param node: any node; it sees what its process has discovered
     :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``
     """
     helpers = nodes_now(node, hidden=True).count(f'/{HELPER_NAME}')
@@ -273,8 +273,8 @@ def only_topic(facts: Facts, topic: str) -> Facts:
 
 
 def _participant_of(node: Node) -> bytes:
-    """Return the bytes with which the ids of a node's own endpoints begin."""
-    # A node of another kernel may have the same name, but not this topic.
+    """Return the leading bytes that the ids of a node's endpoints share, its participant's id."""
+    # A node of another kernel may have the same name, but never has this topic.
     topic = f'/_roslab/of_{uuid.uuid4().hex}'
     publisher = node.create_publisher(ParameterEvent, topic, 1)
     try:
@@ -287,7 +287,7 @@ def _endpoints(infos: Iterable[Any], own: bytes) -> tuple[Endpoint, ...]:
     found = []
     for info in infos:
         name = info.node_name
-        # Discovery may report an endpoint a moment before it reports the endpoint's node.
+        # Discovery may report an endpoint shortly before it reports the endpoint's node.
         full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
         here = bytes(info.endpoint_gid).startswith(own)
         found.append(Endpoint(full, info.topic_type, info.qos_profile, here))

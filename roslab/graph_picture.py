@@ -1,4 +1,4 @@
-"""Show the ROS graph of one moment as a picture and as lines of text."""
+"""Show the current ROS graph as a picture or as lines of text."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _MOST_PORTS = 3
 
 class Graph:
     """
-    The nodes and topics of one moment: a picture in a notebook, lines of text elsewhere.
+    The nodes and topics at one moment: a picture in a notebook, lines of text elsewhere.
 
-    :param facts: the graph that was read
+    :param facts: the graph as read from ROS
     """
 
     def __init__(self, facts: Facts) -> None:
@@ -56,9 +56,9 @@ def graph_now(session: Session, topic: str | None = None, everything: bool = Fal
     """
     Return the current graph of this kernel.
 
-    :param topic: only this topic and its nodes
+    :param topic: show only this topic and its nodes
     :param everything: include hidden nodes and topics
-    :raises NotHereError: if no endpoint has the topic
+    :raises NotHereError: if the topic has no endpoint
     """
     node = session.helper
     if topic is None:
@@ -71,7 +71,7 @@ def graph_now(session: Session, topic: str | None = None, everything: bool = Fal
 
 
 def graph_text(facts: Facts) -> str:
-    """Return one line per connection and one per unconnected endpoint."""
+    """Return one line per connection and one line per unconnected endpoint."""
     lines = []
     for topic in facts.topics:
         lines += _topic_lines(facts, topic)
@@ -110,7 +110,7 @@ def _summary(facts: Facts) -> str:
 
 
 def graph_html(facts: Facts) -> str:
-    """Return the graph as a picture."""
+    """Return the graph as HTML with an SVG picture."""
     nodes = list(dict.fromkeys(facts.nodes))
     keys = {('node', name): f'n{name}' for name in nodes}
     keys |= {('topic', topic.name): f't{topic.name}' for topic in facts.topics}
@@ -140,7 +140,7 @@ def _whole(
 ) -> str:
     legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
     width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
-    # Above a box with remarks there is empty room.
+    # Reserve space above a box that has remarks below it, to keep the box centred.
     room = {f't{name}': _LINE * len(found) for name, found in remarks.items()}
     tops = (s.y - s.height / 2 + room.get(s.key, 0.0) for s in layout.spots.values())
     top = min(tops, default=0.0)
@@ -163,7 +163,7 @@ def _whole(
 
 
 def _table(facts: Facts) -> svg.Table:
-    """Return one row for each arrow, and for each node without one."""
+    """Return one row per arrow, and one per node without arrows."""
     types = {topic.name: ' | '.join(topic.types) for topic in facts.topics}
     rows = [
         (
@@ -183,7 +183,7 @@ def _table(facts: Facts) -> svg.Table:
 
 
 def _remarks(facts: Facts, topic: Topic) -> list[str]:
-    """Return why endpoints of a topic do not connect, in lines for the picture."""
+    """Return the reasons why endpoints of a topic do not match, as lines for the picture."""
     edges = [edge for edge in facts.edges if edge.topic == topic.name]
     lonely = not all(edge.matched for edge in edges)
     pairs = [pair for pair in facts.pairs if pair.topic == topic.name and pair.reason]
@@ -193,7 +193,7 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
             found.append(f'{facts.label(pair.publisher)} - -> {facts.label(pair.subscription)}:')
         found.append(pair.reason)
     lone = [edge for edge in edges if edge.remark and not pairs]
-    if len({edge.remark for edge in lone}) == 1:  # print a common remark only once
+    if len({edge.remark for edge in lone}) == 1:  # print a shared remark only once
         found.append(lone[0].remark)
     else:
         found += [f'{facts.label(edge.node)}: {edge.remark}' for edge in lone]
@@ -205,7 +205,7 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
 
 
 def _ports(arrows: Sequence[Arrow]) -> dict[str, int]:
-    """Return the number of lines that end on each box."""
+    """Return the number of arrows that end at each box."""
     found: dict[str, int] = {}
     for arrow in arrows:
         for key in arrow:
@@ -214,7 +214,7 @@ def _ports(arrows: Sequence[Arrow]) -> dict[str, int]:
 
 
 def _height(least: float, ports: dict[str, int], key: str) -> float:
-    """Return the height of a box: more lines need more room."""
+    """Return the height of a box, which grows with the number of its arrows."""
     return least + 6.0 * max(0, ports.get(key, 0) - _MOST_PORTS)
 
 
@@ -224,7 +224,7 @@ def _topic_size(topic: Topic, remarks: list[str], ports: dict[str, int]) -> tupl
     widths += [svg.text_width(remark, 11) - 10 for remark in remarks]
     height = _TOPIC_HEIGHT + _LINE * (len(lines) - 2) if len(lines) > 1 else _NODE_HEIGHT
     height = _height(height, ports, f't{topic.name}')
-    # The remarks are below the box; equal space above it keeps the box in the middle.
+    # The remarks are below the box; equal space above it keeps the box centred.
     return max(100.0, max(widths) + 20), height + 2 * _LINE * len(remarks)
 
 
@@ -252,7 +252,7 @@ def _topic(spot: Spot, topic: Topic, remarks: list[str]) -> str:
 
 
 def _edge(points: list[tuple[float, float]], edge: Edge) -> str:
-    """Return an arrow that leaves and enters its boxes horizontally, perhaps with a cross."""
+    """Return an arrow that leaves and enters its boxes horizontally, crossed out if unmatched."""
     path = f'M{points[0][0]:.1f} {points[0][1]:.1f}'
     for (x1, y1), (x2, y2) in pairwise(points):
         half = (x2 - x1) / 2

@@ -1,9 +1,9 @@
 """
-Print what to do next instead of a traceback.
+Show what to do next instead of a traceback.
 
-An IPython extension that the course's kernel loads.  Some errors come from the order in which
-cells were run, or from the notebook itself; each of these errors is shown as one sentence.  The
-exception itself is unchanged, so code that catches it sees no difference.  All other errors are
+The course's kernel loads this IPython extension.  Some errors come from the order in which cells
+were run, or from the notebook itself; the extension shows each of them as one sentence.  The
+exception object is unchanged, so code that catches it is not affected.  All other errors are
 shown as usual.
 """
 
@@ -32,7 +32,7 @@ from roslab.output import current_cell
 from roslab.tracebacks import is_library, where
 
 _SHOWN = 44
-"""Characters of a cell's first line that are enough to find it."""
+"""How many characters of a cell's first line are shown, enough to find the cell."""
 _INIT_TWICE = 'Context.init() must only be called once'
 _ORDER = (
     'This cell uses what cells above it do, and not all of those were run to their end, in order. '
@@ -43,15 +43,15 @@ _MAGICS = str(Path(__file__).with_name('magics.py'))
 _MAGIC_BELOW = re.compile(r'Line magic function `(%%\w+)` not found')
 
 _SENTENCES = (RoslabError, NotImplementedError, TimeoutError)
-"""Errors of the course that say already what to do."""
+"""The course's own errors, whose messages already explain what to do."""
 
 _WRITTEN_WRONGLY = (SyntaxError, UsageError)
-"""Errors that no other order of the cells would have prevented."""
+"""Errors that running the cells in a different order would not have prevented."""
 
 _failed: set[int] = set()
-"""Numbers of the executions that did not come to their end, unwritten exercises left out."""
+"""Numbers of executions that failed, except for those of unwritten exercises."""
 _executed: dict[int, str] = {}
-"""Ids of the cells of executions: their text may differ from what was saved last."""
+"""Ids of executed cells, by execution number: the text may differ from the saved file."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ class NotebookCell:
     """
     A code cell of the notebook.
 
-    :param identifier: its id in the file
-    :param heading: of the section that it is in
-    :param names: what it defines
+    :param identifier: its id in the notebook file
+    :param heading: heading of its section
+    :param names: the names that it defines
     :param module: the module that a ``%%node`` cell creates
-    :param grade_id: name of an exercise's cell
+    :param grade_id: nbgrader id of an exercise's cell
     """
 
     identifier: str
@@ -75,7 +75,7 @@ class NotebookCell:
 
     @property
     def place(self) -> str:
-        """Return the place of the cell as text."""
+        """Return a description of where the cell is."""
         first = next((line.strip() for line in self.source.splitlines() if line.strip()), '')
         shown = textwrap.shorten(first, _SHOWN, placeholder=' ...')
         section = f'in "{self.heading}", ' if self.heading else ''
@@ -84,7 +84,7 @@ class NotebookCell:
 
 def load_ipython_extension(shell: Any) -> None:
     """
-    Show a sentence instead of a traceback if a sentence helps more.
+    Install the handler that shows one sentence instead of a traceback where possible.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -96,10 +96,10 @@ def load_ipython_extension(shell: Any) -> None:
 
 def advice(error: BaseException, shell: Any) -> str | None:
     """
-    Return the text to show instead of the traceback of an error.
+    Return the text that replaces the traceback of an error.
 
     :param error: any error that a cell has raised
-    :returns: None for an error that should be shown unchanged
+    :returns: None if the usual traceback should be shown
     """
     at_once = isinstance(error, KeyboardInterrupt) or isinstance(
         error.__context__, KeyboardInterrupt
@@ -141,14 +141,14 @@ def advice(error: BaseException, shell: Any) -> str | None:
 
 
 def advice_shown(error: BaseException) -> str:
-    """Return the sentence that a notebook has shown for an error, empty if there was none."""
+    """Return the sentence that replaced the traceback of an error, empty if there was none."""
     shown: str = getattr(error, '_course_advice', '')
     return shown or (str(error) if hasattr(error, '_render_traceback_') else '')
 
 
 def notebook_path() -> Path | None:
-    """Return the file of this notebook, None if it is unknown."""
-    named = os.environ.get('JPY_SESSION_NAME', '')  # set by Jupyter servers
+    """Return the path of this notebook, or None if it is unknown."""
+    named = os.environ.get('JPY_SESSION_NAME', '')  # set by Jupyter's servers
     if named.endswith('.ipynb') and Path(named).is_file():
         return Path(named)
     here = sorted(Path.cwd().glob('*.ipynb'))
@@ -157,7 +157,7 @@ def notebook_path() -> Path | None:
 
 def running_cell(shell: Any) -> NotebookCell | None:
     """
-    Return the running cell as it was last saved, None if it is unknown.
+    Return the running cell as last saved, or None if it is unknown.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -171,7 +171,7 @@ def read_cells(path: Path) -> list[NotebookCell]:
     """
     Return the code cells of a notebook.
 
-    :param path: the file; one that cannot be read has no cells
+    :param path: the notebook; an unreadable file gives an empty list
     """
     try:
         cells = json.loads(path.read_text(encoding='utf-8'))['cells']
@@ -185,7 +185,7 @@ def texts_now(shell: Any) -> list[str]:
     Return the source of the notebook's code cells, as last run or otherwise as saved.
 
     :param shell: what ``get_ipython()`` returns
-    :returns: nothing if the notebook is unknown
+    :returns: an empty list if the notebook is unknown
     """
     path = notebook_path()
     saved = read_cells(path) if path else []
@@ -200,9 +200,9 @@ def texts_now(shell: Any) -> list[str]:
 
 def defined_names(source: str) -> frozenset[str]:
     """
-    Return the names that a cell defines in the notebook: by assignment, import or loop.
+    Return the names that a cell defines at the top level, by assignment, import or loop.
 
-    :param source: text of a cell, magics and shell commands included
+    :param source: text of a cell, which may contain magics and shell commands
     """
     first, _, below = source.partition('\n')
     captured = re.match(r'%%capture\s+([A-Za-z_]\w*)', first)
@@ -219,7 +219,7 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
     if (inside := _inside_magic(trace)) is not None:
         trace, tb_offset = inside, 0
     own_words = getattr(error, '_render_traceback_', None)
-    # If this code fails, still show the learner's own error.
+    # If the guide itself fails, still show the learner's error.
     with suppress(Exception):
         if own_words is None or not isinstance(error, _SENTENCES):
             said = advice(error, shell)
@@ -230,11 +230,11 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
         if not isinstance(error, NotImplementedError):
             _failed.add(len(_history(shell)) - 1)
     if said is None:
-        # Without a frame of the learner, the cell is not valid Python; hide IPython's own frames.
+        # An error without a frame of the learner's code is a syntax error; hide IPython's frames.
         own = any(not is_library(frame.filename) for frame in _frames(error))
         shell.showtraceback((kind, error, trace), tb_offset=tb_offset, running_compiled_code=own)
         return
-    # Store the error as IPython does, so that explain() finds it.
+    # Store the error as IPython does, so that explain() can find it.
     sys.last_type, sys.last_value, sys.last_traceback = kind, error, trace
     with suppress(AttributeError):  # errors with __slots__ accept no attributes
         error._course_advice = said  # type: ignore[attr-defined]
@@ -247,7 +247,7 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
 
 
 def _inside_magic(trace: Any) -> Any:
-    """Return the lines of a traceback that are in a ``%%`` cell, or None."""
+    """Return the part of a traceback inside a ``%%`` cell, or None."""
     inside = None
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == _MAGICS:
@@ -261,7 +261,7 @@ def _history(shell: Any) -> Sequence[str]:
 
 
 def _note(shell: Any) -> None:
-    """Remember which cell is about to run."""
+    """Record which cell is about to run."""
     running = current_cell()
     identifier = running.request.get('metadata', {}).get('cellId') if running else None
     number = len(_history(shell))
@@ -271,7 +271,7 @@ def _note(shell: Any) -> None:
 
 
 def _out_of_order(shell: Any) -> str | None:
-    """Return a hint if the cells above the running one were not run in order."""
+    """Return a hint if the cells above the running cell were not run in order, else None."""
     path = notebook_path()
     cells = read_cells(path) if path is not None else []
     here = _running_index(cells, shell)
@@ -306,7 +306,7 @@ def _not_written(error: BaseException) -> str:
 
 
 def _is_given_to_check(name: str, shell: Any) -> bool:
-    """Return whether the running cell calls ``check`` with a bare name."""
+    """Return whether the running cell passes a bare name to ``check``."""
     try:
         tree = ast.parse(TransformerManager().transform_cell(_history(shell)[-1]))
     except (SyntaxError, ValueError, RecursionError):
@@ -323,7 +323,7 @@ def _is_given_to_check(name: str, shell: Any) -> bool:
 def _raised_by_learner(error: BaseException) -> bool:
     frames = [f for f in _frames(error) if not f.filename.startswith('<frozen importlib')]
     own = bool(frames) and not is_library(frames[-1].filename)
-    # Code that a cell runs with exec().
+    # exec() in a cell runs code with this file name.
     return own or (bool(frames) and frames[-1].filename == '<string>')
 
 
@@ -384,7 +384,7 @@ def _contents(source: str) -> tuple[frozenset[str], str | None]:
 
 
 def _bound(statements: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield the names that statements bind, not those inside functions and classes."""
+    """Yield the names that statements bind at the top level, outside functions and classes."""
     for statement in statements:
         if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
             yield statement.name

@@ -1,10 +1,10 @@
 """
-Let the kernel's Interrupt work at any moment without harm.
+Deliver the kernel's Interrupt only at moments when it does no harm.
 
-The kernel's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Three
-moments are bad: between creating a node and registering it, which would leave an unknown node;
-inside a finalizer, where Python drops the exception and the cell continues; and in the kernel's
-own code before and after a cell, which would lose a message, or stop IPython from showing errors
+Jupyter's Interrupt raises KeyboardInterrupt between any two instructions of a cell.  Three moments
+are harmful: between creating a node and registering it, because the node would stay unknown;
+inside a finalizer, because Python drops the exception and the cell continues; and in the kernel's
+own code before and after a cell, because a message would be lost or IPython could not show errors
 as :mod:`roslab.guide` does.
 """
 
@@ -25,21 +25,21 @@ import weakref
 from IPython.core import interactiveshell
 
 _RETRY_S = 0.01
-_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # names of their packages' folders
+_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # folder names of these packages
 _SHOWING_ERRORS = frozenset(
     {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
 )
-"""Functions of IPython that show the error of a cell; ``wrapped`` calls a custom handler."""
+"""IPython functions that show the error of a cell; ``wrapped`` calls a custom handler."""
 _RUNNING = frozenset(
     {'run_code', 'user_expressions', 'comm_open', 'comm_msg', 'do_complete', 'do_inspect'}
 )
-"""Functions of IPython and its kernel that run code of learners; an interrupt elsewhere in the
-kernel would lose the message that asks for a cell, which would then never come to its end."""
+"""IPython and kernel functions that run learners' code.  An interrupt elsewhere in the kernel
+would lose the request to execute a cell, and the cell would never finish."""
 
 
 class HeldInterrupts:
     """
-    Delays SIGINT during a short, bounded step, and delivers it afterwards.
+    Delays SIGINT during a short step of bounded length, and delivers it afterwards.
 
     One inside another passes its interrupt on, so that only the end of the outer step delivers it.
     Python delivers signals only in the main thread; in other threads this does nothing.
@@ -68,7 +68,7 @@ class HeldInterrupts:
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
-        """Allow interrupts for a while, because a learner's own code may never end."""
+        """Allow interrupts temporarily, because a learner's own code may never end."""
         if not self._active:
             yield
             return
@@ -94,7 +94,7 @@ class HeldInterrupts:
 
 @contextmanager
 def no_interrupts() -> Iterator[None]:
-    """Ignore interrupts for a moment in which no learner's code is running."""
+    """Ignore interrupts temporarily, while no code of the learner is running."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -107,7 +107,7 @@ def no_interrupts() -> Iterator[None]:
 
 def watch_cells(shell: Any) -> None:
     """
-    Deliver the interrupts of this kernel's cells only where they do no harm.
+    Deliver interrupts only at moments of a cell when they do no harm.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -126,13 +126,13 @@ def watch_cells(shell: Any) -> None:
         _watch_cell()
 
     kernel.pre_handler_hook = before_a_message
-    # IPython continues the cell after an interrupted command.  Wrap the functions that run
-    # commands.
+    # After an interrupted command, IPython continues the cell.  Wrap the functions that run
+    # commands, to end the cell too.
     for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
         setattr(module, name, _ending_the_cell(getattr(module, name)))
     sys.unraisablehook = _bringing_back_interrupts(sys.unraisablehook)
-    # Ignore signals while the kernel ends: an interrupt, or Jupyter's second signal if the end
-    # takes seconds, would cut off other exit functions.  Functions registered last run first.
+    # Ignore signals while the kernel shuts down: an interrupt, or Jupyter's second signal after
+    # some seconds, would abort other exit functions.  Functions registered last run first.
     for reminder in (signal.SIGINT, signal.SIGTERM):
         atexit.register(signal.signal, reminder, signal.SIG_IGN)
 
@@ -147,8 +147,8 @@ class _Watched:
     """
     The state of the message that the kernel is handling.
 
-    :param message: its number
-    :param interrupted: whether an interrupt was delivered since the cell began
+    :param message: number of the message
+    :param interrupted: whether an interrupt was delivered since the start of the cell
     """
 
     message: int = 0
@@ -167,13 +167,13 @@ def _watch_cell(_: Any = None) -> None:
 
 def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """
-    Return a function for exceptions that Python drops, which sends an interrupt again.
+    Return a hook for exceptions that Python drops, which sends a dropped interrupt again.
 
-    Any function can be the callback of a weak reference, so :func:`_moment` does not recognise
-    every such place.
+    Any function can be the callback of a weak reference, so :func:`_moment` cannot recognise all
+    places where Python drops exceptions.
 
-    It also hides the errors of an ``Executor()`` or ``!command`` whose start was interrupted: its
-    ``__del__`` runs later, in a different cell, and misses attributes that were not set yet.
+    The hook also hides errors of an ``Executor()`` or ``!command`` whose creation was interrupted:
+    its ``__del__`` runs later, during another cell, and accesses attributes that were never set.
 
     :param tell: called for all other exceptions
     """
@@ -188,7 +188,7 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
 
 
 def _half_made(unraisable: Any) -> bool:
-    """Return whether an error is about an attribute that an interrupted creation did not set."""
+    """Return whether an error is about an attribute that an interrupted creation never set."""
     trace = unraisable.exc_traceback
     if unraisable.exc_type is not AttributeError or trace is None:
         return False
@@ -197,14 +197,14 @@ def _half_made(unraisable: Any) -> bool:
 
 
 def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that runs a command and ends the cell if the command is interrupted."""
+    """Return a function that runs a command, and ends the cell if the command is interrupted."""
 
     def run(*arguments: Any) -> Any:
         _watched.interrupted = False
         try:
             result = command(*arguments)
         except UnboundLocalError:
-            # IPython raises this if an interrupt arrives before it has started the child.
+            # IPython raises this if an interrupt arrives before the child has started.
             if not interrupted():
                 raise
             raise KeyboardInterrupt from None
@@ -216,7 +216,7 @@ def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _deliver(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, later if it would be lost now, never after the cell."""
+    """Raise KeyboardInterrupt, later if it would be lost now, and never after the cell."""
     moment = _moment(frame)
     if moment == 'now':
         _watched.interrupted = True
@@ -232,7 +232,7 @@ def _try_later() -> None:
 
 
 def _send_again(message: int) -> None:
-    if message == _watched.message:  # otherwise the signal would interrupt the next cell
+    if message == _watched.message:  # a later message belongs to another cell
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
@@ -240,7 +240,7 @@ def _moment(frame: FrameType | None) -> str:
     """
     Return when to deliver an interrupt: ``now``, ``later`` or ``never``.
 
-    :param frame: where the main thread is
+    :param frame: current frame of the main thread
     """
     running = False
     while frame is not None:

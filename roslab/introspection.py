@@ -1,8 +1,8 @@
 """
-``echo``, ``hz``, ``info`` and ``topics``: the output of the command line tools in a notebook.
+Implement ``echo``, ``hz``, ``info`` and ``topics``: command line tools inside a notebook.
 
-They use the notebook's own hidden node and its executor, so they may be called while the nodes of
-the notebook run.
+The functions use the notebook's own hidden node and its executor, so cells may call them while
+nodes of the notebook run.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ def listen_as_found(
     Subscribe to a topic with the type of its publishers and, by default, their QoS.
 
     :param topic: with or without the leading slash
-    :param qos: profile of the subscription instead
-    :param depth: messages kept until the next callback, for a profile that is found
-    :raises NotHereError: if no endpoint has the topic, or its type cannot be imported
+    :param qos: profile of the subscription; None for one that fits the publishers
+    :param depth: queue depth of the profile if ``qos`` is None
+    :raises NotHereError: if the topic has no endpoint, or its type cannot be imported
     """
     name, kind = find_topic(session, topic)
     profile = qos or matching_qos(session.helper.get_publishers_info_by_topic(name), depth)
@@ -59,9 +59,9 @@ def print_messages(
     """
     Print messages as they arrive, as ``ros2 topic echo`` does.
 
-    :param count: how many
+    :param count: how many messages to print
     :param timeout: how long to wait for all of them [s]
-    :raises TimeoutError: with what may explain it
+    :raises TimeoutError: if too few messages arrive; the message lists possible reasons
     """
     _require_count(count, 1)
     listener = listen_as_found(session, topic, qos)
@@ -82,7 +82,7 @@ def print_rate(session: Session, topic: str, count: int, timeout: float) -> None
 
     :param count: messages to measure, at least two
     :param timeout: how long to wait for them [s]
-    :raises TimeoutError: with what may explain it
+    :raises TimeoutError: if too few messages arrive; the message lists possible reasons
     """
     _require_count(count, 2)
     listener = listen_as_found(session, topic)
@@ -97,7 +97,7 @@ def print_info(session: Session, name: str) -> None:
     """
     Print the output of ``ros2 topic info -v`` or ``ros2 node info``.
 
-    :param name: of a topic or a node, with or without the leading slash
+    :param name: name of a topic or a node, with or without the leading slash
     :raises NotHereError: if there is no such topic or node
     """
     if not isinstance(name, str) or not name.strip():
@@ -120,7 +120,7 @@ def print_topics(session: Session, types: bool) -> None:
 
 
 def _texts(node: Node, name: str) -> list[str]:
-    """Return what the graph says about the topic and about the node with a name."""
+    """Return the ``info`` texts of the topic and the node with a name."""
     texts = []
     types = topics_now(node).get(name)
     if types:
@@ -142,7 +142,7 @@ def _longer(listener: Listener, length: int) -> bool:
 
 
 def _ordered(infos: Sequence[Any]) -> list[Any]:
-    """Return endpoints by the names of their nodes; the tools list hidden nodes here too."""
+    """Return endpoints sorted by node name; as in the ROS tools, hidden nodes are included."""
     return sorted(infos, key=lambda info: (info.node_namespace, info.node_name))
 
 
@@ -150,8 +150,8 @@ def node_entities(node: Node, full_name: str) -> dict[str, list[tuple[str, list[
     """
     Return the entities of a node, by the sections of ``ros2 node info``.
 
-    :param node: any node, which reads the graph
-    :param full_name: of the node that is asked about
+    :param node: any node; it is only used to read the graph
+    :param full_name: full name of the node to describe
     """
     space, _, name = full_name.rpartition('/')
     space = space or '/'
@@ -164,7 +164,7 @@ def node_entities(node: Node, full_name: str) -> dict[str, list[tuple[str, list[
         'Publishers': _visible(publishers),
         'Service Servers': _visible(servers),
         'Service Clients': _visible(clients),
-        # An action is made of services and topics with hidden names.
+        # An action consists of services and topics with hidden names.
         'Action Servers': _actions(servers),
         'Action Clients': _actions(clients),
     }

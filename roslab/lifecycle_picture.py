@@ -22,14 +22,14 @@ STATES = {
     'active': (430, 60),
     'finalized': (220, 170),
 }
-"""The primary states, with the upper left corner of their boxes."""
+"""The primary states and the upper left corners of their boxes."""
 WAYS = {
     'unconfigured': {'configure': 'inactive', 'shutdown': 'finalized'},
     'inactive': {'cleanup': 'unconfigured', 'activate': 'active', 'shutdown': 'finalized'},
     'active': {'deactivate': 'inactive', 'shutdown': 'finalized'},
     'finalized': {},
 }
-"""From each primary state, which transition can be asked for and where it leads."""
+"""The transitions that can be requested from each primary state, and their target states."""
 _WIDTH, _HEIGHT = 120, 46
 _ARROWS = (
     ('configure', 'M130 72 H216', (173, 64)),
@@ -45,7 +45,7 @@ _PATIENCE_S = 3.0
 
 class LifecyclePicture:
     """
-    A state machine at one moment.  The last line of a cell shows it; ``str()`` gives the text.
+    A state machine at one moment: a picture as the last line of a cell, text with ``str()``.
 
     :param name: full name of the node
     :param state: label of the current state, which may be a transition state
@@ -71,7 +71,7 @@ class LifecyclePicture:
         )
 
     def _on_the_way(self) -> str:
-        """Return a description of a state that has no box."""
+        """Return a description of a transition state, which has no box."""
         return '' if self.state in STATES else f', {self._next()}'
 
     def _repr_html_(self) -> str:
@@ -88,7 +88,7 @@ class LifecyclePicture:
         )
 
     def _table(self) -> Table:
-        """Return one row for each transition."""
+        """Return one row per transition."""
         rows = [
             (state, how, goal, 'yes' if state == self.state else 'no')
             for state, ways in WAYS.items()
@@ -97,7 +97,7 @@ class LifecyclePicture:
         return [('state', 'transition', 'leads to', 'possible now'), *rows]
 
     def _box(self, name: str) -> str:
-        """Return a state; the current one has a thick border, bold letters and the word now."""
+        """Return the box of a state; the current one has a thick border, bold text and "now"."""
         x, y = STATES[name]
         here = name == self.state
         look = 'stroke-width="3" fill="#2196f333"' if here else 'stroke-width="1"'
@@ -111,7 +111,7 @@ class LifecyclePicture:
         )
 
     def _arrow(self, how: str, path: str, label: tuple[int, int]) -> str:
-        """Return a transition as a line, which is solid if the transition is possible now."""
+        """Return the line of a transition, which is solid if the transition is possible now."""
         possible = path in _possible(self.state)
         dashes = '' if possible else ' stroke-dasharray="3 4" opacity="0.6"'
         x, y = label
@@ -123,7 +123,7 @@ class LifecyclePicture:
 
 
 def _possible(state: str) -> set[str]:
-    """Return the paths of the arrows that leave a state."""
+    """Return the paths of the arrows that start at a state."""
     if state not in STATES:
         return set()
     left = STATES[state][0]
@@ -134,7 +134,7 @@ def _possible(state: str) -> set[str]:
 
 
 def _head(path: str) -> str:
-    """Return the head of an arrow, which ends in a horizontal or vertical line."""
+    """Return the arrowhead for a path that ends in a horizontal or vertical line."""
     words = path.replace('M', '').split()
     x, y, dx, dy = int(words[0]), int(words[1]), 0, 1
     for word in words[2:]:
@@ -153,11 +153,11 @@ def _head(path: str) -> str:
 
 def lifecycle(node: Node | str) -> LifecyclePicture:
     """
-    Return a picture of a lifecycle node's states, with the current one.
+    Return a picture of a lifecycle node's states that marks the current state.
 
-    :param node: the node, or the name of one, here or in another process
-    :raises RoslabError: if it is an ordinary node
-    :raises NotHereError: if it was stopped, or no node of that name answers
+    :param node: the node, or the name of a node in this or another process
+    :raises RoslabError: if the node is not a lifecycle node
+    :raises NotHereError: if the node was stopped, or no node with this name answers
     """
     current = session()
     if isinstance(node, str):
@@ -170,13 +170,13 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
             'which has no states. Try: class X(LifecycleNode), from rclpy.lifecycle.'
         )
     machine: Any = getattr(node, '_state_machine', None)
-    if machine is None:  # destroyed with the node, see destroy_wholly
+    if machine is None:  # destroyed together with the node, see destroy_wholly
         raise NotHereError('lifecycle() expected a running node, but this one was stopped.')
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 
 
 def _asked(current: Session, name: str) -> str:
-    """Ask a node of a different process for its state."""
+    """Request the current state of a node in another process."""
     helper = current.helper
     client: Any = helper.create_client(GetState, f'{name}/get_state')
     try:

@@ -1,4 +1,4 @@
-"""Listen to a topic from a notebook cell."""
+"""Subscribe to a topic from a notebook cell."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ _MOST_MESSAGES = 10_000
 
 class Listener:
     """
-    Keeps what arrives on a topic.
+    Stores the messages that arrive on a topic.
 
-    It receives messages as long as a name refers to it, so a cell that runs again replaces its
-    listener.  ``stop_all()`` also ends its subscription and keeps the received messages; ``wait``
+    It receives messages as long as a variable refers to it, so a cell that runs again replaces its
+    listener.  ``stop_all()`` ends its subscription too but keeps the received messages; ``wait``
     and ``clear`` subscribe again.
 
-    :param session: whose hidden node subscribes
+    :param session: session whose hidden node subscribes
     :param topic: name of the topic
-    :param msg_type: class of its messages
+    :param msg_type: class of the topic's messages
     :param qos: profile of the subscription
     """
 
@@ -66,35 +66,35 @@ class Listener:
 
     @property
     def alive(self) -> bool:
-        """Return whether messages can still arrive."""
+        """Return whether the listener can still receive messages."""
         return self._end.alive and self._session.owns(self._node)
 
     def _begin(self) -> None:
         self._node = self._session.helper
         with HeldInterrupts():
-            # The callback refers to the deque, not to the listener, so the listener can be
-            # collected.
+            # The callback refers to the deque, not to the listener, so that the listener can be
+            # garbage-collected.
             subscription = _subscribe(self._node, self.topic, self.msg_type, self.qos, self._heard)
             self._end = weakref.finalize(
                 self, _unsubscribe, self._session, self._node, subscription
             )
-            # At exit, the session destroys whole nodes with their subscriptions.
+            # At exit, the session destroys entire nodes including their subscriptions.
             self._end.atexit = False
 
     def _begin_again(self) -> None:
-        """Subscribe again after stop_all() or a shutdown of ROS, not after ``stop``."""
+        """Subscribe again after stop_all() or a shutdown of ROS, but not after ``stop``."""
         if self._end.alive and not self._session.owns(self._node):
             self._end.detach()
             self._begin()
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[Any]:
         """
-        Wait until that many messages have arrived since listening began.
+        Wait until a number of messages have arrived since listening began.
 
-        :param count: how many messages
+        :param count: how many messages to wait for
         :param timeout: how long to wait [s]
         :returns: all messages received so far
-        :raises TimeoutError: with a reason, if the ROS graph shows one
+        :raises TimeoutError: after the timeout; the message gives a reason if the graph shows one
         """
         heard = self._heard
         try:
@@ -103,7 +103,7 @@ class Listener:
                 raise self.too_little(count, timeout)
             return self.messages
         finally:
-            # The kernel stores the last traceback, which would keep the subscription alive.
+            # IPython stores the last traceback, which would keep the subscription alive.
             del self
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
@@ -157,7 +157,7 @@ def _subscribe(
             f'listen({topic!r}, ...) expected a message class, as in '
             f'listen({topic!r}, String) after "from std_msgs.msg import String", got {msg_type!r}.'
         )
-    # Check first, because the middleware reports a second type with a misleading text on stderr.
+    # Check first, because the middleware reports a second type with a misleading error on stderr.
     known = dict(node.get_topic_names_and_types()).get(node.resolve_topic_name(topic), [])
     if known and type_name(msg_type) not in known:
         raise RoslabError(

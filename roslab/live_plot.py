@@ -17,17 +17,17 @@ from roslab.session import Session
 
 class Plot:
     """
-    A picture that follows a topic, or shows one of a simulation.
+    A picture that follows a topic, or that shows one topic of a simulation.
 
-    :param session: whose hidden node listens
-    :param topic: with or without the leading slash; its type is found in the graph. Or what a
-        simulation recorded of it, ``run['topic']``
+    :param session: session whose hidden node subscribes
+    :param topic: with or without the leading slash (the graph gives its type), or a topic
+        recorded by a simulation, ``run['topic']``
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
-    :param threshold: a level to compare the values with
-    :param marks: times of other events, by their name [s]
-    :raises NotHereError: if no endpoint has the topic
-    :raises RoslabError: if there is no such field, or it is not a number
+    :param threshold: a value to mark with a horizontal line
+    :param marks: times of other events, by name [s]
+    :raises NotHereError: if the topic has no endpoint
+    :raises RoslabError: if the field does not exist or is not numeric
     """
 
     def __init__(
@@ -71,9 +71,9 @@ class Plot:
 
     def wait(self, count: int = 1, timeout: float = 10.0) -> list[float]:
         """
-        Wait until that many messages have arrived and the picture shows them.
+        Wait until a number of messages have arrived and the picture shows them.
 
-        :param count: how many messages since the plot was begun
+        :param count: how many messages since the plot began
         :param timeout: how long to wait [s]
         :returns: all values so far
         :raises TimeoutError: with possible reasons

@@ -1,9 +1,9 @@
 """
 Show the log lines of nodes as a table.
 
-The lines are recorded where rclpy passes them to the logging library, after levels and filters
-such as ``once``.  Discovery and queues lose no line, loggers without a node are included, and a
-line is in the table when the call that logged it returns.
+Lines are recorded where rclpy passes them to the logging library, after log levels and filters
+such as ``once`` are applied.  So discovery and queues cannot lose lines, loggers without a node
+are included, and a line is in the table as soon as the logging call returns.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ class LogLine:
     """
     One line that a node logged.
 
-    :param stamp_s: when, on the wall clock [s]
+    :param stamp_s: wall-clock time [s]
     :param level: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'
-    :param logger: name of the logger; a node's is its name, with dots for its namespace
+    :param logger: name of the logger; for a node, its full name with dots instead of slashes
     """
 
     stamp_s: float
@@ -41,7 +41,7 @@ class LogLine:
 
 class LogTable:
     """
-    Log lines in order, shown as a table.
+    A sequence of log lines, shown as a table.
 
     :param lines: oldest first
     """
@@ -51,12 +51,12 @@ class LogTable:
 
     @property
     def messages(self) -> list[str]:
-        """The messages without their levels and names."""
+        """The texts of the lines, without levels and logger names."""
         return [line.message for line in self.lines]
 
     def at_level(self, level: str) -> LogTable:
         """
-        Return the lines of one level.
+        Return only the lines of one level.
 
         :param level: such as 'WARN'
         """
@@ -96,7 +96,7 @@ class LogTable:
 
 
 class _Recorder:
-    """Replacement for the C function that rclpy's loggers call."""
+    """A replacement for the C function that rclpy's loggers call."""
 
     def __init__(self) -> None:
         self.lines: deque[LogLine] = deque(maxlen=_MOST_LINES)
@@ -106,7 +106,7 @@ class _Recorder:
 
     def __call__(self, severity: Any, name: str, message: str, *place: Any) -> None:
         if not isinstance(message, str):
-            # rclpy raises an exception here, so there is no line to store.
+            # In this case rclpy raises an exception, so there is no line to store.
             self._write(severity, name, message, *place)
             return
         level = _LEVELS.get(int(severity), str(severity))
@@ -128,9 +128,9 @@ def record_logs() -> None:
 
 def show_logs(on_line: Callable[[LogLine], object]) -> None:
     """
-    Show each line at once, in the thread that logs it.
+    Show each line immediately, in the thread that logs it.
 
-    :param on_line: called with the line
+    :param on_line: called with each line
     """
     record_logs()
     if _recorder is not None:
@@ -141,7 +141,7 @@ def log_table(logger: str | None = None) -> LogTable:
     """
     Return the lines logged in this kernel so far.
 
-    :param logger: only this logger and its children
+    :param logger: return only lines of this logger and its children
     """
     lines = tuple(_recorder.lines) if _recorder else ()
     if logger is None:

@@ -1,8 +1,8 @@
 """
-Find things in the live ROS graph by name: a topic, its type, the class of its messages.
+Look up names in the live ROS graph: a topic, its type, the class of its messages.
 
-Nodes of this kernel are known at once, those of other processes after discovery.  So the search
-for a missing name takes a moment longer before the name counts as unknown.
+Nodes of this kernel are visible at once, nodes of other processes only after discovery.  So a
+missing name is searched for some seconds before it counts as unknown.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from roslab.session import Session
 from roslab.waiting import wait_in
 
 DISCOVERY_S = 3.0
-"""How long a topic or a node of another process may take to be seen [s]."""
+"""How long discovery of a topic or a node of another process may take [s]."""
 
 _QUIET = ('/parameter_events', '/rosout')
 
 
 def is_hidden(name: str) -> bool:
     """
-    Return whether tools hide a name, because one of its parts begins with an underscore.
+    Return whether ROS tools hide a name because one of its parts begins with an underscore.
 
     :param name: full name of a topic or a node
     """
@@ -36,9 +36,9 @@ def is_hidden(name: str) -> bool:
 
 def topics_now(node: Node) -> dict[str, list[str]]:
     """
-    Return the types of all topics that a node knows now, without hidden ones.
+    Return the types of all non-hidden topics that a node has discovered.
 
-    :param node: any node; it knows what its process has discovered
+    :param node: any node; it sees what its process has discovered
     """
     return {
         name: list(types)
@@ -52,7 +52,7 @@ def nodes_now(node: Node, hidden: bool = False) -> list[str]:
     Return the full names of all nodes in the current graph; a name may occur twice.
 
     :param node: any node
-    :param hidden: include those whose names begin with an underscore
+    :param hidden: include nodes whose names begin with an underscore
     """
     full = (
         f'{namespace.rstrip("/")}/{name}'
@@ -70,7 +70,7 @@ def resolved(node: Node, topic: str) -> str:
     """
     try:
         name: str = node.resolve_topic_name(topic)
-    except Exception as error:  # rclpy and rcl raise unrelated classes for bad names
+    except Exception as error:  # rclpy and rcl raise unrelated exception classes for invalid names
         words = str(error).partition(', at ')[0].splitlines() or ['']
         why = words[0].removeprefix('failed to resolve name: ').rstrip(':')
         raise RoslabError(f'{topic!r} cannot be the name of a topic: {why}.') from None
@@ -83,8 +83,8 @@ def find_topic(session: Session, topic: str, patience_s: float = DISCOVERY_S) ->
 
     :param topic: with or without the leading slash
     :param patience_s: how long to wait for it to be discovered [s]
-    :raises NotHereError: if no endpoint has it
-    :raises RoslabError: if its endpoints disagree about the type
+    :raises NotHereError: if the topic has no endpoint
+    :raises RoslabError: if the endpoints have different types
     """
     node = session.helper
     name = resolved(node, topic)
@@ -101,10 +101,10 @@ def find_topic(session: Session, topic: str, patience_s: float = DISCOVERY_S) ->
 
 def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
     """
-    Return the error for a name that no node has.
+    Return the error for a topic or node name that does not exist.
 
-    :param kind: 'topic', 'node' or both as text
-    :param name: what was asked for
+    :param kind: 'topic', 'node', or a phrase that names both
+    :param name: the name that was not found
     :param known: the names that exist
     """
     names = [known_name for known_name in known if known_name not in _QUIET]
@@ -137,10 +137,10 @@ def message_class(type_name: str) -> Any:
 
 def matching_qos(publishers: Sequence[Any], depth: int = 10) -> QoSProfile:
     """
-    Return a profile that receives from all publishers of a topic, as ``ros2 topic echo`` does.
+    Return a QoS profile compatible with all publishers of a topic, as ``ros2 topic echo`` does.
 
-    :param publishers: rclpy's ``TopicEndpointInfo``; with none, rclpy's default for a depth
-    :param depth: messages that are kept until the next callback
+    :param publishers: rclpy's ``TopicEndpointInfo``; if empty, the result is rclpy's default
+    :param depth: how many messages wait in the queue for the callback
     """
     offered = [info.qos_profile for info in publishers]
     reliable = all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)

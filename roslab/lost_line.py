@@ -1,5 +1,5 @@
 """
-Refuse to run a whole program as an ordinary cell if its line ``%%node`` is missing.
+Refuse to run a whole program as an ordinary cell if its ``%%node`` line is missing.
 
 In a notebook ``__name__`` is always ``'__main__'``, so the program's ``main()`` would run in the
 cell, spin there and never return.
@@ -19,12 +19,12 @@ from roslab.guide import running_cell
 
 
 class NodeLineMissingError(RoslabError, InputRejected):
-    """A cell is a whole program without the name of its file, so it was not run."""
+    """Raised for a cell that is a whole program without its ``%%node`` line; it was not run."""
 
 
 class ProgramsRefused(ast.NodeTransformer):
     """
-    The hook that IPython calls before it runs a cell.
+    The hook that IPython calls on the syntax tree of each cell before running it.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -34,9 +34,9 @@ class ProgramsRefused(ast.NodeTransformer):
 
     def visit_Module(self, tree: ast.Module) -> ast.Module:
         """
-        Return a cell unchanged.
+        Return the syntax tree of a cell unchanged.
 
-        :raises NodeLineMissingError: if the cell starts a ROS program that never ends
+        :raises NodeLineMissingError: if the cell would start a ROS program that spins forever
         """
         if _goes_on(tree) and any(map(_is_start, tree.body)):
             raise NodeLineMissingError(
@@ -46,11 +46,11 @@ class ProgramsRefused(ast.NodeTransformer):
         return tree
 
     def _name(self) -> str:
-        """Return the file name that the cell probably had, or a placeholder."""
+        """Return the file name that the ``%%node`` line probably had, or a placeholder."""
         cell = running_cell(self._shell)
         if cell is None:
             return 'my_node'
-        if cell.module:  # the saved notebook still has the line
+        if cell.module:  # the saved notebook still contains the line
             return cell.module
         for name in catalog.names(hidden=False):
             exam = catalog.load(name, hidden=False)
@@ -62,7 +62,7 @@ class ProgramsRefused(ast.NodeTransformer):
 
 def refuse_programs(shell: Any) -> None:
     """
-    Start refusing cells that are whole programs.
+    Install the hook that refuses cells that are whole programs.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -70,7 +70,7 @@ def refuse_programs(shell: Any) -> None:
 
 
 def _goes_on(tree: ast.Module) -> bool:
-    """Return whether a cell uses ROS and spins, with a function of rclpy or in its own loop."""
+    """Return whether a cell uses ROS and spins, through rclpy or in its own loop."""
     nodes = list(ast.walk(tree))
     ros = any(isinstance(node, ast.Name) and node.id == 'rclpy' for node in nodes)
     loops = any(isinstance(node, ast.While) for node in nodes)
@@ -78,12 +78,12 @@ def _goes_on(tree: ast.Module) -> bool:
 
 
 def _called(node: ast.AST) -> str:
-    """Return the last part of the name of a called function."""
+    """Return the last part of a called function's name."""
     return ast.unparse(node.func).rpartition('.')[2] if isinstance(node, ast.Call) else ''
 
 
 def _is_start(statement: ast.stmt) -> bool:
-    """Return whether a statement starts the program: the usual ``if``, or a bare ``main()``."""
+    """Return whether a statement starts the program: ``if __name__ ...`` or a bare ``main()``."""
     if isinstance(statement, ast.If):
         return ast.unparse(statement.test) in (
             "__name__ == '__main__'",

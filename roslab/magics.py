@@ -1,9 +1,9 @@
 """
 Save a cell as a file: the magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and ``%%answer``.
 
-Each saves its cell in the learner's package, so that the notebook runs, colcon builds and the
-grader judges the same text.  ``%%node`` also runs the cell as a module of that name; ``%%answer``
-prints the letter that it read.
+Each magic saves its cell in the learner's package, so the notebook runs, colcon builds and the
+grader judges the same text.  ``%%node`` also runs the cell as a module of the same name;
+``%%answer`` prints the letter that it recognised.
 """
 
 from __future__ import annotations
@@ -62,19 +62,19 @@ def _magic(shell: Any, kind: str) -> Callable[[str, str], None]:
 
 
 def _keep_empty_body(lines: list[str]) -> list[str]:
-    """Give a magic line without a body an empty one, because IPython would refuse the line."""
+    """Add an empty body to a magic line without one, because IPython would reject the line."""
     alone = len(lines) == 1 and lines[0].startswith(tuple(f'%%{kind}' for kind in KINDS))
     return [*lines, '\n'] if alone else lines
 
 
 def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None:
     """
-    Save a cell and, if it is a node, run it.
+    Save a cell and run it if it is a ``%%node`` cell.
 
     :param kind: one of :data:`KINDS`
     :param line: the rest of the magic line
-    :param cell: the text below it
-    :param namespace: receives the public names of a node
+    :param cell: the text below the magic line
+    :param namespace: the dictionary to which a node's public names are added
     """
     __tracebackhide__ = True
     package = learner_package()
@@ -105,7 +105,7 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
 
 
 def _say_letter(file: CellFile) -> None:
-    """Print how the grader will read an answer; the file is saved in any case."""
+    """Print which answer the grader will read; the file is saved in any case."""
     __tracebackhide__ = True
     try:
         letter = chosen_letter(file.body)
@@ -126,12 +126,12 @@ def _read(kind: str, line: str, cell: str) -> CellFile:
         file = parse_cell(f'%%{kind} {line.strip()}\n{cell}')
     except CellSyntaxError as error:
         raise NameRefusedError(str(error)) from None
-    assert file is not None  # the first line is one of our magics
+    assert file is not None  # the first line is always a magic of this module
     return file
 
 
 def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
-    """Refuse a name that is already the name of a different module, such as rclpy."""
+    """Refuse a file name that another module already uses, such as rclpy."""
     __tracebackhide__ = True
     loaded = sys.modules.get(file.name)
     origin = getattr(loaded, '__file__', None)
@@ -151,9 +151,9 @@ def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
 
 
 def _run_node(file: CellFile, path: Path) -> ModuleType:
-    """Run the saved text as a module; its tracebacks show the lines of the cell."""
+    """Run the saved text as a module; tracebacks show the lines of the cell."""
     __tracebackhide__ = True
-    # Compile under the name of the cell, so that every message shows the cell and its lines.
+    # Compile under a file name that stands for the cell, so that messages show the cell's lines.
     name = code_name(f'%%node {file.name}\n{file.body}', str(path))
     tree = _without_main_call(_parse(file, name))
     module = ModuleType(file.name)
@@ -186,7 +186,7 @@ def _parse(file: CellFile, name: str) -> ast.Module:
 
 
 def _without_main_call(tree: ast.Module) -> ast.Module:
-    """Remove a bare ``main()`` at the outermost level, which would block the notebook."""
+    """Remove a bare ``main()`` at the top level, which would block the notebook."""
     kept = []
     for statement in tree.body:
         call = statement.value if isinstance(statement, ast.Expr) else None
@@ -207,7 +207,7 @@ def _without_main_call(tree: ast.Module) -> ast.Module:
 
 
 def _export(module: ModuleType, namespace: dict[str, Any]) -> list[str]:
-    """Copy public names to the notebook and return those that would hide roslab's own."""
+    """Copy public names to the notebook; return those that would hide roslab's own names."""
     import roslab
 
     skipped = []

@@ -1,9 +1,9 @@
 """
-Build the learner's messages from a notebook, with colcon and the real generators.
+Build the learner's messages from a notebook, with colcon and ROS's message generators.
 
-A package that has not changed is not built again.  The built package becomes importable in the
-running kernel.  It replaces the course's own package of that name, unless that has been imported
-already, because a process cannot load two versions of one message library.
+An unchanged package is not built again.  The built package becomes importable in the running
+kernel.  It replaces the course's own package of the same name, unless that package was already
+imported, because a process cannot load two versions of one message library.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ _PRELOADED = (
     'typesupport_c',
     'generator_py',
 )
-"""Message libraries in the order in which they need one another."""
+"""Suffixes of message libraries, sorted so that each library follows its dependencies."""
 
 
 _PARALLEL = f'-j{(os.cpu_count() or 1) + 1}'
-"""Instead of colcon's own ``-jN -lN``: with -l, a busy machine builds one file at a time."""
+"""Replaces colcon's default ``-jN -lN``: with -l, a busy machine builds one file at a time."""
 
 
 _MARK = re.compile(r'(?m)^\[ *(\d+)(/\d+|%)\]')
@@ -62,7 +62,7 @@ class BuildReport:
     :param ok: whether its messages can be used
     :param messages: names such as 'Temperature'
     :param seconds: how long the build took [s], 0 if nothing had changed
-    :param diagnosis: why it failed
+    :param diagnosis: why the build failed
     :param restart: whether the kernel must be restarted to import the built package
     :param log: the complete output of the build
     """
@@ -107,15 +107,15 @@ class BuildReport:
         )
 
     def _ipython_display_(self) -> None:
-        """Show nothing as the value of a cell, because the report has already been shown."""
+        """Show nothing as the value of a cell, because the report was already shown."""
 
 
 def build_messages(package_dir: str | Path | None = None) -> BuildReport:
     """
     Build the learner's package and make its messages importable here.
 
-    :param package_dir: folder of a package, by default the one in which cells are saved
-    :returns: a report, true if the messages can be used; it has already been shown
+    :param package_dir: folder of a package, by default the package in which cells are saved
+    :returns: a report, already shown; it is true if the messages can be used
     :raises NotHereError: if there is no package to build
     """
     package = _package(package_dir)
@@ -185,10 +185,10 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
     """
     Run colcon.
 
-    :param clean: whether messages changed, so that no older files may remain
+    :param clean: remove older build files, because the messages have changed
     """
     workspace = package.workspace
-    # Always build into an empty install folder: libraries that this kernel has loaded must not be
+    # Always build into an empty install folder: libraries loaded by this kernel must not be
     # overwritten in place, and files of removed messages must disappear.
     shutil.rmtree(workspace / 'install', ignore_errors=True)
     if clean:
@@ -215,7 +215,7 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
 
 def _progress(output: str) -> str:
     """
-    Return the progress of a build from the last mark that Ninja or make has printed.
+    Return the progress of a build, taken from the last progress mark of Ninja or make.
 
     :param output: such as ``[12/40] Building C object ...`` or ``[ 30%] Building ...``
     """
@@ -224,12 +224,12 @@ def _progress(output: str) -> str:
 
 
 def _generator(variables: dict[str, str]) -> tuple[str, ...]:
-    """Return the option for Ninja if it is installed; it runs more steps in parallel."""
+    """Return the option that selects Ninja if it is installed; it runs more steps in parallel."""
     return ('-GNinja',) if shutil.which('ninja', path=variables.get('PATH')) else ()
 
 
 def _lacking(package: LearnerPackage) -> Diagnosis | None:
-    """Return what a successful build did not include."""
+    """Return what is missing after a build that succeeded."""
     prefix = _prefix(package)
     if not _site_packages(package).joinpath('msg', '__init__.py').is_file():
         return NO_MESSAGES
@@ -245,14 +245,14 @@ def _usable(package: LearnerPackage, interfaces: str, seconds: float) -> BuildRe
 
 
 _loaded: dict[str, str] = {}
-"""Digest of the messages that this process has loaded, by package: a library stays for good."""
+"""Digests of the loaded messages, by package: a process cannot unload a library."""
 
 
 def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
     """
     Let this process import the built package.
 
-    :returns: False if another version of it is in use already
+    :returns: False if this process has already loaded another version
     """
     name = package.name
     if name in _loaded:
@@ -266,8 +266,8 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
         ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
     sys.path.insert(0, str(_site_packages(package).parent))
     _put_first('AMENT_PREFIX_PATH', str(_prefix(package)))
-    # For processes that cells start, such as `!ros2 interface show`; this process is set up
-    # already.
+    # For processes that cells start, such as `!ros2 interface show`; this process needs no
+    # variable.
     _put_first('PYTHONPATH', str(_site_packages(package).parent))
     _put_first('LD_LIBRARY_PATH', str(_prefix(package) / 'lib'))
     importlib.invalidate_caches()
@@ -287,14 +287,14 @@ def _prefix(package: LearnerPackage) -> Path:
 
 
 def _site_packages(package: LearnerPackage) -> Path:
-    """Return where the Python package was installed; Debian's Python calls it dist-packages."""
+    """Return the folder with the built Python package; Debian's Python names it dist-packages."""
     found = sorted(_prefix(package).glob(f'**/*-packages/{package.name}'))
     return found[0] if found else _prefix(package) / 'none'
 
 
 def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str]:
     """Return digests of all inputs of the build, and of the inputs that affect messages."""
-    # Include the generator: CMake refuses a build folder that a different generator has created.
+    # Include the generator: CMake refuses a build folder created by another generator.
     base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")} {_generator(variables)}'
     texts = package.files()
     interfaces = {name: text for name, text in texts.items() if not name.endswith('.py')}

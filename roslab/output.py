@@ -1,9 +1,9 @@
 """
-Print text and tables to the right place.
+Print text and tables to the correct place.
 
-A notebook frontend gets a table as HTML; a notebook that is executed without a frontend (nbclient,
-nbgrader) gets the same facts as plain text on stdout.  Nothing is ever written to stderr: nbgrader
-reads a single line there as a failed cell.
+A notebook frontend gets a table as HTML.  A notebook that is executed without a frontend
+(nbclient, nbgrader) gets the same facts as plain text on stdout.  Nothing is written to stderr:
+nbgrader treats a single line there as a failed cell.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 
 def shell() -> Any | None:
-    """Return the running IPython shell, or None in a plain Python."""
+    """Return the running IPython shell, or None outside IPython."""
     if 'IPython' not in sys.modules:
         return None
     from IPython import get_ipython
@@ -28,8 +28,8 @@ class Cell:
     """
     The execution of a notebook cell.
 
-    :param number: the n of ``In [n]``
-    :param request: header and metadata of the message that asked for the execution
+    :param number: execution number, the n of ``In [n]``
+    :param request: header and metadata of the execution request
     """
 
     number: int
@@ -40,7 +40,7 @@ class Cell:
         """
         Return whether a frontend shows the output.
 
-        Frontends name the cell that they execute; nbclient and a console do not.
+        Frontends include the id of the cell in the request; nbclient and a console do not.
         """
         return 'cellId' in self.request.get('metadata', {})
 
@@ -61,16 +61,16 @@ def has_frontend() -> bool:
 
 
 def say(text: str) -> None:
-    """Print one message at once, so that it keeps its place among the lines of nodes."""
+    """Print a message at once, so that it keeps its position among the log lines of nodes."""
     print(text, flush=True)
 
 
 def show(text: str, html: str) -> None:
     """
-    Show a table: HTML in a frontend, otherwise text on stdout.
+    Show a table: HTML in a frontend, plain text on stdout otherwise.
 
-    :param text: the complete facts as plain text; also stored with the HTML in the notebook file
-    :param html: the same facts
+    :param text: all facts as plain text; stored together with the HTML in the notebook file
+    :param html: the same facts as HTML
     """
     if not has_frontend():
         say(text)
@@ -82,11 +82,11 @@ def show(text: str, html: str) -> None:
 
 class ElapsedTime:
     """
-    One line that counts the seconds if a frontend shows it, and never changes otherwise.
+    One line that counts the seconds in a frontend; without a frontend, it never changes.
 
     :param text: describes the current work
     :param always: print the line even without a frontend
-    :param progress: returns the progress, given the end of the output so far
+    :param progress: computes the progress from the end of the output so far
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class ElapsedTime:
         return self
 
     def tick(self, seconds: float, output: str) -> None:
-        """Show the elapsed time [s] and the progress."""
+        """Show the elapsed time and the progress."""
         if self._handle is not None:
             how_far = self._progress(output)
             text = f'{self._text} ... {seconds:.0f} s{how_far and f", {how_far}"}'

@@ -1,8 +1,8 @@
 """
 Give each kernel a different ROS domain, so that notebooks do not receive each other's messages.
 
-``ROS_DOMAIN_ID`` is set when the kernel starts, before ROS is, and whatever a cell starts inherits
-it.  A number that the user has set is kept, so that two notebooks can share a domain.
+``ROS_DOMAIN_ID`` is set at the start of the kernel, before ROS starts, and processes started by
+cells inherit it.  A number set by the user is kept, so that two notebooks can share a domain.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ _claimed: Claim | None = None
 
 def claim_domain(shell: Any) -> None:
     """
-    Give this kernel a domain that no other kernel has, unless one is set.
+    Give this kernel a domain that no other kernel uses, unless the user has set one.
 
     :param shell: what ``get_ipython()`` returns
     """
     global _claimed
     if chosen := os.environ.get(VARIABLE):
-        # Claimed so that other kernels avoid it, if the system allows.
+        # Claim the user's domain too, if the system allows it, so that other kernels avoid it.
         with suppress(OSError, ValueError):
             _claimed = _claimed or claim([int(chosen)])
         return
@@ -64,14 +64,14 @@ def domain() -> None:
 
 
 def _in_order() -> Iterator[int]:
-    """Yield all domains; a notebook begins with the same one after a restart of its kernel."""
+    """Yield all domains, starting with the same one after each restart of the kernel."""
     notebook = os.environ.get('JPY_SESSION_NAME') or os.getcwd()
     first = zlib.crc32(f'{os.getuid()} {notebook}'.encode()) % len(DOMAINS)
     yield from (*DOMAINS[first:], *DOMAINS[:first])
 
 
 def _say_once(shell: Any, text: str) -> None:
-    """Print a text in the first cell that runs."""
+    """Print a text when the first cell runs."""
 
     def tell(_: Any) -> None:
         shell.events.unregister('pre_run_cell', tell)

@@ -1,7 +1,7 @@
 """
-The learner's package on disk: where cells are saved, and which files the grader reads.
+Manage the learner's package: where cells are saved, and which files the grader reads.
 
-Everything is next to the notebook, in a colcon workspace of the usual shape::
+Everything is next to the notebook, in a colcon workspace with the usual folders::
 
     ros_ws/src/my_robot_pkg/package.xml, CMakeLists.txt
                             msg/Speed.msg
@@ -27,7 +27,7 @@ _MOST_BYTES = 1_000_000
 @dataclass(frozen=True)
 class LearnerPackage:
     """
-    A package below the folder of the notebook.
+    A package in the workspace next to the notebook.
 
     :param name: name of the package
     :param root: folder of the notebook
@@ -43,12 +43,12 @@ class LearnerPackage:
 
     @property
     def folder(self) -> Path:
-        """The sources of the package."""
+        """The source folder of the package."""
         return self.workspace / 'src' / self.name
 
     def path_of(self, cell: CellFile) -> Path:
         """
-        Return the path of a cell's file: nodes in the inner folder, as in any Python ROS package.
+        Return the path of a cell's file; nodes are in the inner folder, as in any ROS package.
 
         :raises NameRefusedError: if the path is outside the package
         """
@@ -65,13 +65,13 @@ class LearnerPackage:
         """
         Return the path of a file of the package.
 
-        :param name: as :meth:`files` gives it
+        :param name: relative path, a key of :meth:`files`
         """
         inner = self.folder / self.name / name
         return inner if name.endswith('.py') and inner.is_file() else self.folder / name
 
     def save(self, cell: CellFile) -> Path:
-        """Write a cell's file; readers see the complete old file or the complete new one."""
+        """Write a cell's file atomically."""
         path = self.path_of(cell)
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_name(f'.{path.name}.{os.getpid()}.part')
@@ -83,11 +83,11 @@ class LearnerPackage:
         return path
 
     def shown(self, path: Path) -> str:
-        """Return a path as the learner sees it, from the notebook's folder."""
+        """Return a path relative to the notebook's folder, as the learner sees it."""
         return str(path.relative_to(self.root)) if path.is_relative_to(self.root) else str(path)
 
     def files(self) -> dict[str, str]:
-        """Return the texts of the package by the paths that the grader uses."""
+        """Return the contents of the package's files, by the paths that the grader uses."""
         found = {}
         for path in sorted(self.folder.rglob('*')):
             inside = path.relative_to(self.folder).as_posix()
@@ -102,14 +102,15 @@ def _is_source(path: Path, inside: str) -> bool:
     return path.is_file() and not hidden
 
 
-_name = ''  # until a package is chosen, the name of the course's own package
+_name = ''  # empty until a package is chosen: the course's own package is used
 
 
 def package(name: str | None = None) -> str:
     """
-    Choose the package in which cells are saved, or only return its name.
+    Choose the package in which cells are saved, and return its name.
 
-    :param name: lower case, digits and single underscores, as ROS 2 asks
+    :param name: lower case, digits and single underscores, as ROS 2 requires; None keeps the
+        current package
     :raises NameRefusedError: for any other name
     """
     global _name
@@ -124,5 +125,5 @@ def package(name: str | None = None) -> str:
 
 
 def learner_package() -> LearnerPackage:
-    """Return the chosen package, next to the running notebook."""
+    """Return the current package, next to the running notebook."""
     return LearnerPackage(package(), Path.cwd())

@@ -1,15 +1,15 @@
 """
 Show the output of a node below the cell that started it.
 
-The kernel gives every line to the cell that is running.  Without this module, the lines of a node
-would appear below the next cell that runs.  So each cell that starts a node has a :class:`Page`,
-which gets what the callbacks of its nodes print or log: into the cell's own output while the cell
-runs, and afterwards into one block below it, which is updated in place and shows only the newest
-lines.
+The kernel sends every line to the cell that is running.  Without this module, the lines of a node
+would appear below whichever cell runs next.  So each cell that starts a node has a :class:`Page`
+for everything that the callbacks of its nodes print or log.  While the cell runs, the page writes
+to the cell's own output.  Afterwards it writes to one block below the cell, which is updated in
+place and shows only the newest lines.
 
-An executed notebook also contains that block.  After a cell has ended, ``nbclient`` accepts only
-new contents for an existing display.  So there the block is created, still empty, at the end of
-the cell, and filled at the end of later cells.
+A notebook executed without a frontend also contains that block.  After a cell has ended,
+``nbclient`` only accepts new contents for an existing display.  So the block is created, still
+empty, at the end of the cell, and filled at the end of later cells.
 """
 
 from __future__ import annotations
@@ -30,20 +30,20 @@ from roslab.logtable import LogLine, show_logs
 from roslab.output import Cell, current_cell
 
 MOST_IN_CELL = 50
-"""Lines of its nodes that a running cell shows before the rest goes into the block."""
+"""How many node lines a running cell shows; further lines go into the block."""
 MOST_IN_BLOCK = 12
 _UPDATE_S = 0.25
-_SETTLE_S = 2.0  # limit of a wait that normally takes a fraction of a millisecond
+_SETTLE_S = 2.0  # upper limit [s]; the wait normally takes a fraction of a millisecond
 _LINE_S = 0.05
 
 
 class Page:
     """
-    The lines of the nodes that one cell has started.
+    The output lines of the nodes that one cell has started.
 
-    Only the executor's thread writes to it; all other threads only read.
+    Only the executor's thread writes to a page; all other threads only read it.
 
-    :param cell: the cell
+    :param cell: the cell that started the nodes
     """
 
     def __init__(self, cell: Cell) -> None:
@@ -57,13 +57,13 @@ class Page:
         self._unfinished = ''
 
     def keep(self, text: str) -> None:
-        """Add a text to the block."""
+        """Add text to the block."""
         *lines, self._unfinished = (self._unfinished + text).split('\n')
         self._tail.extend(lines)
         self.in_block += len(lines)
 
     def text(self) -> str:
-        """Return what the block shows."""
+        """Return the text that the block shows."""
         tail = self._tail.copy()
         left_out = self.in_block - len(tail)
         head = [f'... {left_out} more, see logs()'] if left_out > 0 else []
@@ -73,10 +73,10 @@ class Page:
 
 class Pages:
     """
-    Sends the output of each thread to the right cell.
+    Sends the output of each thread to the correct cell.
 
     :param stream: the kernel's stdout
-    :param console: removes the lines of C code from what the kernel reads from its own stdout
+    :param console: removes marked lines of C code from the output that the kernel reads
     """
 
     def __init__(self, stream: Any, console: ConsoleLines) -> None:
@@ -85,7 +85,7 @@ class Pages:
         self._console = console
         self._watcher = getattr(stream, 'watch_fd_thread', None)
         self._arrived = threading.Event()
-        self._whole = threading.Event()  # whether Python's output is at the end of a line
+        self._whole = threading.Event()  # set while Python's output is at the end of a line
         self._whole.set()
         self._here = threading.local()
         running = current_cell()
@@ -95,7 +95,7 @@ class Pages:
         stream.write = self.write
 
     def page(self) -> Page | None:
-        """Return the page of the running cell, for a node that it starts."""
+        """Return the page of the running cell, for nodes that the cell starts."""
         cell = self._running
         if cell is None:
             return None
@@ -106,9 +106,9 @@ class Pages:
     @contextmanager
     def beside(self, page: Page | None) -> Iterator[None]:
         """
-        Let this thread write to a page.
+        Send what this thread prints and logs to a page inside the ``with`` block.
 
-        :param page: None to leave things as they are
+        :param page: None changes nothing
         """
         if page is None:
             yield
@@ -123,7 +123,7 @@ class Pages:
             self._stream.reset_thread_parent(token)
 
     def write(self, text: str) -> int | None:
-        """Write to the right cell, like ``write`` of the kernel's stdout."""
+        """Write to the cell that this thread belongs to, like ``write`` of the kernel's stdout."""
         if threading.current_thread() is self._watcher:
             mark = self._console.marks
             text = self._console.feed(text)
@@ -146,7 +146,7 @@ class Pages:
         return len(text)
 
     def _written(self, text: Any) -> int | None:
-        """Write Python's output without a line of C code in the middle of it."""
+        """Write Python's output so that no line of C code interrupts it."""
         open_line = isinstance(text, str) and text != '' and not text.endswith('\n')
         if open_line:
             self._whole.clear()
@@ -157,11 +157,11 @@ class Pages:
                 self._whole.set()
 
     def write_log(self, line: LogLine) -> None:
-        """Show a log line in the cell that this thread works for."""
+        """Show a log line in the cell that this thread belongs to."""
         self.write(f'{log_text(line.level, line.logger, line.message)}\n')
 
     def begin_cell(self, _: Any = None) -> None:
-        """Note which cell is running."""
+        """Record which cell is running."""
         self._running, self._of_running = current_cell(), None
 
     def end_cell(self, _: Any = None) -> None:
@@ -179,9 +179,9 @@ class Pages:
         """
         Wait until the output of C code has reached the running cell.
 
-        ROS writes log lines into a pipe, and the kernel gives what it reads there to the cell that
-        runs at that moment, which is the next cell if this one was quick.  This method writes a
-        mark as the last line in the pipe.
+        ROS writes log lines into a pipe, and the kernel assigns what it reads from the pipe to the
+        cell that runs at that moment, which is the next cell if this one was quick.  So this
+        method writes a mark into the pipe and waits until the kernel has read it.
         """
         watcher = self._watcher
         if watcher is None or not watcher.is_alive() or not stat.S_ISFIFO(os.fstat(1).st_mode):
@@ -192,7 +192,7 @@ class Pages:
         self._stream.flush()
 
     def _note(self, page: Page) -> None:
-        """Show a page soon; without a frontend, at the end of the running cell."""
+        """Show a page soon; without a frontend, do so at the end of the running cell."""
         if page.changed:
             return
         page.changed = True
@@ -206,7 +206,7 @@ class Pages:
     def _update(self, page: Page, parent: Cell | None) -> None:
         if parent is None or not page.changed:
             return
-        page.changed = False  # reset first, so that a line that arrives now causes another update
+        page.changed = False  # reset first, so that a line arriving now triggers another update
         self._changed.pop(page.display_id, None)
         if page.cell.has_frontend:
             parent = page.cell
@@ -229,7 +229,7 @@ _pages: Pages | None = None
 
 def lay_out(shell: Any) -> None:
     """
-    Start sending lines to the cells that they belong to.
+    Start sending the output of nodes to the cells that started them.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -240,8 +240,8 @@ def lay_out(shell: Any) -> None:
         return
     _pages = Pages(stream, ConsoleLines())
     spare_the_terminal(stream)
-    # A kernel that does not read its own stdout never shows lines of C code, so none appears
-    # twice.
+    # A kernel that does not read its own stdout never shows lines of C code, so no line can
+    # appear twice.
     if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
         show_logs(_pages.write_log)
     shell.events.register('pre_run_cell', _pages.begin_cell)
@@ -249,21 +249,21 @@ def lay_out(shell: Any) -> None:
 
 
 def pages() -> Pages | None:
-    """Return the pages of this kernel, or None outside a notebook."""
+    """Return the :class:`Pages` of this kernel, or None outside a notebook."""
     return _pages
 
 
 def page_here() -> Page | None:
-    """Return the page of the running cell, for a node that it starts."""
+    """Return the page of the running cell, for nodes that the cell starts."""
     return _pages.page() if _pages is not None else None
 
 
 @contextmanager
 def beside(page: Page | None) -> Iterator[None]:
     """
-    Send what this thread prints and logs to a page.
+    Send what this thread prints and logs to a page inside the ``with`` block.
 
-    :param page: None to leave things as they are
+    :param page: None changes nothing
     """
     if _pages is None:
         yield

@@ -1,4 +1,4 @@
-"""Draw a number against time as a picture and as text, without ROS."""
+"""Draw a numeric value against time as a picture and as text, without ROS."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOST_DOTS = 80
 _MOST_LISTED = 10
 
 Point = tuple[float, float]
-"""Time [s] and value."""
+"""A time [s] and a value."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class Curve:
     """
     The data to draw.
 
-    :param name: topic and field
-    :param points: in the order of their times; a value that is not finite is a gap
-    :param seconds: length of the axis [s]
-    :param threshold: a level to compare with
-    :param marks: times of other events, by their name [s]
+    :param name: topic and field, as in the title
+    :param points: sorted by time; a value that is not finite leaves a gap
+    :param seconds: length of the time axis [s]
+    :param threshold: a value to mark with a horizontal line
+    :param marks: times of other events, by name [s]
     """
 
     name: str
@@ -42,18 +42,18 @@ class Curve:
 
     @property
     def finite(self) -> list[Point]:
-        """The points that can be drawn."""
+        """The points with finite values, which can be drawn."""
         return [point for point in self.points if math.isfinite(point[1])]
 
     @property
     def above(self) -> int:
-        """Return how many values are above the threshold."""
+        """The number of values above the threshold."""
         level = self.threshold
         return 0 if level is None else sum(value > level for _, value in self.finite)
 
 
 def curve_words(curve: Curve) -> str:
-    """Return one sentence that describes the picture."""
+    """Return one sentence that describes the plot."""
     points = curve.finite
     if not points:
         return f'{curve.name}: waiting for messages.'
@@ -73,7 +73,7 @@ def curve_words(curve: Curve) -> str:
 
 
 def curve_text(curve: Curve) -> str:
-    """Return the plot as text: the sentence and the newest values."""
+    """Return the plot as text: the description and the newest values."""
     newest = curve.points[-_MOST_LISTED:]
     lines = [curve_words(curve)]
     for time, value in newest:
@@ -83,7 +83,7 @@ def curve_text(curve: Curve) -> str:
 
 
 def curve_html(curve: Curve) -> str:
-    """Return the plot as a picture."""
+    """Return the plot as an HTML picture."""
     points = _thinned(curve.points, _MOST_POINTS)
     low, high = _range(curve)
     end = max(points[-1][0] if points else 0.0, curve.seconds)
@@ -112,7 +112,7 @@ def curve_html(curve: Curve) -> str:
 
 
 def _table(curve: Curve) -> svg.Table:
-    """Return the values; of many, the lowest and the highest of each stretch."""
+    """Return the values as a table; many values are reduced by :func:`_thinned`."""
     level = curve.threshold
     head = ['seconds', curve.name, *([] if level is None else [f'above {level:g}'])]
     rows = []
@@ -132,7 +132,7 @@ def _range(curve: Curve) -> tuple[float, float]:
 
 
 def _thinned(points: Sequence[Point], most: int) -> list[Point]:
-    """Return at most so many points, with the lowest and the highest of each stretch."""
+    """Return at most ``most`` points: the lowest and the highest of each group of neighbours."""
     if len(points) <= most:
         return list(points)
     size = math.ceil(len(points) / (most / 2))
@@ -144,7 +144,7 @@ def _thinned(points: Sequence[Point], most: int) -> list[Point]:
 
 
 def _legend(curve: Curve) -> str:
-    """Return what the signs mean; it is in the title row, where no curve overlaps it."""
+    """Return the legend, placed in the title row where no curve overlaps it."""
     parts = [f'diamond: {label}' for label in curve.marks]
     if curve.threshold is not None:
         parts.append(f'dashed: threshold {curve.threshold:g}')
@@ -180,7 +180,7 @@ def _threshold(y: float) -> str:
 
 
 def _marks(curve: Curve, x_of: Callable[[float], float]) -> Iterator[str]:
-    """Yield a diamond for each event at the foot of the picture; those of one time are a pile."""
+    """Yield a diamond at the bottom of the picture per event; simultaneous events are stacked."""
     for times in curve.marks.values():
         for place, time in enumerate(times):
             y = _HEIGHT - _BOTTOM - 9 - 11 * list(times[:place]).count(time)
@@ -188,7 +188,7 @@ def _marks(curve: Curve, x_of: Callable[[float], float]) -> Iterator[str]:
 
 
 def _drawn(points: list[tuple[float, float, float]], threshold: float | None) -> list[str]:
-    """Return the curve, interrupted where a value is not finite, and its points."""
+    """Return the points and the curve, interrupted where a value is not finite."""
     parts = []
     stretch: list[str] = []
     for x, y, value in [*points, (0.0, 0.0, math.nan)]:

@@ -1,8 +1,8 @@
 """
-Remember the last results of ``check(...)`` and ``quiz(...)`` and the tries; show them by lesson.
+Store the last results of ``check(...)`` and ``quiz(...)``, count tries, and show both by lesson.
 
-They are in one JSON file in the course's work folder. Nothing sends it anywhere, and the grader
-never reads it: it is a note of the learner, not evidence.
+One JSON file in the course's work folder holds the results. It is never sent anywhere, and the
+grader never reads it: it is for the learner and is not evidence.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ ABOUT = (
 HEADER = ('lesson', 'minutes', 'points', 'quiz')
 
 Results = dict[str, dict[str, float]]
-"""Points in ``checks`` and counts in ``tries``, by exam; 1 for a right answer in ``quizzes``."""
+"""Points in ``checks`` and numbers of ``tries`` by exam; in ``quizzes``, 1 for a right answer."""
 
 
 def progress(forget: bool = False) -> None:
     """
-    Show how far you are: points, right answers to quizzes, and the Part that comes next.
+    Show your progress: points, right answers to quizzes, and the Part that comes next.
 
-    :param forget: delete all remembered results instead
-    :raises RoslabError: if the file of the results holds something else
+    :param forget: delete all stored results instead
+    :raises RoslabError: if the file of the results has invalid contents
     """
     layout = Layout.here()
     path = layout.work / FILE
@@ -59,14 +59,14 @@ def progress(forget: bool = False) -> None:
 
 def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
     """
-    Store the last result of an exercise; if that fails, say so in one line.
+    Store the last result of an exercise; print one line if that fails.
 
-    Only a notebook inside the course's folder counts: a copy that is executed elsewhere, as tests
-    do, is not the learner's work.
+    Only a notebook inside the course's folder is recorded: a copy that is executed elsewhere, for
+    example by a test, is not the learner's work.
 
     :param kind: one of :data:`KINDS`
     :param result: points, or whether the answer was right
-    :param tries: to add to those so far, 1 for the check of an answer that is written
+    :param tries: number to add to the stored tries, 1 for a check of an answer that is written
     """
     try:
         layout = Layout.here()
@@ -74,7 +74,7 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
             return
         path = layout.work / FILE
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Two notebooks may finish at the same time; each reads, adds and writes.
+        # Two notebooks may finish at the same time; hold a lock to read, add and write.
         with path.with_name(f'.{FILE}.lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             results = read_results(path)
@@ -88,9 +88,9 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
 
 def read_results(path: Path) -> Results:
     """
-    Return the remembered results; none if there is no file.
+    Return the stored results, empty if there is no file.
 
-    :raises RoslabError: if the file cannot be read, or :func:`remember` did not write it
+    :raises RoslabError: if the file cannot be read or has invalid contents
     """
     try:
         found = json.loads(path.read_text(encoding='utf-8'))
@@ -99,7 +99,7 @@ def read_results(path: Path) -> Results:
     except (OSError, ValueError, RecursionError):
         found = None
     if isinstance(found, dict):
-        found.setdefault('tries', {})  # files from before they were counted
+        found.setdefault('tries', {})  # older files contain no tries
     if not _is_ours(found):
         raise RoslabError(
             f'{path}: this file does not hold the results of check() and quiz(). Try: '
@@ -126,7 +126,7 @@ def _outlines(paths: Iterable[Path]) -> Iterable[Outline]:
 
 
 def next_part(lessons: Iterable[Outline], results: Results) -> tuple[Outline, Part] | None:
-    """Return the first Part with an unfinished exercise or an unanswered question, if any."""
+    """Return the first Part with an unfinished exercise or an unanswered question, or None."""
     for lesson in lessons:
         for part in lesson.parts:
             solved = all(
@@ -138,7 +138,7 @@ def next_part(lessons: Iterable[Outline], results: Results) -> tuple[Outline, Pa
 
 
 def headline(lessons: Iterable[Outline], results: Results) -> tuple[str, str]:
-    """Return the points so far, and what comes next."""
+    """Return two sentences: the points so far, and what comes next."""
     points = [_points(lesson, results) for lesson in lessons]
     so_far, most = (number(sum(column)) for column in zip((0, 0), *points))
     found = next_part(lessons, results)
@@ -149,7 +149,7 @@ def headline(lessons: Iterable[Outline], results: Results) -> tuple[str, str]:
 
 
 def _points(lesson: Outline, results: Results) -> tuple[float, float]:
-    """Return the points of a lesson so far, and all of them."""
+    """Return the points reached in a lesson and the maximum."""
     found = results['checks']
     done = (
         min(found.get(name, 0), points)
@@ -160,7 +160,7 @@ def _points(lesson: Outline, results: Results) -> tuple[float, float]:
 
 
 def row_of(lesson: Outline, results: Results) -> tuple[str, ...]:
-    """Return the row of a lesson: its name, minutes, points and right answers."""
+    """Return the table row of a lesson: its name, minutes, points and right answers."""
     quizzes = [key for part in lesson.parts for key in part.quizzes]
     right = sum(bool(results['quizzes'].get(key)) for key in quizzes)
     points, most = _points(lesson, results)
@@ -184,7 +184,7 @@ def as_text(lessons: Sequence[Outline], results: Results) -> str:
 
 
 def _as_html(lessons: Sequence[Outline], results: Results) -> str:
-    """Return the same as HTML, with links that lead from the notebook's folder."""
+    """Return the headline and one row per lesson as HTML, with links relative to the notebook."""
     points, after = map(html.escape, headline(lessons, results))
     if found := next_part(lessons, results):
         after = _link(found[0].path, after, f'#{section_id(found[1].heading)}')

@@ -1,10 +1,10 @@
 """
-Find out which offers satisfy which requests, with real publishers and subscriptions.
+Find out which offered QoS satisfies which request, with real publishers and subscriptions.
 
-``qos_table('reliability')`` creates one pair for each combination, each on a separate topic, and
-waits until *every* pair has reported its outcome: matched, or refused with the event that names
-the policy.  A missing event never counts as an outcome.  The table also shows what
-``qos_check_compatible`` predicts and what the documented rule says.
+``qos_table('reliability')`` creates one pair per combination, each on a separate topic.  It waits
+until *every* pair has reported its outcome: matched, or refused with the event that names the
+policy.  A missing event never counts as an outcome.  The table also shows the prediction of
+``qos_check_compatible`` and of the documented rule.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
 
 _PATIENCE_S = 10.0
-"""A bound for a machine in trouble; a table usually takes a fifth of a second [s]."""
+"""Upper limit, for a machine that is too busy; a table usually takes 0.2 s [s]."""
 _tables = count(1)
 
 Choice = Mapping[str, Any]
@@ -80,11 +80,11 @@ CHOICES: Mapping[str, Mapping[str, Choice]] = {
         'keep all': {'history': HistoryPolicy.KEEP_ALL},
     },
 }
-"""What is tried on both sides, weakest first, by the name of the table."""
+"""The values to combine on both sides, weakest first, by the name of the table."""
 
 _UNDECIDED = ('SYSTEM_DEFAULT', 'BEST_AVAILABLE')
 _SIGNS = {True: '\N{CHECK MARK}', False: '\N{BALLOT X}'}
-# Transparent, so that the text has the same contrast on a light and on a dark page.
+# Transparent colours, so that text has enough contrast on light and on dark pages.
 _TINTS = {True: '#43a04729', False: '#e5393529'}
 _NEVER_MATTERS = ('lifespan', 'depth')
 
@@ -92,15 +92,15 @@ _NEVER_MATTERS = ('lifespan', 'depth')
 @dataclass(frozen=True)
 class Cell:
     """
-    One pair of endpoints.
+    The outcome for one pair of endpoints.
 
-    :param offered: what the publisher offers, as text
-    :param requested: what the subscription requests
-    :param matched: whether the two were connected
-    :param refused_for: names of the policies in the events of the two sides
+    :param offered: QoS of the publisher, as text
+    :param requested: QoS of the subscription, as text
+    :param matched: whether the two endpoints matched
+    :param refused_for: incompatible policies that the events of both sides name
     :param check: verdict of ``qos_check_compatible``: OK, WARNING or ERROR
-    :param reason: the text of the verdict
-    :param documented: what the documented rule says; None if it does not decide
+    :param reason: the reason that ``qos_check_compatible`` gives
+    :param documented: the prediction of the documented rule; None if it makes none
     :param became: the values that the middleware chose for publisher and subscription
     """
 
@@ -115,7 +115,7 @@ class Cell:
 
     @property
     def agrees(self) -> bool:
-        """Return whether event, check and rule agree."""
+        """Return whether the event, the check and the rule agree."""
         predicted = {'OK': True, 'ERROR': False}.get(self.check)
         return predicted == self.matched and self.documented in (None, self.matched)
 
@@ -138,17 +138,17 @@ class Cell:
 
     @property
     def outcome(self) -> str:
-        """Return the outcome in one or two words."""
+        """The outcome in one or two words."""
         return 'match' if self.matched else f'no: {", ".join(sorted(set(self.refused_for)))}'
 
     @property
     def shown(self) -> str:
-        """Return the outcome with a tick or a cross."""
+        """The outcome with a tick or a cross."""
         return f'{_SIGNS[self.matched]} {self.outcome}'
 
     @property
     def text(self) -> str:
-        """Return the outcome, and the check's verdict if it differs."""
+        """The outcome, and the check's verdict if it differs."""
         return self.shown if self.agrees else f'{self.shown} (check: {self.check})'
 
     def __str__(self) -> str:
@@ -159,10 +159,10 @@ class Cell:
 
 class QosTable:
     """
-    The outcome of each pair; a notebook shows it as a table.
+    The outcomes of all pairs; a notebook shows them as a table.
 
     :param policy: name of the table, a key of :data:`CHOICES`
-    :param first: which side of each pair was created first
+    :param first: the side of each pair that was created first
     :param cells: the pairs, row by row
     """
 
@@ -183,7 +183,7 @@ class QosTable:
 
     @property
     def caption(self) -> str:
-        """Describe the table in one sentence."""
+        """Return one sentence that describes the table."""
         matched = sum(cell.matched for cell in self.cells)
         return (
             f'{self.policy.capitalize()}: {len(self.cells)} pairs, {matched} matched, '
@@ -205,7 +205,7 @@ class QosTable:
         return '\n'.join([self.caption, *lines])
 
     def _repr_html_(self) -> str:
-        """Return a table with a caption and header cells, which is readable without colours."""
+        """Return a table with a caption and header cells, readable without colours."""
         rule = 'border: 1px solid currentColor; padding: 0.3em 0.6em; text-align: left'
         head = ''.join(
             f'<th scope="col" style="{rule}">{escape(name)}</th>' for name in CHOICES[self.policy]
@@ -232,12 +232,12 @@ def _html_of(cell: Cell, rule: str) -> str:
 
 def qos_table(policy: str = 'reliability and durability', *, first: str = 'publisher') -> QosTable:
     """
-    Try every combination of one policy with real endpoints.
+    Test every combination of one policy with real endpoints.
 
     :param policy: ``'reliability'``, ``'durability'``, ``'reliability and durability'``,
         ``'deadline'``, ``'liveliness'``, ``'lease'``, ``'lifespan'`` or ``'depth'``
     :param first: the side of each pair that is created first, ``'publisher'`` or
-        ``'subscription'``; only BEST_AVAILABLE cares
+        ``'subscription'``; it only matters for BEST_AVAILABLE
     """
     if policy not in CHOICES:
         names = ', '.join(map(repr, CHOICES))
@@ -255,7 +255,7 @@ def qos_table(policy: str = 'reliability and durability', *, first: str = 'publi
 
 @contextmanager
 def _laboratory() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
-    """Give a hidden node in a separate context, on topics that no other node uses."""
+    """Provide a hidden node in a separate context, on topics that no other node uses."""
     context = Context()
     context.init(args=[])
     executor = SingleThreadedExecutor(context=context)
@@ -276,7 +276,7 @@ def _laboratory() -> Iterator[tuple[Node, SingleThreadedExecutor]]:
 
 
 class _Pair:
-    """A publisher and a subscription on a separate topic, and the events of both."""
+    """A publisher and a subscription on a separate topic, and the QoS events of both."""
 
     def __init__(
         self,
@@ -289,7 +289,7 @@ class _Pair:
         self.node = node
         self.topic = f'pair_{number}'
         self.names = (offered[0], requested[0])
-        # AUTOMATIC is explicit, because the check cannot judge the default, SYSTEM_DEFAULT.
+        # Set AUTOMATIC, because the check cannot judge the default, SYSTEM_DEFAULT.
         base = {'depth': 1, 'liveliness': LivelinessPolicy.AUTOMATIC}
         self.profiles = (
             QoSProfile(**{**base, **offered[1]}),
@@ -314,7 +314,7 @@ class _Pair:
 
     @property
     def matched(self) -> bool:
-        """Return whether each side has counted the other as matched."""
+        """Return whether each side has reported the other as matched."""
         return bool(
             self.publisher.get_subscription_count() and self.subscription.get_publisher_count()
         )
@@ -325,7 +325,7 @@ class _Pair:
         return self.matched or all(self.refusals)
 
     def cell(self, policy: str) -> Cell:
-        """Return what is known about the pair."""
+        """Return the outcome of the pair."""
         verdict, reason = qos_check_compatible(*self.profiles)
         events = (*self.refusals[0], *self.refusals[1])
         (publisher,) = self.node.get_publishers_info_by_topic(self.topic)
@@ -343,12 +343,12 @@ class _Pair:
 
 
 def _value(profile: QoSProfile, policy: str) -> str:
-    """Return the value of a named policy of an endpoint in the graph, or nothing."""
+    """Return the value of a named policy in an endpoint's profile, or an empty string."""
     return str(getattr(getattr(profile, policy, None), 'name', ''))
 
 
 def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None:
-    """Serve events until each pair is either matched or refused on both sides."""
+    """Process events until each pair is either matched or refused on both sides."""
     end = time.monotonic() + _PATIENCE_S
     while waiting := [pair for pair in pairs if not pair.decided]:
         if time.monotonic() > end:
@@ -362,7 +362,7 @@ def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None
 
 def documented(policy: str, offered: str, requested: str) -> bool | None:
     """
-    Return what the documented rule expects: an offer must be at least as strong as the request.
+    Return whether the documented rule predicts a match of an offer with a request.
 
     :param policy: name of the table
     :returns: None if the middleware or the situation decides

@@ -1,7 +1,7 @@
-// A multiple-choice question. No text ever becomes HTML: it is only put into text nodes.
+// A multiple-choice question. Strings never become HTML: they only go into text nodes.
 
-// JupyterLab looks for this on the focused element itself; without it, it would take the arrow
-// keys for its own and move from cell to cell.
+// JupyterLab looks for this attribute on the focused element; without it, JupyterLab would handle
+// the arrow keys itself and move between cells.
 const KEEP_KEYS = 'data-lm-suppress-shortcuts';
 const MODIFIERS = ['Control', 'Meta', 'Alt', 'Shift'];
 
@@ -22,8 +22,8 @@ function withCode(text) {
 
 function render({ model, el }) {
   const { text, options } = model.get('question');
-  // Every widget has a copy of this module, so a counter here would begin anew with each question,
-  // and questions with one name would be one group: the arrow keys would leave the question.
+  // Every widget has a separate copy of this module, so a counter would start again with each
+  // question. Questions with equal names would form one group: arrow keys would leave a question.
   const group = `roslab-quiz-${Math.random().toString(36).slice(2)}`;
   const status = element('div', { role: 'status', 'aria-live': 'polite', class: 'roslab-quiz-why' });
   const fieldset = element('fieldset', { class: 'roslab-quiz' });
@@ -38,7 +38,7 @@ function render({ model, el }) {
       [KEEP_KEYS]: 'true',
     });
     input.addEventListener('keydown', (event) => {
-      // Ctrl+S, Shift+Enter and the like stay JupyterLab's.
+      // Leave Ctrl+S, Shift+Enter and similar keys to JupyterLab.
       if (MODIFIERS.includes(event.key)) input.removeAttribute(KEEP_KEYS);
       if (event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
       byArrow = event.key.startsWith('Arrow');
@@ -91,7 +91,7 @@ function render({ model, el }) {
   }
 
   el.append(fieldset, status);
-  // The page may draw the same question again; the answer given before is still there.
+  // The page may draw the same question again; keep the answer given before.
   if (model.get('chosen') >= 0) {
     inputs[model.get('chosen')].checked = true;
     explain(model.get('chosen'));

@@ -12,9 +12,8 @@ The questions are in ``roslab/quizzes/NN_topic.yaml``, one file per lesson, as a
         - text: another answer
           why: Names the misconception behind it and corrects it.
 
-Options are shown in an order that depends on the key alone, so authors can put the
-right one anywhere.  Only whether the last answer was right is remembered, see
-:mod:`roslab.progress`.
+The order of the options depends only on the key, so authors can put the right one anywhere.  Only
+the result of the last answer is stored, see :mod:`roslab.progress`.
 """
 
 from __future__ import annotations
@@ -42,17 +41,17 @@ _MOST_IN_ONE_PLACE = 0.5
 
 
 class QuizError(RoslabError):
-    """A question does not exist, or its file has a mistake."""
+    """Raised if a question does not exist or its file contains a mistake."""
 
 
 @dataclass(frozen=True)
 class Option:
     """
-    One answer to choose.
+    One answer of a multiple-choice question.
 
     :param text: the answer; may contain `code`
-    :param right: whether it is the right one
-    :param why: what is shown once it is chosen
+    :param right: whether the answer is right
+    :param why: explanation shown after the learner chooses the answer
     """
 
     text: str
@@ -65,7 +64,7 @@ class Question:
     """
     One question with three or four options, exactly one of them right.
 
-    :param options: in the order in which they are shown
+    :param options: in the order in which the learner sees them
     """
 
     key: str
@@ -85,10 +84,10 @@ class Question:
 
 def quiz(key: str) -> Any:
     """
-    Show a question to answer here; the choice is explained at once and may be changed.
+    Show a question; an explanation follows each choice, and the choice may be changed.
 
-    :param key: as in the lesson, such as '03-matched'
-    :raises QuizError: if there is no such question, with similar names
+    :param key: key of the question, such as '03-matched'
+    :raises QuizError: if there is no such question; the message lists similar keys
     """
     __tracebackhide__ = True
     question = find(key)
@@ -101,7 +100,7 @@ def find(key: str, folder: Path = FOLDER) -> Question:
     """
     Return a question.
 
-    :raises QuizError: if there is none of that key, or its file is wrong
+    :raises QuizError: if no question has this key, or its file contains a mistake
     """
     __tracebackhide__ = True
     lesson = str(key)[:2]
@@ -120,15 +119,15 @@ def find(key: str, folder: Path = FOLDER) -> Question:
 
 
 def files(folder: Path = FOLDER) -> list[Path]:
-    """Return the files with questions, by lesson."""
+    """Return the files with questions, sorted by lesson."""
     return sorted(folder.glob('*.yaml'))
 
 
 def load(path: Path) -> list[Question]:
     """
-    Read one file.
+    Read all questions of one file.
 
-    :raises QuizError: for the first mistake in it, with its place
+    :raises QuizError: for the first mistake, with its location
     """
     __tracebackhide__ = True
     try:
@@ -193,7 +192,7 @@ def _mapping(
 
 
 def _text(entry: Mapping[str, Any], name: str, where: str) -> str:
-    """Return a string on one line; a number or `true` without quotes is not a string."""
+    """Return a one-line string; numbers and `true` without quotes are rejected."""
     __tracebackhide__ = True
     value = entry[name]
     if not isinstance(value, str) or not value.strip():
@@ -214,14 +213,14 @@ def _one_line(error: Exception) -> str:
     return ' '.join(str(error).split())
 
 
-# -- for the authors ------------------------------------------------------------------------
+# -- for authors ----------------------------------------------------------------------------
 
 
 def problems(folder: Path = FOLDER) -> list[str]:
     """
     Return the mistakes in the course's questions, one line each; empty if there are none.
 
-    :param folder: instead of the course's own, for tests
+    :param folder: folder of the questions; tests pass another one
     """
     found: list[str] = []
     loaded: list[Question] = []
@@ -239,7 +238,7 @@ def problems(folder: Path = FOLDER) -> list[str]:
 
 
 def _misplaced(path: Path, questions: Iterable[Question]) -> Iterator[str]:
-    """Yield the keys that do not begin with the number of their file."""
+    """Yield a problem for each key that does not begin with the number of its file."""
     if not _FILE.match(path.name):
         yield f'{path.name}: expected a name of the form NN_topic.yaml.'
         return
@@ -249,7 +248,7 @@ def _misplaced(path: Path, questions: Iterable[Question]) -> Iterator[str]:
 
 
 def _unbalanced(questions: list[Question]) -> Iterator[str]:
-    """Yield the letter that is right so often that choosing it blindly would pay."""
+    """Yield a problem if one letter is right so often that always choosing it would pay."""
     right = Counter(
         LETTERS[[option.right for option in question.options].index(True)]
         for question in questions

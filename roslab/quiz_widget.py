@@ -1,4 +1,4 @@
-"""Show a question: a widget in the browser, plain text everywhere else."""
+"""Show a question: as a widget in the browser, as plain text elsewhere."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _HERE = Path(__file__).parent
 
 class QuizWidget(anywidget.AnyWidget):
     """
-    A question with radio buttons and an explanation for each of them.
+    A question with radio buttons and an explanation for each option.
 
-    :param question: what to ask
+    :param question: the question to show
     """
 
     _esm = _HERE / 'quiz.js'
@@ -47,7 +47,7 @@ def as_html(question: dict[str, Any]) -> str:
     """
     Return a question as HTML in which each option opens its explanation.
 
-    :param question: as the widget has it
+    :param question: a dictionary with the fields of the widget
     """
     options = ''.join(
         f'<details><summary>{letter}) {_with_code(option["text"])}</summary>'
@@ -63,7 +63,7 @@ def _with_code(text: str) -> str:
 
 
 def _note(question: Question, chosen: int) -> None:
-    """Remember whether the last answer was right."""
+    """Store whether the last answer was right."""
     if 0 <= chosen < len(question.options):
         remember('quizzes', question.key, question.options[chosen].right)
 

@@ -1,4 +1,4 @@
-"""Show the result of visible checks as HTML and as plain text, with the grader's own sentences."""
+"""Show the result of visible checks as HTML and plain text, in the grader's own words."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ _NO_SANDBOX = (
 @dataclass
 class CheckReport:
     """
-    The findings of the visible checks of one exercise.
+    The result of the visible checks of one exercise.
 
     :param exam: name of the exercise
-    :param result: the verdicts, None if there are none
-    :param problem: why there are none
-    :param unfinished: files that still have their stub
-    :param judged: the files that were judged, and which cells have saved them
-    :param edited: files whose cell has been edited since
-    :param left_over: files that no cell of the notebook saves any more
+    :param result: the verdicts, None if the exercise could not be judged
+    :param problem: the reason why there are no verdicts
+    :param unfinished: files that still contain only the stub
+    :param judged: one line that names the judged files and the cells that saved them
+    :param edited: files whose cell was edited after the file was saved
+    :param left_over: files that no cell of the notebook saves now
     :param lesson: file name of the lesson's notebook, for links to its sections
-    :param worked: the line that leads to a worked answer, as text and as HTML
+    :param worked: the line that links to a worked answer, as text and as HTML
     """
 
     exam: str
@@ -52,12 +52,12 @@ class CheckReport:
 
     @property
     def points(self) -> float:
-        """Points of the visible checks."""
+        """The points reached in the visible checks."""
         return self.result.points if self.result else 0.0
 
     @property
     def max_points(self) -> float:
-        """Points that the visible checks could give."""
+        """The maximum number of points of the visible checks."""
         return self.result.max_points if self.result else 0.0
 
     def show(self) -> None:
@@ -67,7 +67,7 @@ class CheckReport:
         show(str(self), self._repr_html_())
 
     def _ipython_display_(self) -> None:
-        """Show the report as the value of a later cell; its own cell has already shown it."""
+        """Show the report as the value of a later cell; the first cell has already shown it."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             self.show()
@@ -81,7 +81,7 @@ class CheckReport:
 
     @property
     def _remarks(self) -> list[str]:
-        """Return the lines to print after the checks."""
+        """Return the lines to print below the checks."""
         remarks = [f'Judged: {self.judged}.'] if self.judged else []
         remarks += [
             f'{name} is older than its cell: the cell was edited, but not run. Run it, then check '

@@ -1,4 +1,4 @@
-"""The environment variables of processes that a notebook starts."""
+"""Provide the environment variables of processes that a notebook starts."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from roslab.errors import NotHereError
 
 def build_variables() -> dict[str, str]:
     """
-    Return the variables for building the learner's package.
+    Return the environment variables for building the learner's package.
 
-    That build must not find the course's own package of the same name, so the variables that only
+    This build must not find the course's own package of the same name, so the variables that only
     the course's workspace needs are removed.
 
-    :raises NotHereError: if the set-up has not been run
+    :raises NotHereError: if the environment has not been set up
     """
     try:
         ros = ros_environment()

@@ -1,9 +1,9 @@
 """
-Record which cell has saved a file and when, and compare the file with the saved notebook.
+Record which cell saved a file and when, and compare the file with the saved notebook.
 
-``check`` judges files, not the screen: if a cell was edited but not run, the file is still the old
-one.  A kernel does not see what a browser shows.  So this module reads the notebook's file, which
-JupyterLab saves every few seconds.
+``check`` judges files, not the screen: if a cell was edited but not run, the file still has the
+old contents.  A kernel does not see what a browser shows, so this module reads the notebook file,
+which JupyterLab saves every few seconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from roslab.output import shell
 _MOST_NAMED = 3
 
 _saves: dict[Path, tuple[int, int]] = {}
-"""Number of the execution that has saved a file, and the time that the file had after it [ns]."""
+"""Execution number that saved each file, and the file's modification time after it [ns]."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class SavedFile:
     """
     A file of an exercise.
 
-    :param execution: the n of the ``In [n]`` that has saved it, None if no cell of this kernel
+    :param execution: the n of the ``In [n]`` that saved the file, None if no cell of this kernel
         saved it
-    :param modified_s: when it was changed last [s since 1970]
+    :param modified_s: time of the last change [s since 1970]
     """
 
     path: Path
@@ -39,7 +39,7 @@ class SavedFile:
     modified_s: float
 
     def __str__(self) -> str:
-        """Return the time of the save, and the cell that saved the file, as text."""
+        """Return the time of the save and the cell that saved the file, as text."""
         by = (
             f'In [{self.execution}]' if self.execution is not None else 'another kernel or program'
         )
@@ -47,19 +47,19 @@ class SavedFile:
 
 
 def note_save(path: Path) -> None:
-    """Remember that the running cell has saved a file."""
+    """Record that the running cell has saved a file."""
     history = getattr(getattr(shell(), 'history_manager', None), 'input_hist_raw', ())
     # The history ends with the running cell; the shell's own counter may already be higher.
     _saves[path] = max(0, len(history) - 1), path.stat().st_mtime_ns
 
 
 def look_up(paths: Iterable[Path]) -> list[SavedFile]:
-    """Return what is known about files, the file that was saved last at the end."""
+    """Return when and by which cell files were saved, the latest save last."""
     found = []
     for path in paths:
         status = path.stat()
         number, saved_ns = _saves.get(path, (None, 0))
-        # A different time means that another program wrote the file, not a cell of this kernel.
+        # A different time means that another program has written the file since.
         execution = number if saved_ns == status.st_mtime_ns else None
         found.append(SavedFile(path, execution, status.st_mtime))
     return sorted(found, key=lambda file: file.modified_s)
@@ -67,7 +67,7 @@ def look_up(paths: Iterable[Path]) -> list[SavedFile]:
 
 def describe(files: Sequence[SavedFile]) -> str:
     """
-    Return the judged files as one line of text.
+    Return one line of text that names the judged files.
 
     :param files: as :func:`look_up` returns them
     """
@@ -86,7 +86,7 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     found = []
     for file in files:
         bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
-        # Ignore a notebook that was saved before the cell ran: its text may be older than the
+        # Ignore a notebook saved before the cell ran: its text may be older than the
         # file.
         if (
             bodies
@@ -105,7 +105,7 @@ def _cell_files(notebook: Path) -> Iterable[CellFile]:
 
 
 def _clock(seconds: float) -> str:
-    """Return hours and minutes, with the day in front unless it is today."""
+    """Return the time as hours and minutes, with the date in front if it is not today."""
     then = datetime.fromtimestamp(seconds)
     today = then.date() == datetime.now().date()
     return f'{then:%H:%M}' if today else f'{then:%d %b %H:%M}'

@@ -1,12 +1,12 @@
 """
-The ROS 2 session of a kernel: its context, its executor and the nodes that cells have started.
+Manage the ROS 2 session of a kernel: its context, its executor and the nodes that cells started.
 
-There is one :class:`Session` per kernel, created by :func:`session`.  It is ended at exit: nodes
-are destroyed and the context is shut down, because a process that dies with live nodes leaves its
-shared memory behind.
+Each kernel has one :class:`Session`, created by :func:`session`.  At exit, the session destroys
+its nodes and shuts the context down, because a process that ends with live nodes leaves its shared
+memory behind.
 
-A node whose callback raises is stopped and destroyed, as its program would end in a terminal; the
-other nodes continue.  To get the node back, start it again.
+A node whose callback raises an exception is stopped and destroyed, just as its program would end
+in a terminal.  The other nodes continue.  To get the node back, start it again.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from roslab.strangers import tell_of_strangers
 from roslab.tracebacks import last_line, short_traceback
 
 HELPER_NAME = '_roslab'
-"""Node that owns the subscriptions of :func:`roslab.listen`; a leading underscore hides it."""
+"""Node that owns the subscriptions of :func:`roslab.listen`; its leading underscore hides it."""
 
 _SLOW_CALLBACK_S = 1.0
 
@@ -54,8 +54,8 @@ class Session:
     """
     Nodes that run in the background of a kernel.
 
-    :param context: a private context, by default the one that ``rclpy.init`` creates
-    :param domain_id: for a private context
+    :param context: a private context; by default, the one that ``rclpy.init`` creates
+    :param domain_id: ROS domain of a private context
     """
 
     def __init__(self, context: Context | None = None, domain_id: int | None = None) -> None:
@@ -67,12 +67,12 @@ class Session:
         self._started: dict[str, Started] = {}
         self._lost: dict[str, str] = {}
         self._has_looked = False
-        # A thread that still spins during interpreter shutdown would abort the process.
+        # A thread that still spins while the interpreter shuts down would abort the process.
         atexit.register(self.close)
 
     @property
     def executor(self) -> BackgroundExecutor:
-        """The running executor; ROS is initialised if it is not."""
+        """The running executor; the first use initialises ROS."""
         with HeldInterrupts():
             background = self._background
             if background is None or not background.alive:
@@ -85,7 +85,7 @@ class Session:
 
     @property
     def helper(self) -> Node:
-        """A hidden node with the subscriptions of the notebook itself."""
+        """A hidden node that owns the subscriptions of the notebook itself."""
         with HeldInterrupts():
             executor = self.executor
             if self._helper is None:
@@ -102,23 +102,23 @@ class Session:
         """
         Return whether a node is the current hidden node.
 
-        :param node: what :attr:`helper` returned before
+        :param node: an earlier value of :attr:`helper`
         """
         background = self._background
         return node is self._helper and background is not None and background.alive
 
     def forget(self, node: Node, subscription: Subscription) -> None:
         """
-        Destroy a subscription between two callbacks, soon; safe in finalizers.
+        Destroy a subscription soon, between two callbacks; safe in finalizers.
 
-        :param node: the node that owns it, which may be destroyed already
+        :param node: the node that owns the subscription; it may already be destroyed
         """
         background, destroy = self._background, node.destroy_subscription
         if background is not None and self.owns(node):
             background.ask(lambda: destroy(subscription))
 
     def nodes(self) -> dict[str, Node]:
-        """Return the nodes that are running, by name."""
+        """Return the running nodes, by name."""
         for key, started in tuple(self._started.items()):
             if not _is_alive(started.node):
                 self._started.pop(key, None)
@@ -133,9 +133,9 @@ class Session:
         """
         Create a node and run it in the background.
 
-        :param factory: a subclass of Node, a function that returns a node, or a node
-        :param name: replaces the node's own name
-        :param parameters: initial values of parameters that the node declares
+        :param factory: a subclass of Node, a function that returns a node, or an existing node
+        :param name: replaces the name given by the class
+        :param parameters: initial values of declared parameters
         :raises RoslabError: if the factory creates no node
         """
         with HeldInterrupts() as interrupts:
@@ -160,10 +160,10 @@ class Session:
 
     def stop(self, which: Node | str) -> None:
         """
-        Stop and destroy a node; it is not an error if the node has already stopped.
+        Stop and destroy a node; a node that has already stopped is not an error.
 
         :param which: the node, or its name
-        :raises NotHereError: if no node of that name was ever started
+        :raises NotHereError: if no node with this name was ever started
         """
         key = self._key(which)
         with HeldInterrupts():
@@ -176,7 +176,7 @@ class Session:
             raise NotHereError(f'No node {key!r} was started. Running nodes: {running}.')
 
     def stop_all(self) -> None:
-        """Stop and destroy every node that was started, and end all listening."""
+        """Stop and destroy all nodes started by cells, and all subscriptions of ``listen``."""
         for key in tuple(self._started):
             self.stop(key)
         with HeldInterrupts():
@@ -185,7 +185,7 @@ class Session:
                 self._destroy(helper)
 
     def close(self) -> None:
-        """Stop everything and shut the context down; a later call starts again."""
+        """Destroy all nodes and shut the context down; a later call starts a new session."""
         with HeldInterrupts():
             self._close()
 
@@ -203,10 +203,10 @@ class Session:
             _destroy_quietly(node)
         background.context.try_shutdown()
         if self._private is None and not rclpy.ok():
-            rclpy.try_shutdown()  # allows a new default context
+            rclpy.try_shutdown()  # so that rclpy can create a new default context
 
     def losses(self) -> str:
-        """Return sentences about nodes that an exception has stopped."""
+        """Return sentences about nodes that were stopped because of an exception."""
         return ' '.join(
             f'Node {key} {why}.' for key, why in tuple(self._lost.items()) if why != 'was stopped'
         )
@@ -262,11 +262,11 @@ class Session:
                     f'{type(node).__name__}. A class must inherit from Node, a function return it.'
                 )
         except BaseException as error:
-            # Otherwise the node would stay in the graph without a name.
+            # Otherwise the node would stay in the graph although no variable refers to it.
             for half_made in making.made:
                 _destroy_quietly(half_made)
             if not isinstance(error, Exception):
-                # An interrupt may arrive after rclpy has created a publisher and before rclpy has
+                # An interrupt may arrive after rclpy has created a publisher but before it has
                 # stored it.  Then only a frame refers to the publisher, which refers to the node.
                 traceback.clear_frames(error.__traceback__)
             if isinstance(error, Exception) and not isinstance(error, RoslabError):
@@ -304,7 +304,8 @@ class Session:
         """
         Print the exception of a callback and stop its node; runs in the executor's thread.
 
-        The reason is stored and printed before the node is removed, so it can be read at once.
+        The reason is stored and printed before the node is removed, so it is available
+        immediately.
         """
         key = self._key(node) if node is not None else 'a callback'
         started = self._started.get(key)
@@ -331,7 +332,7 @@ class Session:
 
 
 def _what_to_do(error: Exception) -> str:
-    """Return what to do about an exercise that still has its stub."""
+    """Return a hint about an exercise that still contains its stub, or an empty string."""
     if isinstance(error, NotImplementedError):
         return '\n  Replace that line with your own code, run its cell, then run this one again.'
     return ''

@@ -1,4 +1,4 @@
-"""Explain from the ROS graph why no messages arrive on a topic."""
+"""Use the ROS graph to explain why no messages arrive on a topic."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def type_name(msg_type: type) -> str:
 
 def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
     """
-    Return one sentence on why a subscription received too few messages.
+    Return a sentence that explains why a subscription received too few messages.
 
     :param node: the node that subscribes
-    :param topic: as given to the subscription
-    :param msg_type: class of the subscription
+    :param topic: name of the topic as given to the subscription
+    :param msg_type: message class of the subscription
     :param qos: profile of the subscription
     """
     publishers = node.get_publishers_info_by_topic(topic)

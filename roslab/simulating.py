@@ -1,8 +1,8 @@
 """
-An hour in seconds: a saved node file on the grader's virtual clock, and what it did.
+Run a saved node file on the grader's virtual clock, an hour in seconds, and return what it did.
 
-As with ``check``, a child process runs the file, in a sandbox where there is one.  The runs of
-:func:`recorded_runs` come with the course, and nothing is run for them.
+As for ``check``, a child process runs the file, in a sandbox if one is available.
+:func:`recorded_runs` returns recordings that are part of the course, without running anything.
 """
 
 from __future__ import annotations
@@ -40,17 +40,18 @@ def simulate(
     """
     Run a saved node file on a virtual clock, where an hour takes seconds.
 
-    :param node: name in the ``%%node`` line of its cell
-    :param seconds: how long, from the start of the program [s]; at most a day
-    :param inputs: what to send, as ``{'topic': [(second, message), ...]}``, with messages or dicts
-        of their fields; several at one second are a burst
-    :param late: an additional subscription that joins later, as ``{'topic': second}``
-    :param arguments: of the program, after ``--ros-args``, such as ``['-p', 'rate_hz:=2.0']``
-    :returns: messages and log lines with their times, for ``timeline`` and ``plot``; if the
-        program used 20 s of processor time, or sent 20000 messages and log lines together, what it
-        did until then
-    :raises RoslabError: if there is no such file or topic, or a time is wrong
-    :raises NotImplementedError: if the program ended in a part that is still to be written
+    :param node: name in the ``%%node`` line of the node's cell
+    :param seconds: virtual time from the start of the program [s]; at most one day
+    :param inputs: messages to send, as ``{'topic': [(second, message), ...]}``, with messages or
+        dicts of their fields; messages with the same second are sent in quick succession
+    :param late: additional subscriptions that join later, as ``{'topic': second}``
+    :param arguments: arguments of the program after ``--ros-args``, such as ``['-p',
+        'rate_hz:=2.0']``
+    :returns: messages and log lines with their times, for ``timeline`` and ``plot``. The result is
+        cut off if the program has used 20 s of processor time, or has sent 20000 messages and log
+        lines together
+    :raises RoslabError: if a file or topic does not exist, or a time is invalid
+    :raises NotImplementedError: if the program ended in an exercise that is not written yet
     """
     package = learner_package()
     saved = [one for one in package.files() if one.endswith('.py')]
@@ -86,10 +87,10 @@ def simulate(
 
 def recorded_runs(exam: str) -> list[Simulation]:
     """
-    Return the runs about which an exam asks your check, as ``simulate`` would return them.
+    Return the recorded runs that an exam gives to a learner's check, in the form of ``simulate``.
 
-    :param exam: as in ``check('NAME')``
-    :raises RoslabError: if there is no such exam, or it has no runs
+    :param exam: name of the exam, as in ``check('NAME')``
+    :raises RoslabError: if the exam does not exist or has no recorded runs
     """
     try:
         return list(catalog.load(exam, hidden=False).facts['runs'])
@@ -99,7 +100,7 @@ def recorded_runs(exam: str) -> list[Simulation]:
 
 
 def _why(outcome: child.Outcome) -> str:
-    """Return the error that the child printed last, or what happened to the child."""
+    """Return the error that the child printed last, or a description of how the child ended."""
     if outcome.returncode is None:
         return f'The simulation took more than {_DEADLINE_S:.0f} s of real time.'
     lines = outcome.output.strip().splitlines() or ['it printed nothing']

@@ -4,13 +4,13 @@ Make ``rclpy.spin`` and similar functions work in a cell.
 Three things that work in a program fail in a notebook.  This module corrects them for the kernel's
 main thread:
 
-* A wait without a limit never returns to Python, so Interrupt has no effect.  rclpy has a SIGINT
-  handler for this case, but the kernel installs Python's own handler for each cell.  So waits are
-  cut into slices.
-* ``rclpy.init`` in a cell installs a handler that shuts ROS down when that cell is interrupted,
-  and every later cell fails.  In a notebook, only the end of the kernel shuts ROS down.
-* ``rclpy.spin(node)`` takes the node away from the background executor, and after an interrupt no
-  executor serves it any more.  So the call is refused, with advice.
+* A wait without a time limit never returns to Python, so Interrupt has no effect.  rclpy has a
+  SIGINT handler for this case, but the kernel installs Python's own handler for each cell.  So
+  waits are divided into short slices.
+* ``rclpy.init`` in a cell installs a handler that shuts ROS down when the cell is interrupted, and
+  then every later cell fails.  In a notebook, ROS is shut down only when the kernel ends.
+* ``rclpy.spin(node)`` takes the node away from the background executor; after an interrupt, no
+  executor serves the node.  So the call is refused, with advice.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from roslab.errors import RoslabError
 from roslab.executor import GuardedExecutor
 
 _SLICE_NS = 50_000_000
-"""How long an interrupt may go unnoticed [ns]."""
+"""How long an interrupt may remain unnoticed [ns]."""
 _ENTITIES = ('subscription', 'guard_condition', 'timer', 'client', 'service')
 _WaitSet: Any = rclpy_implementation.WaitSet
 
 
 class InterruptibleWaitSet(_WaitSet):  # type: ignore[misc]
-    """A wait set that returns to Python regularly while it waits in the main thread."""
+    """A wait set that regularly returns to Python while it waits in the main thread."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
@@ -45,11 +45,11 @@ class InterruptibleWaitSet(_WaitSet):  # type: ignore[misc]
         """
         Wait until something is ready.
 
-        A wait set drops entities that were not ready, so everything is added again after a slice.
-        Entities that C code adds cannot be added again: then this returns early, with nothing
-        ready, and the executor tries again.
+        A wait set drops entities that were not ready, so all entities are added again after each
+        slice.  Entities that C code added cannot be added again.  If there are any, this method
+        returns early with nothing ready, and the executor tries again.
 
-        :param timeout_ns: how long, negative for no limit [ns]
+        :param timeout_ns: how long to wait, negative for no limit [ns]
         """
         if threading.current_thread() is not threading.main_thread():
             super().wait(timeout_ns)
@@ -91,12 +91,13 @@ for _kind in _ENTITIES:
 def make_spinning_interruptible() -> None:
     """Make waits in this process's main thread interruptible without shutting ROS down."""
     rclpy_implementation.WaitSet = InterruptibleWaitSet
-    # rclpy.init looks this name up in its module; SIGTERM also ends a kernel without the handler.
+    # rclpy.init looks up this name in its module; without the handler, SIGTERM still ends a
+    # kernel.
     rclpy.install_signal_handlers = lambda *_: None
 
 
 def refuse_to_spin_twice() -> None:
-    """Make other executors refuse a node that runs in the background."""
+    """Make other executors reject a node that runs in the background."""
     original = Executor.add_node
 
     def add_node(self: Executor, node: Node) -> bool:

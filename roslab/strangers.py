@@ -1,8 +1,8 @@
 """
-Find nodes that already run in this notebook's domain before the notebook starts its own.
+Find nodes of other processes in this notebook's domain before the notebook starts its own.
 
-They belong to a terminal that has joined the domain, or to a notebook with the same domain.  This
-notebook receives everything that they publish, which the lesson does not expect.
+Such nodes belong to a terminal that has joined the domain, or to a notebook with the same domain.
+This notebook receives everything that they publish, which can surprise the learner.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from roslab.output import say
 from roslab.ros2.discovery import full_name, node_names, wait_for_graph
 
 LOOK_S = 0.3
-"""How long to look: kernels of the course announce themselves ten times a second."""
+"""How long to search [s]; the course's kernels announce themselves ten times a second."""
 MOST_NAMED = 4
 _PROCESS_BYTES = 8
-"""Fast DDS begins the ids of all endpoints of one process with the same bytes."""
+"""Number of bytes at the beginning of an endpoint's id that are equal in one process."""
 
 
 def nodes_of_others() -> list[str]:
-    """Return the full names of the nodes of other processes; hidden ones left out."""
+    """Return the full names of the nodes of other processes, without hidden nodes."""
     context = Context()
     context.init(args=[])
     try:
@@ -47,9 +47,9 @@ def nodes_of_others() -> list[str]:
 
 def _nodes_of_this_process(node: Node) -> list[str]:
     """
-    Return the full names of the nodes that share the process of a node.
+    Return the full names of the nodes in the same process as a given node.
 
-    :param node: a node whose name no other node has
+    :param node: a node with a unique name
     """
     # Every node has a publisher on this topic.
     infos = node.get_publishers_info_by_topic('/parameter_events')
@@ -66,7 +66,7 @@ def _process_of(info: TopicEndpointInfo) -> bytes:
 
 
 def tell_of_strangers() -> None:
-    """Print the nodes of other processes that are in the domain already, if there are any."""
+    """Print the nodes of other processes in the domain, if there are any."""
     names = nodes_of_others()
     if not names:
         return

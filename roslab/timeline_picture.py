@@ -1,4 +1,4 @@
-"""Draw messages against time: a row for each listener, a tick for each message."""
+"""Draw messages against time: one row per topic, one tick per message."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ _MARK_COLOURS = (svg.RED, svg.ORANGE, svg.GREEN)
 @dataclass(frozen=True)
 class Row:
     """
-    One row of the picture.
+    One row of the timeline.
 
-    :param label: a topic, or the name of a mark
-    :param times: times of the events, in order [s]
-    :param mark: whether the row shows other events instead of messages
+    :param label: a topic, or the name of other events
+    :param times: times of the events, sorted [s]
+    :param mark: True if the row shows other events instead of messages
     :param more: a second, fainter label
     :param texts: contents of the messages of a recorded run, for its slider
     """
@@ -41,14 +41,14 @@ class Row:
 
     @property
     def rate(self) -> float | None:
-        """Messages per second between the first and the last, None with fewer than two."""
+        """Messages per second between the first and the last, None for fewer than two messages."""
         if self.mark or len(self.times) < 2 or self.times[-1] <= self.times[0]:
             return None
         return (len(self.times) - 1) / (self.times[-1] - self.times[0])
 
     @property
     def amount(self) -> str:
-        """Describe the number and the rate of the messages."""
+        """The number and the rate of the messages, as text."""
         thing = 'mark' if self.mark else 'message'
         words = f'{len(self.times)} {thing}{"s" * (len(self.times) != 1)}'
         return words if self.rate is None else f'{words}, {self.rate:.1f} Hz'
@@ -56,11 +56,11 @@ class Row:
 
 class Timeline:
     """
-    A picture of messages against time, or a table if pictures are not available.
+    Messages on a time axis: a picture, or a table where pictures are not available.
 
     :param rows: from top to bottom
     :param begin: left end of the axis [s]
-    :param end: right end [s]
+    :param end: right end of the axis [s]
     """
 
     def __init__(self, rows: Sequence[Row], begin: float, end: float) -> None:
@@ -90,21 +90,21 @@ def make_timeline(
     seconds: float | None = None,
 ) -> Timeline:
     """
-    Return the timeline of listeners.
+    Return the timeline of listeners, plots, simulations or recorded topics.
 
-    :param sources: listeners; the axis begins when the first of them began to listen. A simulation
-        stands for all its topics
+    :param sources: listeners, plots, simulations or recorded topics. The axis begins when the
+        first listener began to listen; a simulation contributes all its topics
     :param marks: names and times of other events, on the time scale of the first listener [s]
-    :param seconds: show only so many seconds before the newest event [s]
-    :raises RoslabError: if a source is not a listener, or a mark has no times
+    :param seconds: show only this much time before the newest event [s]
+    :raises RoslabError: if a source has an unknown type, or a mark has no times
     """
     sources = [one for source in sources for one in getattr(source, 'listeners', (source,))]
-    sources = [getattr(source, 'listener', source) for source in sources]  # a live plot has one
+    sources = [getattr(source, 'listener', source) for source in sources]  # a plot has one
     if not sources:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."
         )
-    # A simulation began at 0, and its times are those of the axis.
+    # A simulation begins at 0, and its times are those of the axis.
     zero = next((began for one in sources if (began := getattr(one, 'began', 0.0))), 0.0)
     rows = [_row_of(source, zero) for source in sources]
     rows += [_row_of_mark(label, times) for label, times in (marks or {}).items()]
@@ -215,7 +215,7 @@ def _row(row: Row, y: float, left: float, right: float, xs: list[float], marks: 
         svg.line(left + 6, y, right - 6, y, faint=True),
         svg.text(right + 4, y + 4, row.amount, size=11),
     ]
-    # Draw ticks on the same half pixel once, to limit the size of the picture.
+    # Draw only one tick per half pixel, to limit the size of the picture.
     for x in sorted({round(x * 2) / 2 for x in xs}):
         if row.mark:
             kind = _MARK_SHAPES[marks % len(_MARK_SHAPES)]

@@ -1,4 +1,4 @@
-"""Short tracebacks: only the learner's own lines, named as the learner knows them."""
+"""Shorten tracebacks to the learner's own lines, with cells named as the learner sees them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LIBRARIES = tuple(
 
 def short_traceback(error: BaseException) -> str:
     """
-    Return the learner's lines of a traceback, innermost last, and the error.
+    Return the learner's lines of a traceback, innermost last, followed by the error.
 
     :param error: an exception that was raised
     """
@@ -40,13 +40,13 @@ def last_line(error: BaseException) -> str:
 
 
 def is_library(filename: str) -> bool:
-    """Return whether a file belongs to Python, to an installed package or to roslab."""
+    """Return whether a file belongs to Python, an installed package or roslab."""
     if filename.startswith('<'):
         return True
-    # In a sourced installation, rclpy is outside this interpreter's own folders.
+    # In a sourced installation of ROS, rclpy is outside this interpreter's folders.
     ros = getattr(sys.modules.get('rclpy'), '__file__', None)
     known = (*_LIBRARIES, os.path.join(str(Path(ros).parent), '')) if ros else _LIBRARIES
-    if any(part in _INSTALLED for part in Path(filename).parts):  # messages that colcon built
+    if any(part in _INSTALLED for part in Path(filename).parts):  # messages built by colcon
         return True
     return os.path.realpath(filename).startswith(known) or filename.startswith(known)
 
@@ -55,8 +55,8 @@ def code_name(source: str, otherwise: str) -> str:
     """
     Return the file name under which to compile code that belongs to the running cell.
 
-    :param source: the whole text of the cell
-    :param otherwise: the name outside IPython
+    :param source: the complete text of the cell
+    :param otherwise: the file name to use outside IPython
     """
     running = shell()
     cache = getattr(getattr(running, 'compile', None), 'cache', None)
@@ -70,7 +70,7 @@ def code_name(source: str, otherwise: str) -> str:
 
 
 def where(filename: str, line: int | None) -> str:
-    """Return a place as text: a cell by its number, a file by its name."""
+    """Return a location as text: a cell by its number, a file by its name."""
     running = shell()
     format_code_name = getattr(getattr(running, 'compile', None), 'format_code_name', None)
     cell = format_code_name(filename) if format_code_name else None

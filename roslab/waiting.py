@@ -1,4 +1,4 @@
-"""Wait for something that nodes do, never longer than a given time."""
+"""Wait for a condition while nodes run, with a time limit."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from roslab.session import Session
 T = TypeVar('T')
 
 _SLICE_S = 0.05
-"""How often to look again when no callback has run: discovery runs none [s]."""
+"""How often to evaluate the condition when no callback runs, for example in discovery [s]."""
 
 
 def wait_in(session: Session, condition: Callable[[], T], timeout_s: float) -> T:
     """
     Wait in this thread while the session's nodes continue to run.
 
-    :param condition: looked at after each callback
+    :param condition: evaluated after each callback
     :param timeout_s: how long to wait [s]
     :returns: the last value of the condition, which is false after a timeout
     :raises RoslabError: if called from a callback, or without a time limit
@@ -44,9 +44,9 @@ def wait_until_in(session: Session, condition: Callable[[], T], timeout_s: float
     """
     Wait until a condition is true.
 
-    :param what: the condition as text
-    :returns: the condition's value
-    :raises TimeoutError: as a sentence, with possible reasons
+    :param what: description of the condition, for the error message
+    :returns: the value of the condition
+    :raises TimeoutError: after the timeout; the message lists possible reasons
     """
     value = wait_in(session, condition, timeout_s)
     if not value:
@@ -55,6 +55,6 @@ def wait_until_in(session: Session, condition: Callable[[], T], timeout_s: float
 
 
 def timeout_error(*sentences: str) -> TimeoutError:
-    """Return a TimeoutError that a notebook shows as its sentences alone."""
+    """Return a TimeoutError for which a notebook shows only the given sentences."""
     text = ' '.join(sentence for sentence in sentences if sentence)
     return shown_as(TimeoutError(text), f'TimeoutError: {text}')

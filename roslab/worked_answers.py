@@ -1,4 +1,4 @@
-"""Show the worked answer of an exercise that the learner has solved, or tried three times."""
+"""Show the worked answer of an exercise that the learner has solved or tried three times."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from roslab.output import show
 from roslab.progress import FILE, read_results
 
 TRIES = 3
-"""Checks of a written answer, after which the worked answer opens without full points."""
+"""Number of tries after which the worked answer opens without full points."""
 SHOW = 'Show me a worked answer'
 
 
 def answer(exam: Any) -> None:
     """
-    Show a worked answer; it is one of many right ones.
+    Show a worked answer, which is one of many right answers.
 
     :param exam: name of the exercise, as in ``check('talker')``
-    :raises RoslabError: if it is not open yet
-    :raises NotHereError: if there is none, for example because the instructor keeps them
+    :raises RoslabError: if the learner may not see the answer yet
+    :raises NotHereError: if this copy has none, for example because the instructor withholds them
     """
     __tracebackhide__ = True
     found = worked_answer(exam)
@@ -38,11 +38,11 @@ def answer(exam: Any) -> None:
 
 
 def offer(exam: str) -> tuple[str, str]:
-    """Return the line below a check that opens the worked answer, as text and as HTML."""
+    """Return the line below a check that links to the worked answer, as text and as HTML."""
     try:
         found = worked_answer(exam)
         closed = still_closed(exam) if found else ''
-    except (GraderError, RoslabError):  # remember() has said what is wrong with the file
+    except (GraderError, RoslabError):  # remember() has already reported the problem
         return '', ''
     if not found:
         return '', ''
@@ -57,7 +57,7 @@ def _as_html(text: str) -> str:
 
 
 def worked_answer(exam: Any) -> str:
-    """Return the text of a worked answer, empty if this copy has none."""
+    """Return the text of a worked answer, empty if this copy contains none."""
     if exam not in catalog.names(hidden=False):
         return ''
     lesson = catalog.load(exam, hidden=False).assignment
@@ -65,7 +65,7 @@ def worked_answer(exam: Any) -> str:
 
 
 def still_closed(exam: str) -> str:
-    """Return when the worked answer opens, empty if it is open."""
+    """Return when the worked answer opens, empty if it is already open."""
     results = read_results(Layout.here().work / FILE)
     left = TRIES - int(results['tries'].get(exam, 0))
     most = catalog.load(exam, hidden=False).max_points

@@ -1,9 +1,9 @@
 """
-Add what the grader's sandbox needs to the seccomp profile that Docker publishes.
+Extend Docker's seccomp profile with the system calls that the grader's sandbox needs.
 
     python3 deploy/container/profile.py default.json > grader.json
 
-``default.json`` is Docker's default profile, from the project moby/profiles.
+``default.json`` is Docker's default profile, published by the project moby/profiles.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 CALLS = (
     *('clone', 'unshare', 'setns', 'sethostname'),  # namespaces
-    *('mount', 'umount', 'umount2', 'pivot_root'),  # a file system of its own in them
+    *('mount', 'umount', 'umount2', 'pivot_root'),  # to mount file systems in them
 )
 
 
@@ -23,8 +23,8 @@ def with_namespaces(profile: dict[str, Any]) -> dict[str, Any]:
     """
     Return a seccomp profile that also allows :data:`CALLS`.
 
-    :param profile: in Docker's format
-    :raises ValueError: if it is of another format
+    :param profile: a profile in Docker's format
+    :raises ValueError: if the profile has an unexpected format
     """
     if not isinstance(profile.get('syscalls'), list) or 'defaultAction' not in profile:
         raise ValueError('expected a seccomp profile with defaultAction and syscalls')

@@ -3,9 +3,9 @@
 
     python -m deploy.hub           prepare and run
     python -m deploy.hub prepare   prepare only
-    python -m deploy.hub remove    remove the hub's folder; accounts and homes stay
+    python -m deploy.hub remove    remove the hub's folder; accounts and home folders are kept
 
-The environment variable HUB names the file of settings.
+The environment variable HUB names the settings file.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from environment.places import PROJECT
 
 LOOK_S = 0.3
 STOP_S = 60.0
-"""How long the servers of all users may take to stop."""
+"""How long the servers of all users may take to stop [s]."""
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run one command; the exit code is 0, or 2 if something is wrong."""
+    """Run one command and return its exit code: 0, or 2 if something is wrong."""
     command = arguments[0] if arguments else 'run'
     if command not in ('run', 'prepare', 'remove'):
         print(__doc__.strip(), file=sys.stderr)
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _run(settings: Settings, path: Path) -> int:
-    """Run the hub in the foreground; when it is told to stop, stop servers and proxy with it."""
+    """Run the hub in the foreground; on a stop signal, also stop its servers and its proxy."""
     log = settings.run / 'hub.log'
     environ = {
         **os.environ,
@@ -67,7 +67,7 @@ def _run(settings: Settings, path: Path) -> int:
             env=environ,
             stdout=file,
             stderr=subprocess.STDOUT,
-            start_new_session=True,  # a Ctrl-C reaches it once, through us
+            start_new_session=True,  # so that only this process forwards a Ctrl-C, once
         )
     try:
         address = f'http://127.0.0.1:{settings.port}/'
@@ -85,12 +85,12 @@ def _run(settings: Settings, path: Path) -> int:
 
 
 def _answers(hub: subprocess.Popen[bytes], address: str) -> bool:
-    """Wait until the hub answers; return False if it ends before."""
+    """Wait until the hub answers; return False if it ends before that."""
     while hub.poll() is None:
         try:
             with urlopen(f'{address}hub/login'):
                 return True
-        except OSError:  # it does not listen yet
+        except OSError:  # the hub is not listening yet
             with suppress(subprocess.TimeoutExpired):
                 hub.wait(LOOK_S)
     return False

@@ -1,6 +1,6 @@
 #!/bin/sh
-# `ros_world`: open a shell in the ROS world of one of your kernels, to use `ros2` beside its nodes.
-# Without a number it takes the only kernel, or lists them.
+# `ros_world`: open a shell in the network of one of your kernels, to use `ros2` with its nodes.
+# Without a number, it uses the only kernel, or lists the kernels.
 kernels=$(pgrep --euid "$(id -u)" --full '[i]pykernel_launcher' | while read -r pid; do
   [ "$(readlink "/proc/$pid/ns/net")" = "$(readlink /proc/self/ns/net)" ] || echo "$pid"
 done)

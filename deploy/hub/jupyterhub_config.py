@@ -1,7 +1,7 @@
 """
-JupyterHub's settings for the course, read by ``jupyterhub`` as ``deploy.hub`` starts it.
+Configure JupyterHub for the course; ``jupyterhub`` reads this file when ``deploy.hub`` starts it.
 
-Students run the environment of the shared students' copy, the instructor that of the own clone.
+Students use the environment of the shared students' copy, the instructor that of the own clone.
 """
 
 import os
@@ -16,7 +16,7 @@ from jupyterhub.spawner import LocalProcessSpawner
 from deploy.hub.memory import limit
 from deploy.hub.settings import LOGINS, read, SETTING
 
-c = get_config()  # JupyterHub puts it here
+c = get_config()  # defined by JupyterHub
 
 settings = read(Path(os.environ[SETTING]))
 GRADED = set(settings.graded.read_text(encoding='utf-8').split())
@@ -24,10 +24,10 @@ idle_s = int(60 * settings.idle_minutes)
 
 
 class CourseSpawner(LocalProcessSpawner):
-    """Starts a user's server in the folder of the course, under the limit of memory."""
+    """Starts a user's server in the folder of the course, with a memory limit."""
 
     async def start(self) -> tuple[str, int]:
-        """Start it and put it under the limit, before it can start a kernel."""
+        """Start the server and apply the limit before the server can start a kernel."""
         started = await super().start()
         if settings.memory_mib and not limit(self.user.name, self.pid, settings.memory_mib):
             self.log.warning('No limit of memory: this system offers no control group for it.')
@@ -35,7 +35,7 @@ class CourseSpawner(LocalProcessSpawner):
 
 
 def prepare_server(spawner: CourseSpawner) -> None:
-    """Choose the environment and the folder of a server; give students the lessons."""
+    """Choose the environment and the folder of a server, and copy the lessons for a student."""
     name = spawner.user.name
     home = Path(pwd.getpwnam(name).pw_dir)
     course = settings.course_of(home)
@@ -48,14 +48,14 @@ def prepare_server(spawner: CourseSpawner) -> None:
     }
     if not mine:
         _copy_lessons(name, course)
-    # nbgrader reads the settings of the folder in which the server starts.
+    # nbgrader reads its settings from the folder in which the server starts.
     spawner.cmd = ['sh', '-c', f'cd {course} && exec {venv}/bin/jupyterhub-singleuser "$@"', 'sh']
     spawner.notebook_dir = str(course)
     spawner.default_url = '/lab/tree/' + ('notebooks/' if mine else '') + 'START_HERE.ipynb'
 
 
 def _copy_lessons(name: str, course: Path) -> None:
-    """Give a student what need not be fetched: as the student, and never over own work."""
+    """Copy the lessons not fetched through nbgrader, as the student and without overwriting."""
     source = settings.copy / 'notebooks'
     wanted = [path for path in sorted(source.iterdir()) if path.name not in GRADED]
     copy = 'mkdir -p "$0" && cp -r --no-clobber "$@" "$0/"'
@@ -93,7 +93,7 @@ c.Spawner.pre_spawn_hook = prepare_server
 c.Spawner.start_timeout = 120
 c.Spawner.args = [
     '--MultiKernelManager.default_kernel_name=ros2_jazzy',
-    # Kernels are stopped even if a plot in them keeps drawing: outputs do not count as activity.
+    # Stop idle kernels even if a plot in them is still drawing: outputs do not count as activity.
     f'--MappingKernelManager.cull_idle_timeout={idle_s}',
     f'--MappingKernelManager.cull_interval={max(1, idle_s // 4)}',
     '--MappingKernelManager.cull_connected=True',

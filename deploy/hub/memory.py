@@ -1,4 +1,4 @@
-"""A memory limit for each user's server and everything that it starts, by a control group."""
+"""Limit the memory of each user's server and its child processes with a control group."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ HIERARCHIES = (
     ('/sys/fs/cgroup', 'memory.max'),
     ('/sys/fs/cgroup/memory', 'memory.limit_in_bytes'),
 )
-"""Where control groups are mounted, and the file of the limit: version 2, version 1."""
+"""Mount points of control groups and names of the limit file: version 2, then version 1."""
 
 
 def group_of(user: str) -> tuple[Path, str] | None:
     """
-    Return a user's control group, made if necessary, and the name of the file with its limit.
+    Return a user's control group, created if necessary, and the name of the file with its limit.
 
-    :returns: None if this system has no memory controller that this process may use
+    :returns: None if this process cannot use a memory controller on this system
     """
     for root, name in HIERARCHIES:
         group = Path(root) / GROUP / user
@@ -36,10 +36,10 @@ def group_of(user: str) -> tuple[Path, str] | None:
 
 def limit(user: str, pid: int, mib: int) -> bool:
     """
-    Put a process, and so all that it will start, under a limit of memory.
+    Limit the memory of a process and of all its future child processes.
 
-    :param mib: the limit [MiB]
-    :returns: False if this system offers none
+    :param mib: memory limit [MiB]
+    :returns: False if the system provides no memory limits
     """
     found = group_of(user)
     if found is None:

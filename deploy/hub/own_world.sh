@@ -1,9 +1,9 @@
 #!/bin/sh
-# Start a kernel in a network and a /dev/shm of its own: no other user, and no other kernel, can
-# hear its nodes or be heard by them. Needs no root. Every step replaces the one before, so that
-# signals reach the kernel itself.
+# Start a kernel with a separate network and a separate /dev/shm: its nodes cannot exchange messages
+# with the nodes of other users or kernels. Needs no root. Each step replaces the last process, so
+# that signals reach the kernel itself.
 #
-# The capabilities serve `ip` and `mount`, and are dropped before the kernel begins.
+# `ip` and `mount` need the capabilities, which are dropped before the kernel starts.
 exec unshare --user --map-current-user --keep-caps --net --mount sh -c '
   ip link set lo up && mount -t tmpfs tmpfs /dev/shm &&
   exec setpriv --inh-caps=-all --ambient-caps=-all "$@"' sh "$@"

@@ -29,14 +29,14 @@ c.Exchange.root = {exchange!r}
 
 
 class HubError(Exception):
-    """Raised when a step of the installation cannot be done; its text says what to try."""
+    """Raised when a step of the installation fails; the message contains advice."""
 
 
 def prepare(settings: Settings) -> None:
     """
-    Do all steps that are not done yet; a second time takes seconds.
+    Carry out all steps that are not complete yet; if all are, this takes seconds.
 
-    :raises HubError: if one fails
+    :raises HubError: if a step fails
     """
     _require_system()
     steps: tuple[tuple[str, Callable[[Settings], None]], ...] = (
@@ -47,28 +47,28 @@ def prepare(settings: Settings) -> None:
         ('exchange', _exchange),
         ('a ROS world for each kernel', _worlds),
     )
-    os.umask(0o022)  # all users read what is installed
+    os.umask(0o022)  # all users must be able to read the installed files
     for number, (title, step) in enumerate(steps, 1):
         print(f'[{number}/{len(steps)}] {title} ...', flush=True)
         step(settings)
 
 
 def home_of(user: str) -> Path:
-    """Return a user's home."""
+    """Return a user's home folder."""
     return Path(pwd.getpwnam(user).pw_dir)
 
 
 def run(*command: str | Path, cwd: Path = Path('/'), user: str = '') -> None:
     """
-    Run one command, as another user if one is named.
+    Run one command, as another user if ``user`` is given.
 
-    :raises HubError: if it fails, with its last lines
+    :raises HubError: if the command fails, with the last lines of its output
     """
     env: Mapping[str, str] = {
         'PATH': '/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin',
         'LANG': 'C.UTF-8',
         'HOME': str(home_of(user)) if user else str(Path.home()),
-        'CI': 'true',  # no living line
+        'CI': 'true',  # do not update a progress line in place
         **{name: value for name, value in os.environ.items() if name.startswith('PIP_')},
     }
     words = [*(('runuser', '-u', user, '--') if user else ()), *map(str, command)]
@@ -91,7 +91,7 @@ def _require_system() -> None:
 
 
 def _accounts(settings: Settings) -> None:
-    """Create accounts without a password, and keep homes to their owners."""
+    """Create accounts without a password, and make each home private to its owner."""
     for user in settings.users:
         try:
             pwd.getpwnam(user)
@@ -118,7 +118,7 @@ def _hub(settings: Settings) -> None:
 
 
 def _students_copy(settings: Settings) -> None:
-    """Unpack the bundle over the copy; running kernels keep the files that they have opened."""
+    """Unpack the bundle over the students' copy; running kernels keep files they have opened."""
     layout = Layout(PROJECT)
     with tempfile.TemporaryDirectory(dir=settings.folder) as scratch:
         bundle = Path(scratch) / 'bundle.zip'
@@ -132,7 +132,7 @@ def _students_copy(settings: Settings) -> None:
             if source.is_dir():
                 target.mkdir(parents=True, exist_ok=True)
             elif not target.is_file() or target.read_bytes() != source.read_bytes():
-                source.replace(target)  # in one step, for who reads it now
+                source.replace(target)  # atomically, because a kernel may be reading the file
     run('make', 'prepare', cwd=settings.copy)
     _add_server(settings.copy / '.venv')
     course = COURSE_SETTINGS.format(course=layout.facts.name, exchange=str(settings.exchange))
@@ -156,7 +156,7 @@ def _instructors_clone(settings: Settings) -> None:
 
 
 def _add_server(venv: Path, user: str = '') -> None:
-    """Add what a server needs under a hub, and nothing that changes another version."""
+    """Add the packages that a server needs under a hub; change no installed version."""
     pip = (venv / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
     run(*pip, '-r', HERE / 'requirements-server.txt', user=user)
 

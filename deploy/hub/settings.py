@@ -1,4 +1,4 @@
-"""The settings of a hub, from its ``hub.toml``, and the folders that follow from them."""
+"""Read the settings of a hub from its ``hub.toml``, and derive its folders from them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ else:
 
 HERE = Path(__file__).resolve().parent
 SETTING = 'HUB'
-"""The environment variable that names another file of settings."""
+"""The environment variable that names a different settings file."""
 LOGINS = {
     'first_use': 'firstuseauthenticator.FirstUseAuthenticator',
     'pam': 'jupyterhub.auth.PAMAuthenticator',
@@ -23,21 +23,21 @@ USER = re.compile(r'[a-z][a-z0-9_-]{0,30}')
 
 
 class SettingsError(Exception):
-    """Raised when a file of settings cannot be used; says where, and what is expected."""
+    """Raised for an unusable settings file; the message gives the place and a valid value."""
 
 
 @dataclass(frozen=True)
 class Settings:
     """
-    One hub.
+    The settings of one hub.
 
-    :param folder: absolute; holds everything that is installed, readable for all users
-    :param port: on 127.0.0.1, 1 to 65535; its next two are for the hub and for the proxy
-    :param instructor: a system user
-    :param students: system users
-    :param login: one of :data:`LOGINS`
-    :param memory_mib: of one server with its kernels; 0 for no limit [MiB]
-    :param idle_minutes: until a kernel or a server without activity is stopped [min]
+    :param folder: absolute path of the whole installation, readable for all users
+    :param port: on 127.0.0.1, 1 to 65535; the next two ports are for the hub and the proxy
+    :param instructor: system account of the instructor
+    :param students: system accounts of the students
+    :param login: how users log in, one of :data:`LOGINS`
+    :param memory_mib: memory limit of one server with its kernels, 0 for no limit [MiB]
+    :param idle_minutes: time after which an idle kernel or server is stopped [min]
     """
 
     folder: Path
@@ -50,7 +50,7 @@ class Settings:
 
     @property
     def users(self) -> tuple[str, ...]:
-        """Everybody who may log in."""
+        """All accounts that may log in."""
         return (self.instructor, *self.students)
 
     @property
@@ -70,7 +70,7 @@ class Settings:
 
     @property
     def exchange(self) -> Path:
-        """The root of nbgrader's exchange."""
+        """The root folder of nbgrader's exchange."""
         return self.folder / 'exchange'
 
     @property
@@ -80,19 +80,19 @@ class Settings:
 
     @property
     def run(self) -> Path:
-        """What a running hub writes: database, secrets, passwords, log. Root's alone."""
+        """Files of the running hub: database, secrets, passwords, log. Only root can read them."""
         return self.folder / 'run'
 
     def course_of(self, home: Path) -> Path:
-        """Return the folder of a user's own work, or of the instructor's clone."""
+        """Return the folder of a student's work, or the instructor's clone."""
         return home / 'course'
 
 
 def read(path: Path) -> Settings:
     """
-    Read a file of settings.
+    Read a settings file.
 
-    :raises SettingsError: if it is missing, is no TOML, or a value cannot be used
+    :raises SettingsError: if the file is missing or is not TOML, or a value is invalid
     """
     try:
         given = tomllib.loads(path.read_text(encoding='utf-8'))
@@ -111,7 +111,7 @@ def read(path: Path) -> Settings:
 
 
 def _check(path: Path, settings: Settings) -> None:
-    """Raise a SettingsError unless the values can be used."""
+    """Raise a SettingsError if a value is invalid."""
     names = [one for one in settings.users if not USER.fullmatch(one)]
     expected = {
         'folder: expected an absolute path': settings.folder.is_absolute(),

@@ -1,4 +1,4 @@
-"""Give each kernel a ROS world that no other user can enter, if the system allows it."""
+"""Give each kernel a separate ROS network that no other user can enter, where possible."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ FALLBACK = (
 
 def refused(user: str) -> str:
     """
-    Try whether a user may have a network namespace.
+    Find out whether a user may create a network namespace.
 
-    :param user: the system user who tries it
-    :returns: empty if it works, else the reason in one line
+    :param user: the system account that tries it
+    :returns: empty if it works, otherwise the reason in one line
     """
     command = ['runuser', '-u', user, '--', 'sh', str(HERE / SCRIPT), 'true']
     try:
@@ -37,9 +37,10 @@ def refused(user: str) -> str:
 
 def install(venv: Path) -> None:
     """
-    Have an environment start each kernel in a world of its own.
+    Make an environment start each kernel in a separate network namespace.
 
-    The server reaches it over Unix sockets: a network address does not lead into the namespace.
+    The server reaches the kernel over Unix sockets, because no network address leads into the
+    namespace.
 
     :param venv: a prepared environment of the course
     """

@@ -1,8 +1,8 @@
-# What find_package(Python3) comes to here: CMake's own search, or what the set-up's search has found.
+# Replacement for CMake's FindPython3: uses a known Python, or starts CMake's own search.
 #
-# The search starts some ten interpreters (0.1 s each), which is most of what CMake does in a message
-# package. The set-up builds one, and keeps the result in known/python.cmake. A grader's builds take
-# it; learners' builds search, as they would at home.
+# CMake's search starts about ten interpreters (0.1 s each), which is most of CMake's time in a
+# message package. The set-up builds one such package and keeps the result in known/python.cmake.
+# A grader's builds use it; learners' builds search, as on their own machines.
 if(DEFINED ENV{ROS2_COURSE_GRADED_BUILD} AND NOT DEFINED Python3_FIND_VERSION)
   set(_ros2_course_asked ${Python3_FIND_COMPONENTS})
   list(REMOVE_ITEM _ros2_course_asked Interpreter Development.Module NumPy)
@@ -14,11 +14,11 @@ if(DEFINED ENV{ROS2_COURSE_GRADED_BUILD} AND NOT DEFINED Python3_FIND_VERSION)
   endif()
 endif()
 
-# CMake keeps what it has found and then takes its own note for that of an older version, in every
-# project with a compiled language: the note has an entry more than it expects, because the
-# architecture is a list there ("64;32"; CMake 3.31 to 4.4). A message package asks thirteen times,
-# each time seven interpreters are started, and that was a third of its build. So what this scope
-# has found is taken as found; all else is CMake's own business.
+# CMake caches its result, but treats the cache entry as one of an older version in every project
+# with a compiled language: the entry has one field more than CMake expects, because the
+# architecture is a list ("64;32"; CMake 3.31 to 4.4). A message package calls find_package() 13
+# times, each call starts seven interpreters, and that took a third of the build. So a result that
+# is known in this scope is used again; everything else is left to CMake.
 if(Python3_Interpreter_FOUND AND TARGET Python3::Interpreter AND NOT DEFINED Python3_FIND_VERSION)
   set(_ros2_course_known TRUE)
   foreach(_ros2_course_part IN LISTS Python3_FIND_COMPONENTS)

@@ -1,5 +1,5 @@
-# Say what the set-up's find_package(Python3) has found, in the words of CMake's FindPython3: the
-# parts that a message package asks for (Interpreter, Development.Module, NumPy) and no others.
+# Provide the result of the set-up's find_package(Python3), in the variables of CMake's FindPython3,
+# for the components that a message package needs (Interpreter, Development.Module, NumPy).
 set(Python3_FOUND FALSE)
 include("${CMAKE_CURRENT_LIST_DIR}/known/python.cmake" OPTIONAL)
 foreach(_ros2_course_place IN ITEMS EXECUTABLE INCLUDE_DIRS NumPy_INCLUDE_DIRS)
@@ -10,7 +10,7 @@ endforeach()
 set(Python3_FOUND TRUE)
 set(_ros2_course_stand_in "${CMAKE_CURRENT_LIST_DIR}/known/python")
 if(DEFINED ENV{ROS2_COURSE_WARM_PYTHON} AND EXISTS "${_ros2_course_stand_in}")
-  # Somebody listens who runs programs sooner than a new Python would.
+  # The stand-in forwards commands to a server, which runs them faster than a new Python.
   set(Python3_EXECUTABLE "${_ros2_course_stand_in}")
 endif()
 foreach(_ros2_course_part IN ITEMS Interpreter Development.Module NumPy)

@@ -1,5 +1,5 @@
-// What the generated code of every message for Fast DDS includes. Most of the time that it takes to
-// compile is that of these files, so the set-up compiles them once for the grader's builds.
+// The headers that the generated code of every message for Fast DDS includes. Compiling them takes
+// most of the build time, so the set-up precompiles them once for the grader's builds.
 #include <cassert>
 #include <cstddef>
 #include <limits>

@@ -1,7 +1,7 @@
-# The wheels were built in a container, and some of their exported targets still name its Python
-# headers under /opt/python. CMake refuses include directories that do not exist. They are not
-# needed (the generated code finds Python and NumPy by itself), so they are dropped after all
-# find_package() calls of the top-level project and before CMake checks them.
+# The wheels were built in a container, and some exported targets still contain the path of its
+# Python headers, below /opt/python. CMake refuses include directories that do not exist. The
+# generated code does not need them (it finds Python and NumPy by itself), so this file removes them
+# after all find_package() calls of the top-level project and before CMake checks them.
 function(_ros_wheels_drop_missing_include_dirs)
   get_property(_targets DIRECTORY "${CMAKE_SOURCE_DIR}" PROPERTY IMPORTED_TARGETS)
   foreach(_target IN LISTS _targets)
@@ -17,13 +17,13 @@ if(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR)
   cmake_language(DEFER CALL _ros_wheels_drop_missing_include_dirs)
 endif()
 
-# FindPython3.cmake beside this file keeps CMake from starting a hundred interpreters a build.
+# FindPython3.cmake in this folder saves about a hundred starts of Python per build.
 list(PREPEND CMAKE_MODULE_PATH "${CMAKE_CURRENT_LIST_DIR}")
 
-# A grader builds messages for programs in Python, which use the C that is generated and never the
-# C++; without it a build takes two fifths less of the processor. A list is filtered as it grows,
-# because rosidl_generate_interfaces() has no way to ask for less. (Fast DDS asks the type supports
-# for introspection what a type is made of, when a topic of it is opened: they are needed.)
+# A grader builds messages for Python programs, which use the generated C code but never the C++
+# code. Without the C++ code, a build takes 40 % less CPU time. The list is filtered each time it
+# grows, because rosidl_generate_interfaces() has no option for this. (The introspection type
+# supports are needed: Fast DDS reads a type's members from them when a topic is created.)
 if(DEFINED ENV{ROS2_COURSE_GRADED_BUILD})
   macro(_ros2_course_drop_cpp variable access)
     if("${access}" STREQUAL "MODIFIED_ACCESS")
@@ -32,7 +32,7 @@ if(DEFINED ENV{ROS2_COURSE_GRADED_BUILD})
   endmacro()
   variable_watch(AMENT_EXTENSIONS_rosidl_generate_idl_interfaces _ros2_course_drop_cpp)
 
-  # GCC leaves a precompiled header alone that was made with other options, and reads the text.
+  # GCC ignores a precompiled header made with other options, and parses the source instead.
   set(_ros2_course_headers "${CMAKE_CURRENT_LIST_DIR}/known")
   function(_ros2_course_include_precompiled targets language header)
     get_property(_targets DIRECTORY PROPERTY BUILDSYSTEM_TARGETS)

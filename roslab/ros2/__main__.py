@@ -1,4 +1,4 @@
-"""Start the ``ros2`` command: ``python -m roslab.ros2``, or this file itself."""
+"""Run the ``ros2`` command, as ``python -m roslab.ros2`` or by running this file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from types import ModuleType
 
 if not __package__:
-    # bin/ros2 runs this file directly.  Skip the package's __init__: the notebook half of roslab
+    # bin/ros2 runs this file directly, to skip the package's __init__: the notebook part of roslab
     # takes as long to import as everything else here.
     _FOLDER = Path(__file__).resolve().parent.parent
     sys.path[0] = str(_FOLDER.parent)

@@ -1,8 +1,8 @@
 """
-The command line of ``ros2``: the groups of verbs, and how a verb ends.
+Parse the command line of ``ros2``, run the verb and report its result.
 
-A verb is a function of the parsed arguments.  Its result decides how ``ros2`` ends: None or 0 for
-success, another number as the exit code, a string as an error on stderr with exit code 1.
+A verb is a function of the parsed arguments.  Its return value decides the exit of ``ros2``: None
+or 0 for success, another number as the exit code, a string as an error on stderr with exit code 1.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ GROUPS = {
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = 'the given context is not valid'
-"""What rcl says of anything that is made after Ctrl-C; we shut no context down before the end."""
+"""rcl's error for anything created after Ctrl-C, the only reason for an early shutdown."""
 
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """
-    Return the parser, complete for the group that the arguments name.
+    Return the parser; only the group that the arguments name is complete.
 
-    :param arguments: what was typed after ``ros2``
+    :param arguments: the arguments after ``ros2``
     """
     parser = argparse.ArgumentParser(
         prog='ros2',
@@ -67,7 +67,7 @@ def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
 def verbs_of(group: argparse.ArgumentParser) -> AddVerb:
     """
-    Return a function that adds a verb to a group.
+    Return a function that adds a verb to a group of commands.
 
     :param group: the parser of the group, such as that of ``ros2 topic``
     """
@@ -84,7 +84,7 @@ def verbs_of(group: argparse.ArgumentParser) -> AddVerb:
 
 
 def main(arguments: Sequence[str]) -> Outcome:
-    """Parse the arguments, run the verb and return how it ended."""
+    """Parse the arguments, run the verb and return its result."""
     if arguments and arguments[0] in ELSEWHERE:
         return (
             f"ros2 {arguments[0]} belongs to a full installation of ROS 2. The course's own ros2 "
@@ -101,7 +101,7 @@ def main(arguments: Sequence[str]) -> Outcome:
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except Exception as problem:
-        # After Ctrl-C has shut the context down, an exception of rclpy is not the user's error.
+        # After Ctrl-C has shut the context down, an exception from rclpy is not the user's error.
         if type(problem).__name__ == 'ExternalShutdownException' or SHUT_DOWN in str(problem):
             return int(signal.SIGINT)
         if isinstance(problem, RuntimeError):
@@ -110,7 +110,7 @@ def main(arguments: Sequence[str]) -> Outcome:
 
 
 def run_command(arguments: Sequence[str]) -> NoReturn:
-    """Run the command and end this process as ``ros2`` does, without a traceback."""
+    """Run the command and exit as ``ros2`` does, without a traceback."""
     try:
         try:
             outcome = main(arguments)
@@ -119,7 +119,7 @@ def run_command(arguments: Sequence[str]) -> NoReturn:
         finally:
             sys.stdout.flush()
     except BrokenPipeError:
-        # The reader, such as head, has closed the pipe.  Keep Python from reporting it again at
+        # The reader, such as head, has closed the pipe.  Keep Python from reporting that again at
         # exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         outcome = None

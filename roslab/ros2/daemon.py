@@ -1,4 +1,4 @@
-"""``ros2 daemon``: report that there is no daemon."""
+"""Implement ``ros2 daemon``, which reports that there is no daemon."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ def status(args: argparse.Namespace) -> Outcome:
 
 
 def stop(args: argparse.Namespace) -> Outcome:
-    """Do nothing."""
+    """Print that the daemon is not running; there is nothing to stop."""
     return status(args)
 
 
 def start(args: argparse.Namespace) -> Outcome:
-    """Refuse."""
+    """Fail: there is no daemon to start."""
     return f'The daemon cannot be started: {_WHY}'

@@ -1,24 +1,25 @@
 """
 Create a node for a command, and wait until the node knows the graph.
 
-The real ``ros2`` asks a daemon that has watched the graph for a long time.  Here every command
-discovers the graph itself, so it has to decide when discovery is complete.  Three conditions
-together decide:
+The real ``ros2`` queries a daemon that has watched the graph for a long time.  Here every command
+discovers the graph itself, so it has to decide when discovery is complete.  It considers
+discovery complete when all three conditions hold:
 
-* every endpoint belongs to a node whose name has arrived: Fast DDS announces endpoints first, and
-  the names of their nodes up to half a second later;
-* nothing has changed for a short quiet time;
-* the graph has another node, or the time has passed that the real command waits without its
+* every endpoint belongs to a node with a known name (Fast DDS announces endpoints first, and the
+  names of their nodes up to half a second later);
+* the graph has not changed for a short time;
+* the graph has another node, or as much time has passed as the real command waits without its
   daemon.
 
 On a busy machine, all three can hold before a process that got no CPU time has answered.  So a
-command about one topic, node or service reports it as missing only after LIMIT_S; if the graph has
-it, the three conditions are enough.  A list command has no such check and may be incomplete then.
+command about one topic, node or service reports it as missing only after LIMIT_S; if the graph
+contains it, the three conditions suffice.  A list command has no such check, so on a busy machine
+its list may be incomplete.
 
-If no other node appears, the command tries again as a new participant, a few times: a participant
-often loses the answer to its first announcement, because it is not listening yet, and with Fast
-DDS's own settings the next announcement of a process comes up to 3 s later.  Kernels of the course
-and processes that this command starts announce themselves ten times a second
+If no other node appears, the command tries again a few times as a new participant.  A participant
+often loses the answer to its first announcement because it is not listening yet.  With Fast DDS's
+default settings, the next announcement follows up to 3 s later.  The course's kernels, and the
+processes that this command starts, announce themselves ten times a second
 (environment/fastdds.xml).
 """
 
@@ -35,20 +36,20 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 QUIET_S = 0.12
-"""Time without a change, longer than Fast DDS's pause between two announcements (0.1 s)."""
+"""How long the graph must not change; longer than the 0.1 s between two announcements [s]."""
 QUIET_LOOKS = 8
-"""Least number of looks in that time, so that a process that got no CPU time keeps looking."""
+"""Minimum number of polls within QUIET_S, so that a process without CPU time keeps polling."""
 ALONE_S = 0.5
-"""``--spin-time`` of the real command."""
+"""How long to wait for a first other node; ``--spin-time`` of the real command [s]."""
 AGAIN_S = (0.2, 0.2, 0.2)
-"""Time for which a new participant looks: others answer its second announcement, after 0.1 s."""
+"""How long each new participant waits: others answer its second announcement, after 0.1 s [s]."""
 LIMIT_S = 3.0
-"""Time for which a command waits for missing signs, and for the thing that it is about."""
+"""Maximum time to wait for discovery, or for the entity that a command is about [s]."""
 LOOK_S = 0.01
 UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
 Known = Callable[[Node], object]
-"""Returns whether the graph of a node contains the thing that a command is about."""
+"""A function that returns whether a node's graph contains the entity of a command."""
 
 
 def add_node_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,12 +72,13 @@ def add_node_arguments(parser: argparse.ArgumentParser) -> None:
 @contextmanager
 def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node]:
     """
-    Provide a node, and shut ROS down afterwards.
+    Provide a node inside the ``with`` block, and shut ROS down afterwards.
 
-    :param args: with the options of :func:`add_node_arguments`
-    :param name: by default a hidden name, which lists leave out
+    :param args: the parsed options of :func:`add_node_arguments`
+    :param name: name of the node; by default a hidden name, which lists omit
     """
-    # Write each log line at once, even into a pipe, so that lines and messages keep their order.
+    # Write each log line immediately, even into a pipe, so that lines and messages keep their
+    # order.
     os.environ.setdefault('RCUTILS_LOGGING_BUFFERED_STREAM', '1')
     rclpy.init(args=[])
     try:
@@ -96,9 +98,10 @@ def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node
 @contextmanager
 def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterator[Node]:
     """
-    Provide a node that knows the graph.
+    Provide a node that has discovered the graph.
 
-    :param known: condition of a command about one thing; the wait for it ends after LIMIT_S
+    :param known: whether the graph contains the entity that the command needs; the wait for it
+        ends after LIMIT_S
     """
     looks = (args.spin_time, *AGAIN_S, *([LIMIT_S] if known else []))
     for number, alone_s in enumerate(looks, 1):
@@ -110,10 +113,10 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
 
 def wait_for_graph(node: Node, alone_s: float = ALONE_S, known: Known | None = None) -> bool:
     """
-    Wait until the node knows the other nodes, at most LIMIT_S or the given time [s].
+    Wait until the node has discovered the graph, for at most LIMIT_S or ``alone_s``.
 
-    :param alone_s: how long to wait for a first other node [s]
-    :param known: if there are other nodes, the wait does not end early without this condition
+    :param alone_s: how long to wait for a first other node; the longer limit applies [s]
+    :param known: if there are other nodes, the wait ends early only if this condition holds, too
     :returns: whether there are other nodes
     """
     began = changed = time.monotonic()
@@ -158,7 +161,7 @@ def wait_for(node: Node, condition: Callable[[], bool], limit_s: float = LIMIT_S
     """
     Spin until a condition holds.
 
-    :returns: False if it does not hold within the time [s]
+    :returns: False if the condition does not hold within ``limit_s`` [s]
     """
     deadline = time.monotonic() + limit_s
     while not condition():
@@ -175,9 +178,9 @@ def full_name(name: str, namespace: str) -> str:
 
 def node_names(node: Node, *, hidden: bool) -> list[str]:
     """
-    Return the full names of all nodes, sorted; a name that two nodes have is listed twice.
+    Return the full names of all nodes, sorted; a name that two nodes share is listed twice.
 
-    :param hidden: whether to return also names that begin with an underscore
+    :param hidden: include names that begin with an underscore
     """
     return sorted(
         full_name(name, namespace)
@@ -187,7 +190,7 @@ def node_names(node: Node, *, hidden: bool) -> list[str]:
 
 
 def node_known(node: Node, name: str) -> bool:
-    """Return whether a node of this full name is in the graph, hidden or not."""
+    """Return whether the graph contains a node with this full name, hidden or not."""
     return name in node_names(node, hidden=True)
 
 
@@ -196,10 +199,10 @@ def asking(
     args: argparse.Namespace, known: Callable[[Node, str], object] = node_known
 ) -> Iterator[tuple[Node, str]]:
     """
-    Provide a node that knows the graph, and the full name of the node that the command is about.
+    Provide a node that has discovered the graph, and the full name of the command's target node.
 
-    :param known: returns whether the graph has that node
-    :raises RuntimeError: if it does not
+    :param known: returns whether the graph contains the target node
+    :raises RuntimeError: if the graph does not contain the target node
     """
     name = args.node_name if args.node_name.startswith('/') else f'/{args.node_name}'
     with knowing_node(args, lambda node: known(node, name)) as node:
@@ -209,12 +212,12 @@ def asking(
 
 
 def topic_types(node: Node, name: str) -> list[str]:
-    """Return the types of a topic, none if the graph does not know its full name."""
+    """Return the types of a topic, empty if the graph does not contain its full name."""
     return dict(node.get_topic_names_and_types()).get(name, [])
 
 
 def service_types(node: Node, name: str) -> list[str]:
-    """Return the types of a service, none if the graph does not know its full name."""
+    """Return the types of a service, empty if the graph does not contain its full name."""
     return dict(node.get_service_names_and_types()).get(name, [])
 
 

@@ -1,4 +1,4 @@
-"""Fill messages from YAML text."""
+"""Fill messages with values given as YAML."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from roslab.ros2.interface_files import interface_class
 
 def parsed(text: str) -> dict[str, Any]:
     """
-    Return the values that a YAML text holds.
+    Parse YAML text into a dictionary of values.
 
     :raises RuntimeError: if the text is not YAML, or not a mapping
     """
@@ -30,12 +30,12 @@ def parsed(text: str) -> dict[str, Any]:
 
 def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
     """
-    Set fields of a message.
+    Set fields of a message from a dictionary.
 
     :param message: the message to change
-    :param values: by field name; for a nested message again a mapping
+    :param values: values by field name; a nested message is a nested mapping
     :param now: the time as a message, for ``stamp: now`` and ``header: auto``
-    :raises AttributeError: if there is no such field
+    :raises AttributeError: if a field does not exist
     :raises TypeError, ValueError, AssertionError: if a value does not fit its field
     """
     kinds = message.get_fields_and_field_types()
@@ -52,7 +52,7 @@ def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
 
 
 def _converted(old: Any, value: Any, kind: str, now: Any) -> Any:
-    """Return a value in the type that a field has."""
+    """Return a value converted to the type of its field."""
     item = kind.removeprefix('sequence<').split('[')[0].split(',')[0].rstrip('>')
     if isinstance(old, list):
         if '/' in item:

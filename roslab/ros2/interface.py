@@ -1,4 +1,4 @@
-"""``ros2 interface``."""
+"""Implement ``ros2 interface``."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _kinds(args: argparse.Namespace) -> list[str]:
 
 
 def list_interfaces(args: argparse.Namespace) -> Outcome:
-    """Print all interfaces, by kind."""
+    """Print all interfaces, grouped by kind."""
     for kind in _kinds(args):
         print(f'{KINDS[kind]}:')
         for name in packages_with_interfaces():
@@ -98,7 +98,7 @@ def proto(args: argparse.Namespace) -> Outcome:
 
 
 def show(args: argparse.Namespace) -> Outcome:
-    """Print the definition of an interface and of its parts."""
+    """Print the definition of an interface, including the definitions of nested types."""
     name = args.type
     if name == '-':
         name = sys.stdin.readline().strip()
@@ -113,12 +113,12 @@ def show(args: argparse.Namespace) -> Outcome:
 
 def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterator[str]:
     """
-    Yield the lines of a definition; parts follow their field, one tab deeper.
+    Yield the lines of a definition; a nested definition follows its field, one tab deeper.
 
-    :param name: such as std_msgs/msg/Header
-    :param comments: 'all' or 'none': whether comments and empty lines are kept
-    :param nested: the same for the parts
-    :raises ValueError: if the name has a different form
+    :param name: name of the interface, such as std_msgs/msg/Header
+    :param comments: 'all' or 'none': keep or drop comments and empty lines
+    :param nested: the same for nested definitions
+    :raises ValueError: if the name is malformed
     :raises LookupError: if there is no such interface
     """
     for line in interface_file(name).read_text(encoding='utf-8').splitlines():
@@ -143,14 +143,14 @@ def parts_of(name: str) -> Iterator[str]:
 
 
 def _without_comment(line: str) -> str:
-    """Return a line without its comment; a # in a string constant does not begin a comment."""
+    """Return a line without its comment; a # inside a string constant does not start a comment."""
     if re.match(r'\s*w?string(<=\d+)?\s+\w+\s*=', line):
         return line.strip()
     return line.partition('#')[0].strip()
 
 
 def _part(line: str, package_name: str) -> str:
-    """Return the full name of the message type in a line's field, '' if the line has none."""
+    """Return the full name of the message type of a field, '' for any other line."""
     if not line or line == '---' or _CONSTANT.match(line):
         return ''
     kind = line.split()[0].partition('[')[0]

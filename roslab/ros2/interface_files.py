@@ -22,8 +22,8 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
     """
     Return the interfaces of a package, such as msg/String, sorted.
 
-    :param kinds: which of msg, srv and action
-    :raises LookupError: if the package has none or does not exist
+    :param kinds: which of msg, srv and action to include
+    :raises LookupError: if the package does not exist or has no interfaces
     """
     try:
         text, _ = get_resource('rosidl_interfaces', package)
@@ -34,7 +34,7 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
         {
             line.rpartition('.')[0]
             for line in text.splitlines()
-            # The index lists several files per interface, and parts of services too.
+            # The index also lists several generated files per interface and the parts of services.
             if line.endswith(('.msg', '.srv', '.action')) and line.startswith(wanted)
         }
     )
@@ -42,10 +42,10 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
 
 def interface_file(name: str) -> Path:
     """
-    Return the file that defines an interface.
+    Return the path of the file that defines an interface.
 
-    :param name: such as std_msgs/msg/String
-    :raises ValueError: if the name has another form
+    :param name: name of the interface, such as std_msgs/msg/String
+    :raises ValueError: if the name is malformed
     :raises LookupError: if there is no such package or interface
     """
     parts = name.split('/')
@@ -66,10 +66,10 @@ def interface_class(name: str, kind: str = 'msg') -> Any:
     """
     Return the Python class of an interface.
 
-    :param name: such as std_msgs/msg/String or std_msgs/String
-    :param kind: the middle part if the name has none
-    :raises ValueError: if the name has another form
-    :raises LookupError: if it cannot be imported
+    :param name: name of the interface, such as std_msgs/msg/String or std_msgs/String
+    :param kind: the middle part to use if the name has only two parts
+    :raises ValueError: if the name is malformed
+    :raises LookupError: if the class cannot be imported
     """
     parts = name.split('/')
     if len(parts) == 2:

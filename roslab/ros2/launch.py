@@ -1,7 +1,7 @@
 """
-``ros2 launch`` for launch files in XML, with the tags that a first launch file needs.
+Implement ``ros2 launch`` for XML launch files, with the tags that a first launch file needs.
 
-A node's output is shown as the real command shows it: what it logs, and what it prints only with
+Output appears as with the real command: log lines always, printed text only with
 ``output="screen"``.
 """
 
@@ -26,19 +26,19 @@ TAGS = {
     'param': ('from', 'name', 'value'),
     'remap': ('from', 'to'),
 }
-"""The tags that are known here, with their attributes."""
+"""The supported tags and their attributes."""
 PATIENCE_S = 5.0
-"""How long programs may take to end after Ctrl-C."""
+"""How long programs may take to end after Ctrl-C [s]."""
 _SHARE = re.compile(r'\$\(find-pkg-share ([a-z][a-z0-9_]*)\)')
 
 
 @dataclass(frozen=True)
 class Start:
     """
-    A program to start.
+    A program that a launch file starts.
 
-    :param name: of the process in the output, such as ``talker-1``
-    :param screen: whether what it prints is shown
+    :param name: name of the process in the output, such as ``talker-1``
+    :param screen: whether to show the text that the program prints
     """
 
     name: str
@@ -47,14 +47,14 @@ class Start:
 
 
 def add_arguments(group: argparse.ArgumentParser) -> None:
-    """Add the options: this command has no verbs."""
+    """Add the options; this command has no verbs."""
     group.add_argument('package_name', help='Name of the ROS package, or path of a launch file')
     group.add_argument('launch_file_name', nargs='?', help='Name of the launch file')
     group.set_defaults(verb=launch)
 
 
 def launch(args: argparse.Namespace) -> Outcome:
-    """Start all programs of a launch file and wait for their ends."""
+    """Start all programs of a launch file and wait until they end."""
     starts = list(read(find(args.package_name, args.launch_file_name)))
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     running = [_started(one) for one in starts]
@@ -74,9 +74,9 @@ def launch(args: argparse.Namespace) -> Outcome:
 
 def find(package: str, name: str | None) -> Path:
     """
-    Return the path of a launch file: a file of an installed package, or any path.
+    Return the path of a launch file, given as a file of an installed package or as a path.
 
-    :raises RuntimeError: if there is none
+    :raises RuntimeError: if there is no such file
     """
     if name is None:
         if Path(package).is_file():
@@ -97,9 +97,9 @@ def find(package: str, name: str | None) -> Path:
 
 def read(path: Path) -> Iterator[Start]:
     """
-    Yield what a launch file starts.
+    Yield the programs that a launch file starts.
 
-    :raises RuntimeError: for a file that is not XML, or that needs a full installation
+    :raises RuntimeError: if the file is not XML, or needs a full installation of ROS 2
     """
     try:
         root = ElementTree.fromstring(path.read_text(encoding='utf-8'))
@@ -143,7 +143,7 @@ def _in_share(text: str) -> str:
 
 
 def _started(start: Start) -> subprocess.Popen[str]:
-    """Start a program in a session of its own: Ctrl-C reaches it through us, once."""
+    """Start a program in a separate session, so that only this process forwards Ctrl-C, once."""
     process = subprocess.Popen(
         start.command,
         stdout=subprocess.PIPE if start.screen else subprocess.DEVNULL,
@@ -156,7 +156,7 @@ def _started(start: Start) -> subprocess.Popen[str]:
 
 
 def _watch(start: Start, process: subprocess.Popen[str]) -> None:
-    """Show what a program says, and how it ends."""
+    """Show the output of a program, and its exit code at the end."""
     for line in (process.stdout if start.screen else process.stderr) or ():
         print(f'[{start.name}] {line}', end='', flush=True)
     code, pid = process.wait(), process.pid
@@ -168,7 +168,7 @@ def _watch(start: Start, process: subprocess.Popen[str]) -> None:
 
 
 def _end(running: Sequence[subprocess.Popen[str]]) -> None:
-    """Interrupt all programs once, and kill those that do not end."""
+    """Interrupt all programs once, then kill those that do not end in time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for process in running:
         process.send_signal(signal.SIGINT)

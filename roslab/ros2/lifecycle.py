@@ -1,4 +1,4 @@
-"""``ros2 lifecycle``."""
+"""Implement ``ros2 lifecycle``."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def nodes(args: argparse.Namespace) -> Outcome:
 
 
 def get(args: argparse.Namespace) -> Outcome:
-    """Print the state of one node or of all."""
+    """Print the state of one node or of all lifecycle nodes."""
     if args.node_name:
         with asking(args, _has_lifecycle) as (node, name):
             print(_state(node, name))
@@ -90,7 +90,7 @@ def _transitions(node: Node, name: str, service: str) -> Sequence[Any]:
 
 
 def list_transitions(args: argparse.Namespace) -> Outcome:
-    """Print the transitions of a node."""
+    """Print the available transitions of a node."""
     service = 'get_transition_graph' if args.all else 'get_available_transitions'
     with asking(args, _has_lifecycle) as (node, name):
         for one in _transitions(node, name, service):
@@ -102,7 +102,7 @@ def list_transitions(args: argparse.Namespace) -> Outcome:
 
 
 def set_state(args: argparse.Namespace) -> Outcome:
-    """Trigger a transition and wait for its outcome."""
+    """Trigger a transition and print its outcome."""
     with asking(args, _has_lifecycle) as (node, name):
         known = _transitions(node, name, 'get_available_transitions')
         wanted = next(
@@ -117,7 +117,7 @@ def set_state(args: argparse.Namespace) -> Outcome:
             lines = (f'\n- {one.transition.label} [{one.transition.id}]' for one in known)
             return 'Unknown transition requested, available ones are:' + ''.join(lines)
         request = ChangeState.Request(transition=wanted)
-        # A transition may do slow work, such as opening a device.
+        # A transition may take long, for example to open a device.
         if call(node, ChangeState, f'{name}/change_state', request, 60.0).success:
             print('Transitioning successful')
         else:

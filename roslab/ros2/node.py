@@ -1,4 +1,4 @@
-"""``ros2 node``."""
+"""Implement ``ros2 node``."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def list_nodes(args: argparse.Namespace) -> Outcome:
 
 
 def info(args: argparse.Namespace) -> Outcome:
-    """Print the entities of a node."""
+    """Print the topics, services and actions of a node."""
     with knowing_node(args, lambda node: node_known(node, args.node_name)) as node:
         count = node_names(node, hidden=args.include_hidden).count(args.node_name)
         if count == 0:
@@ -68,11 +68,11 @@ def info(args: argparse.Namespace) -> Outcome:
 
 def entities_of(node: Node, name: str, *, hidden: bool) -> dict[str, NamesAndTypes]:
     """
-    Return the entities of a node, by the section of ``ros2 node info``.
+    Return the entities of a node, by section of ``ros2 node info``.
 
-    :param node: a node that knows the graph
-    :param name: full name of the other
-    :param hidden: also names with a part that begins with an underscore
+    :param node: a node that has discovered the graph
+    :param name: full name of the node to describe
+    :param hidden: include names with a part that begins with an underscore
     """
     namespace, _, base = name.rpartition('/')
     who = (base, namespace or '/')
@@ -97,7 +97,7 @@ def entities_of(node: Node, name: str, *, hidden: bool) -> dict[str, NamesAndTyp
 
 
 def _actions(services: NamesAndTypes, suffix: str, kind: str) -> NamesAndTypes:
-    """Return the actions that services belong to: an action is made of services and topics."""
+    """Return the actions to which services belong: an action consists of services and topics."""
     return [
         (name.removesuffix(suffix), [one.removesuffix(kind) for one in types])
         for name, types in services

@@ -1,4 +1,4 @@
-"""``ros2 param``."""
+"""Implement ``ros2 param``."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ _ADD = {
 
 
 def list_parameters(args: argparse.Namespace) -> Outcome:
-    """Print the names of the parameters of one node or of all."""
+    """Print the parameter names of one node or of all nodes."""
     if args.node_name:
         with asking(args) as (node, name):
             _list(args, node, name)
@@ -155,7 +155,7 @@ def get(args: argparse.Namespace) -> Outcome:
 
 
 def set_parameter(args: argparse.Namespace) -> Outcome:
-    """Set a parameter; the node may refuse."""
+    """Set a parameter; report an error if the node rejects the value."""
     with asking(args) as (node, name):
         parameter = Parameter(name=args.parameter_name, value=get_parameter_value(args.value))
         for _, result in _set(node, name, [parameter]):
@@ -174,7 +174,7 @@ def _set(node: Node, name: str, parameters: list[Parameter]) -> list[tuple[str, 
 
 
 def load(args: argparse.Namespace) -> Outcome:
-    """Set the parameters that a file gives."""
+    """Set the parameters of a node from a file."""
     with asking(args) as (node, name):
         try:
             found = parameter_dict_from_yaml_file(
@@ -218,7 +218,7 @@ def _description(one: ParameterDescriptor) -> Iterator[str]:
 
 
 def dump(args: argparse.Namespace) -> Outcome:
-    """Print the parameters of a node as a file with which it could be started."""
+    """Print the parameters of a node as a parameter file."""
     import yaml
 
     with asking(args) as (node, name):

@@ -1,4 +1,4 @@
-"""``ros2 pkg``."""
+"""Implement ``ros2 pkg``."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def prefix_of(package: str) -> Path:
 
 def executables_of(package: str) -> list[Path]:
     """
-    Return the programs of a package that ``ros2 run`` starts, sorted.
+    Return the programs of a package that ``ros2 run`` can start, sorted.
 
-    :raises PackageMissingError: if it is not installed
+    :raises PackageMissingError: if the package is not installed
     """
     folder = prefix_of(package) / 'lib' / package
     return sorted(
@@ -65,7 +65,7 @@ def executables_of(package: str) -> list[Path]:
 
 
 def executables(args: argparse.Namespace) -> Outcome:
-    """Print the programs of one package or of all."""
+    """Print the programs of one package or of all packages."""
     names = [args.package_name] if args.package_name else sorted(get_packages_with_prefixes())
     for name in names:
         for path in executables_of(name):
@@ -80,14 +80,14 @@ def list_packages(args: argparse.Namespace) -> Outcome:
 
 
 def prefix(args: argparse.Namespace) -> Outcome:
-    """Print where a package is installed."""
+    """Print the folder in which a package is installed."""
     path = prefix_of(args.package_name)
     print(path / 'share' / args.package_name if args.share else path)
     return None
 
 
 def xml(args: argparse.Namespace) -> Outcome:
-    """Print the manifest of a package, or one tag of it."""
+    """Print the manifest of a package, or the text of one of its tags."""
     from xml.etree import ElementTree
 
     path = prefix_of(args.package_name) / 'share' / args.package_name / 'package.xml'

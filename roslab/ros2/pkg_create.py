@@ -1,4 +1,4 @@
-"""``ros2 pkg create``: write a new package that builds and runs without changes."""
+"""Implement ``ros2 pkg create``: write a new package that builds and runs without changes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LICENSES = (
 )
 _FILES = {'ament_cmake': ament_cmake_files, 'ament_python': ament_python_files}
 _LICENSE_FILE = Path(__file__).with_name('LICENSE')
-"""The course's own license is the one whose text is at hand: Apache-2.0."""
+"""The course's own license, Apache-2.0, is the only one whose text is included."""
 
 
 def add_create_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +69,7 @@ def create(args: argparse.Namespace) -> Outcome:
 
 
 def _refusal(args: argparse.Namespace) -> str:
-    """Return why the package cannot be created, '' if it can."""
+    """Return why the package cannot be created, '' if it can be."""
     for what, name in (('package', args.package_name), ('node', args.node_name or 'x')):
         if not re.fullmatch(r'[a-z][a-z0-9_]*', name):
             return (
@@ -141,7 +141,7 @@ def _write(package: NewPackage, destination: Path) -> None:
             print('creating folder', folder)
             Path(folder).mkdir(parents=True, exist_ok=True)
         if path.endswith('/'):
-            continue  # an empty folder
+            continue  # an empty folder needs no contents
         print('creating', path)
         try:
             Path(path).write_text(text, encoding='utf-8')

@@ -1,4 +1,4 @@
-"""The text of the files of a new package."""
+"""Provide the contents of the files of a new package."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ class NewPackage:
     """
     The settings of a new package.
 
-    :param format: of its manifest, 2 or 3
+    :param format: format of the manifest, 2 or 3
     :param build_type: ament_cmake or ament_python
-    :param dependencies: names of packages that it needs
-    :param node: name of its executable, '' for none
+    :param dependencies: names of the packages that the package depends on
+    :param node: name of the executable to create, '' for none
     """
 
     name: str
@@ -139,7 +139,7 @@ _LINTERS = {'copyright': "['.', 'test']", 'flake8': '[]', 'pep257': "['.', 'test
 
 
 def ament_cmake_files(package: NewPackage) -> dict[str, str]:
-    """Return path -> text of a package in C++ and with interfaces; a folder's path ends in /."""
+    """Return the files of a C++ package by path; the path of a folder ends in /."""
     name, node = package.name, package.node
     find = ''.join(f'find_package({one} REQUIRED)\n' for one in package.dependencies)
     hint = '# to add another: find_package(<dependency> REQUIRED)\n'
@@ -165,7 +165,7 @@ def ament_cmake_files(package: NewPackage) -> dict[str, str]:
 
 
 def ament_python_files(package: NewPackage) -> dict[str, str]:
-    """Return path -> text of a package in Python."""
+    """Return the files of a Python package by path."""
     name, node = package.name, package.node
     tests = [f'ament_{linter}' for linter in _LINTERS]
     needs = [f'depend:{one}' for one in package.dependencies]

@@ -1,4 +1,4 @@
-"""The ``--qos-*`` options, and a QoS that is compatible with existing publishers."""
+"""Define the ``--qos-*`` options, and find a QoS profile compatible with existing publishers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def add_qos_arguments(parser: argparse.ArgumentParser, entity: str, profile: str
     """
     Add the options.
 
-    :param entity: what the profile is for: 'publish' or 'subscribe'
+    :param entity: purpose of the profile, for the help: 'publish' or 'subscribe'
     :param profile: name of the default profile
     """
     parser.add_argument(
@@ -54,7 +54,7 @@ def add_qos_arguments(parser: argparse.ArgumentParser, entity: str, profile: str
 
 def qos_asked_for(args: argparse.Namespace, profile: str) -> QoSProfile | None:
     """
-    Return the QoS that the options describe, None without such options.
+    Return the QoS profile given by the options, None if there are no such options.
 
     :param profile: name of the profile that the options change
     """
@@ -77,16 +77,17 @@ def qos_asked_for(args: argparse.Namespace, profile: str) -> QoSProfile | None:
 
 
 def preset(name: str) -> QoSProfile:
-    """Return a copy of a preset, which may be changed."""
+    """Return a copy of a preset profile, which the caller may change."""
     profile = QoSPresetProfiles.get_from_short_key(name)
     return QoSProfile(**{key[1:]: getattr(profile, key[1:]) for key in QoSProfile.__slots__})
 
 
 def qos_for_publishers(node: Node, topic: str) -> QoSProfile:
     """
-    Return a QoS that receives from every existing publisher.
+    Return a QoS profile that is compatible with every existing publisher.
 
-    It requests a policy only if all publishers offer it, and prints a note if only some do.
+    It requests the stronger policy only if all publishers offer it, and prints a note if only some
+    do.
     """
     qos = preset('sensor_data')
     publishers = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]

@@ -1,4 +1,4 @@
-"""``ros2 run``."""
+"""Implement ``ros2 run``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from roslab.ros2.pkg import executables_of, PackageMissingError
 
 
 def add_arguments(group: argparse.ArgumentParser) -> None:
-    """Add the options: this command has no verbs."""
+    """Add the options; this command has no verbs."""
     group.add_argument('--prefix', help="command to put in front, such as 'gdb -ex run --args'")
     group.add_argument('package_name', help='Name of the ROS package')
     group.add_argument('executable_name', help='Name of the executable')
@@ -22,7 +22,7 @@ def add_arguments(group: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> Outcome:
-    """Become the executable, so that Ctrl-C and the exit code are its own."""
+    """Replace this process with the executable, which then gets Ctrl-C and sets the exit code."""
     try:
         found = executables_of(args.package_name)
     except PackageMissingError:

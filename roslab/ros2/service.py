@@ -1,4 +1,4 @@
-"""``ros2 service``."""
+"""Implement ``ros2 service``."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def add_arguments(group: argparse.ArgumentParser) -> None:
 
 
 def list_services(args: argparse.Namespace) -> Outcome:
-    """Print the services."""
+    """Print the names of the services."""
     with knowing_node(args) as node:
         found = sorted(node.get_service_names_and_types())
     hidden = args.include_hidden_services
@@ -56,7 +56,7 @@ def show_type(args: argparse.Namespace) -> Outcome:
 
 
 def call_service(args: argparse.Namespace) -> Outcome:
-    """Call a service and print its answer."""
+    """Call a service and print its response."""
     try:
         kind = interface_class(args.service_type, 'srv')
     except (LookupError, ValueError):

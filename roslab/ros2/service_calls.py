@@ -1,11 +1,12 @@
 """
 Call a service once, from a process that has just started.
 
-Both sides discover each other on their own.  A client that knows the server may call before the
-server knows the client, and then the answer is lost: rmw_fastrtps waits a tenth of a second
-for the client and drops it ("client will not receive response").  So a client that was created
-last first calls a harmless service of the same node until it answers.  Announcements arrive in
-order, so this answer shows that the node knows the earlier clients.
+The two sides discover each other independently.  A client that has discovered the server may send
+a request before the server has discovered the client.  Then the response is lost: rmw_fastrtps
+waits 0.1 s for the client and drops the response ("client will not receive response").  To prevent
+this, another client, created last, first calls a harmless service of the same node until it gets
+a response.  Announcements arrive in order, so this response shows that the server's node has
+discovered all earlier clients.
 """
 
 from __future__ import annotations
@@ -22,19 +23,19 @@ from roslab.ros2.discovery import full_name, wait_for
 ANSWER_S = 5.0
 AGAIN_S = 1.0
 HARMLESS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
-"""What nodes answer by themselves; most have both, and a node may be without either."""
+"""Services that every node normally offers by default; a node may lack either or both."""
 
 Wait = Callable[[Callable[[], Any], float], Any]
 
 
 def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWER_S) -> Any:
     """
-    Call a service and return its answer.
+    Call a service and return its response.
 
     :param kind: class of the service
     :param name: full name of the service
-    :param limit_s: how long to wait for the service to appear, and then for its answer [s]
-    :raises RuntimeError: if the service is missing or does not answer
+    :param limit_s: how long to wait for the service to appear, and then for its response [s]
+    :raises RuntimeError: if the service is missing or does not respond
     """
     client = node.create_client(kind, name)
     try:
@@ -51,13 +52,13 @@ def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWE
 
 def meet(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> bool:
     """
-    Wait until the node that offers a service knows all current clients of our node.
+    Wait until the node that offers a service has discovered all current clients of our node.
 
-    :param service: its full name; our node must know it already
+    :param service: full name of the service, which our node must have discovered already
     :param limit_s: how long to wait [s]
     :param wait: given a condition and seconds, spins our node until the condition holds, and
         returns whether it does
-    :returns: False if that node does not answer; True also if it has no harmless service
+    :returns: False if that node does not respond; True if it has no harmless service to call
     """
     wait = wait or (lambda condition, seconds: wait_for(node, condition, seconds))
     question = _harmless(node, service)
@@ -78,11 +79,11 @@ def meet(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> 
 
 
 def _harmless(node: Node, service: str) -> tuple[Any, str] | None:
-    """Return a harmless service of the node that offers the given one."""
+    """Return a harmless service of the node that offers the given service."""
     for base, namespace in node.get_node_names_and_namespaces():
         try:
             known = node.get_service_names_and_types_by_node(base, namespace)
-        except NodeNameNonExistentError:  # gone meanwhile
+        except NodeNameNonExistentError:  # the node has disappeared
             continue
         names = {name for name, _ in known}
         if service in names:

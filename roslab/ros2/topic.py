@@ -1,4 +1,4 @@
-"""``ros2 topic``: register its verbs, and implement those that only read the graph."""
+"""Implement ``ros2 topic``: define its verbs, and those that only read the graph."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _add_list_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def list_topics(args: argparse.Namespace) -> Outcome:
-    """Print the topics."""
+    """Print the names of the topics."""
     with knowing_node(args) as node:
         topics = topics_of(node, hidden=args.include_hidden_topics)
         if args.count_topics:
@@ -76,7 +76,7 @@ def _table(
     topics: Sequence[tuple[str, list[str]]],
     count: Callable[[str], int],
 ) -> str:
-    """Return the block of ``-v`` for publishers or for subscribers, with a line break."""
+    """Return the publishers' or subscribers' block of ``-v``, with a final line break."""
     lines = [f'{title} topics:']
     for name, types in topics:
         if number := count(name):
@@ -86,7 +86,7 @@ def _table(
 
 
 def info(args: argparse.Namespace) -> Outcome:
-    """Print what the graph knows about a topic."""
+    """Print types, number of endpoints and, on request, the endpoints of a topic."""
     with knowing_node(args, lambda node: topic_types(node, args.topic_name)) as node:
         types = topic_types(node, args.topic_name)
         if not types:
@@ -109,7 +109,7 @@ def show_type(args: argparse.Namespace) -> Outcome:
 
 
 def find(args: argparse.Namespace) -> Outcome:
-    """Print the topics of a type."""
+    """Print the topics that have a given type."""
     with knowing_node(args) as node:
         topics = topics_of(node, hidden=args.include_hidden_topics)
     found = [name for name, types in topics if args.topic_type in types]

@@ -1,4 +1,4 @@
-"""Find the message class of a topic, from its name or from the graph."""
+"""Find the message class of a topic, given the type's name or the graph."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from roslab.ros2.interface_files import interface_class
 
 def named_class(name: str) -> Any:
     """
-    Return the message class of a name.
+    Return the message class with a given type name.
 
-    :raises RuntimeError: if there is none
+    :raises RuntimeError: if there is no such class
     """
     try:
         return interface_class(name)
@@ -28,11 +28,11 @@ def named_class(name: str) -> Any:
 
 def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
     """
-    Return the message class of a topic; warn if no endpoint uses the topic.
+    Return the message class of a topic; print a warning if the topic has no endpoint.
 
-    :param node: a node that knows the graph
-    :param wait: whether to wait until the graph knows the topic
-    :returns: None if the graph does not know the topic
+    :param node: a node that has discovered the graph
+    :param wait: whether to wait until the topic is discovered
+    :returns: None if the graph does not contain the topic
     :raises RuntimeError: see :func:`known_class`
     """
     found = known_class(node, topic)
@@ -46,9 +46,9 @@ def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
 
 def known_class(node: Node, topic: str) -> Any | None:
     """
-    Return the message class of a topic, None if the graph does not know the topic.
+    Return the message class of a topic, None if the graph does not contain the topic.
 
-    :raises RuntimeError: if no topic can have this name, or the topic has several types
+    :raises RuntimeError: if the name is invalid, or the topic has several types
     """
     try:
         full = expand_topic_name(topic, node.get_name(), node.get_namespace())

@@ -1,4 +1,4 @@
-"""``ros2 topic echo``."""
+"""Implement ``ros2 topic echo``."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _lost(event: Any) -> None:
 
 
 def _printer(args: argparse.Namespace) -> Callable[[Any, Any], None]:
-    """Return the function that prints one message according to the options."""
+    """Return a function that prints one message according to the options."""
     how = {'truncate': None if args.full_length else args.truncate_length}
     how |= {'no_arr': args.no_arr, 'no_str': args.no_str}
     to_text = partial(_csv, args, how) if args.csv else partial(_yaml, args, how)
@@ -113,9 +113,9 @@ def _printer(args: argparse.Namespace) -> Callable[[Any, Any], None]:
 
 def _selected(message: Any, path: str | None) -> tuple[Any, str]:
     """
-    Return a part of a message and its type.
+    Return one field of a message and its type.
 
-    :raises RuntimeError: if there is no such field
+    :raises RuntimeError: if the field does not exist
     """
     value, kind = message, ''
     for name in path.split('.') if path else ():
@@ -148,7 +148,7 @@ def _csv(args: argparse.Namespace, how: dict[str, Any], message: Any) -> str:
 
 
 def _flat(value: Any) -> list[Any]:
-    """Return the single values in a nest of dictionaries and lists."""
+    """Return the single values in nested dictionaries and lists."""
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):

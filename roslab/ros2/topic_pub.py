@@ -1,4 +1,4 @@
-"""``ros2 topic pub``."""
+"""Implement ``ros2 topic pub``."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from roslab.ros2.topic_class import named_class
 _LOOK_S = 0.1
 _ACKNOWLEDGED_S = 3
 _LOOKS_A_LINE = 10
-"""A waiting command says so once a second."""
+"""Polls between two lines of output, one line a second."""
 
 
 def positive_float(text: str) -> float:
-    """Return a number above zero, for argparse."""
+    """Parse a number greater than zero; for argparse."""
     if not (number := float(text)) > 0:
         raise ValueError
     return number
 
 
 def natural(text: str) -> int:
-    """Return a whole number from zero, for argparse."""
+    """Parse an integer of zero or more; for argparse."""
     if (number := int(text)) < 0:
         raise ValueError
     return number
@@ -103,15 +103,15 @@ def publish(args: argparse.Namespace) -> Outcome:
         print('publisher: beginning loop', flush=True)
         _publish(args, node, publisher, message, values, times)
         if times:
-            # Wait until reliable readers have acknowledged.  Best-effort readers never do, so wait
-            # for a time too, as ros2 does.
+            # Wait until reliable subscribers have acknowledged.  Best-effort subscribers never do,
+            # so also wait for a fixed time, as ros2 does.
             publisher.wait_for_all_acked(Duration(seconds=_ACKNOWLEDGED_S))
             _spin_for(node, args.keep_alive)
     return None
 
 
 def _spin_for(node: Node, seconds: float) -> None:
-    """Spin for a while, so that events of the publisher are reported."""
+    """Spin for some time, so that QoS events of the publisher are reported."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         rclpy.spin_once(node, timeout_sec=left)
@@ -141,7 +141,7 @@ def _publish(
     values: dict[str, Any],
     times: int,
 ) -> None:
-    """Publish at once, then at the given rate until the count is reached."""
+    """Publish immediately, then at the given rate until the count is reached."""
     count = 0
 
     def tick() -> None:

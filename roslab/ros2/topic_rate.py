@@ -1,4 +1,4 @@
-"""``ros2 topic hz``, ``bw`` and ``delay``: one line a second about what arrives."""
+"""Implement ``ros2 topic hz``, ``bw`` and ``delay``, which print one line a second."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _BETWEEN_S = 1.0
 
 
 def positive_int(text: str) -> int:
-    """Return a whole number above zero, for argparse."""
+    """Parse an integer greater than zero; for argparse."""
     if (number := int(text)) <= 0:
         raise argparse.ArgumentTypeError('value must be a positive integer')
     return number
@@ -48,7 +48,7 @@ def add_rate_arguments(parser: argparse.ArgumentParser, window: int = _WINDOW) -
 
 
 def hz(args: argparse.Namespace) -> Outcome:
-    """Print how often messages arrive."""
+    """Print the rate at which messages arrive."""
     times: list[float] = []
 
     def heard(_: bytes, node: Node) -> None:
@@ -64,7 +64,7 @@ def hz(args: argparse.Namespace) -> Outcome:
 
 
 def bw(args: argparse.Namespace) -> Outcome:
-    """Print how many bytes arrive."""
+    """Print the bandwidth of the messages that arrive."""
     heard_at: list[tuple[float, int]] = []
 
     def heard(data: bytes, _: Node) -> None:
@@ -93,7 +93,7 @@ def _bytes(number: float) -> str:
 
 
 def delay(args: argparse.Namespace) -> Outcome:
-    """Print how old messages are when they arrive, from the stamps in their headers."""
+    """Print the age of messages on arrival, from the stamps in their headers."""
     delays: list[float] = []
 
     def heard(data: bytes, node: Node) -> None:
@@ -125,10 +125,10 @@ def _report(
     greeting: str = '',
 ) -> Outcome:
     """
-    Subscribe and print a text once a second, if messages have arrived since the last one.
+    Subscribe, and print a text once a second if messages have arrived since the last one.
 
     :param heard: called with the bytes of each message
-    :param text: returns the text, '' if there is none yet
+    :param text: returns the text to print, '' if there is none yet
     """
     arrived = 0
 

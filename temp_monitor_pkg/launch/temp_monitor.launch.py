@@ -12,14 +12,14 @@ PACKAGE = 'temp_monitor_pkg'
 
 def generate_launch_description() -> LaunchDescription:
     """
-    Describe the two nodes and the arguments that a user may give.
+    Describe the two nodes and the launch arguments.
 
-    :returns: the description that ``ros2 launch`` carries out
+    :returns: the description that ``ros2 launch`` executes
     """
     default_config = PathJoinSubstitution(
         [FindPackageShare(PACKAGE), 'config', 'temp_monitor.yaml']
     )
-    # An argument arrives as text; without the type, `threshold_c:=30` would become an integer.
+    # A launch argument is a string; without the type, `threshold_c:=30` would become an integer.
     threshold_c = ParameterValue(LaunchConfiguration('threshold_c'), value_type=float)
     use_sim_time = ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)
     config = LaunchConfiguration('config')

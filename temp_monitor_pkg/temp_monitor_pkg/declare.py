@@ -1,4 +1,4 @@
-"""Short ways to declare parameters with a description and a range."""
+"""Declare parameters with a description and a range in one call."""
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
@@ -6,14 +6,14 @@ from rclpy.node import Node
 
 def text(node: Node, name: str, default: str, description: str, allowed: str = '') -> str:
     """
-    Declare a text parameter.
+    Declare a string parameter.
 
     :param node: the node that owns the parameter
     :param name: the parameter's name
-    :param default: its value unless the user gives one
-    :param description: what it does
-    :param allowed: in words, which values are allowed; the node has to check them itself
-    :returns: the value, from the user if there is one
+    :param default: its value unless the user sets one
+    :param description: what the parameter does
+    :param allowed: description of the allowed values; the node has to check them itself
+    :returns: the user's value, or the default
     """
     descriptor = ParameterDescriptor(description=description, additional_constraints=allowed)
     return str(node.declare_parameter(name, default, descriptor).value)
@@ -23,17 +23,17 @@ def number(
     node: Node, name: str, default: float, description: str, smallest: float, largest: float
 ) -> float:
     """
-    Declare a floating-point parameter that has a range.
+    Declare a floating-point parameter with a range.
 
     :param node: the node that owns the parameter
     :param name: the parameter's name, which ends in the unit
-    :param default: its value unless the user gives one
-    :param description: what it does, with its unit
-    :param smallest: the smallest value that is allowed
-    :param largest: the largest value that is allowed
-    :returns: the value, from the user if there is one
-    :raises InvalidParameterValueException: if it is outside of the range; NaN is, too
-    :raises InvalidParameterTypeException: if the user gave another type, even an integer
+    :param default: its value unless the user sets one
+    :param description: what the parameter does, with its unit
+    :param smallest: the smallest value allowed
+    :param largest: the largest value allowed
+    :returns: the user's value, or the default
+    :raises InvalidParameterValueException: if the value is outside the range or NaN
+    :raises InvalidParameterTypeException: if the user's value is not a float, but an integer
     """
     limits = FloatingPointRange(from_value=smallest, to_value=largest, step=0.0)
     descriptor = ParameterDescriptor(
@@ -48,17 +48,17 @@ def fixed_integer(
     node: Node, name: str, default: int, description: str, smallest: int, largest: int
 ) -> int:
     """
-    Declare an integer parameter that can be given at the start only.
+    Declare an integer parameter that can only be set when the node starts.
 
     :param node: the node that owns the parameter
     :param name: the parameter's name
-    :param default: its value unless the user gives one
-    :param description: what it does
-    :param smallest: the smallest value that is allowed
-    :param largest: the largest value that is allowed
-    :returns: the value, from the user if there is one
-    :raises InvalidParameterValueException: if it is outside of the range
-    :raises InvalidParameterTypeException: if the user gave another type
+    :param default: its value unless the user sets one
+    :param description: what the parameter does
+    :param smallest: the smallest value allowed
+    :param largest: the largest value allowed
+    :returns: the user's value, or the default
+    :raises InvalidParameterValueException: if the value is outside the range
+    :raises InvalidParameterTypeException: if the user's value is not an integer
     """
     descriptor = ParameterDescriptor(
         description=description,

@@ -1,20 +1,20 @@
 """
-A simulated temperature sensor in a room that is heated up and cools down again.
+Simulate a temperature sensor in a room that is heated up and cools down again.
 
-No ROS in here: the numbers can be tested, plotted and repeated without a node.
+The module does not use ROS: the numbers can be tested, plotted and repeated without a node.
 """
 
 from dataclasses import dataclass
 import math
 import random
 
-# A common range of cheap sensors; a reading outside of it is clipped, as the device would do.
+# A common range of cheap sensors; a reading outside the range is clipped, as by a real device.
 SENSOR_MIN_C = -40.0
 SENSOR_MAX_C = 125.0
 
 NOISE_SIGMA_C = 0.15
 NOISE_LIMIT_C = 0.5
-DRIFT_SIGMA_C = 0.08  # standard deviation that one second of drift adds
+DRIFT_SIGMA_C = 0.08  # standard deviation of the drift in one second
 DRIFT_LIMIT_C = 1.0
 RESOLUTION_DECIMALS = 2
 
@@ -35,7 +35,7 @@ class Heating:
 
     def problem(self) -> str:
         """
-        Return what is wrong with these numbers.
+        Return what is wrong with these values.
 
         :returns: one sentence, empty if nothing is wrong
         """
@@ -61,10 +61,10 @@ class Heating:
 
 class SimulatedSensor:
     """
-    A sensor that adds a slow drift and a little noise to the heating cycle.
+    A sensor that adds slow drift and a little noise to the heating cycle.
 
-    Two sensors with the same seed give the same readings; drift and noise are limited, so with
-    the default heating every seed is above 30 degrees Celsius within the first minute.
+    Two sensors with the same seed give the same readings. Drift and noise are limited, so with the
+    default heating, every seed exceeds 30 degrees Celsius within the first minute.
     """
 
     def __init__(self, heating: Heating, seed: int | None = None) -> None:
@@ -72,7 +72,7 @@ class SimulatedSensor:
         Start a series of readings at the beginning of a heating cycle.
 
         :param heating: the room's heating cycle; may be replaced between readings
-        :param seed: start of the random numbers; None for a new series each time
+        :param seed: seed of the random numbers; None for a different series each time
         """
         self.heating = heating
         self._random = random.Random(seed)
@@ -81,7 +81,7 @@ class SimulatedSensor:
 
     def read(self) -> float:
         """
-        Return the reading at the present moment of the simulation.
+        Return the reading at the current simulated time.
 
         :returns: temperature [degree Celsius], in steps of 0.01 and within the sensor's range
         """
@@ -91,12 +91,12 @@ class SimulatedSensor:
 
     def advance(self, step_s: float) -> None:
         """
-        Let time pass in the simulation.
+        Advance the simulated time.
 
-        :param step_s: how much time passes [s], not negative
+        :param step_s: duration [s], not negative
         """
         self._elapsed_s += step_s
-        # Random steps add up in variance: hence the square root of the time.
+        # The variances of random steps add up, hence the square root of the time.
         step_c = self._random.gauss(0.0, DRIFT_SIGMA_C * math.sqrt(step_s))
         self._drift_c = _limited(self._drift_c + step_c, DRIFT_LIMIT_C)
 

@@ -1,12 +1,12 @@
-"""The agreement between the two nodes: the name of the topic and its quality of service."""
+"""Define what both nodes agree on: the name of the topic and its QoS profile."""
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-# A relative name: a namespace or a remapping can move both nodes together.
+# The name is relative: a namespace or a remapping can move both nodes together.
 TOPIC = 'temperature_topic'
 
-# What the shorthand `10` stands for, spelled out: lost packets are sent again, at most ten
-# readings wait for a slow reader, and a reader that joins late gets none of the earlier ones.
+# The profile that the shorthand `10` stands for: lost packets are sent again, up to ten readings
+# wait for a slow subscriber, and a subscriber that joins late gets no earlier readings.
 READINGS_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
     depth=10,

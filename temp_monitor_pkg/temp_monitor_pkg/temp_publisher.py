@@ -1,4 +1,4 @@
-"""The node `temperature_publisher`: a simulated sensor that publishes its readings."""
+"""Define the node `temperature_publisher`: a simulated sensor that publishes its readings."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -19,7 +19,7 @@ NODE_NAME = 'temperature_publisher'
 
 @dataclass(frozen=True)
 class Settings:
-    """The values of the node's parameters, under the parameters' names."""
+    """The values of the node's parameters; each field has the name of its parameter."""
 
     rate_hz: float
     unit: str
@@ -38,7 +38,7 @@ class Settings:
 
     def problem(self) -> str:
         """
-        Return what is wrong with these settings beyond the ranges of the single parameters.
+        Return what is wrong with these settings beyond the ranges of individual parameters.
 
         :returns: one sentence, empty if nothing is wrong
         """
@@ -50,14 +50,14 @@ class Settings:
 
 
 class TemperaturePublisher(Node):
-    """Publish one simulated reading each period."""
+    """Publish one simulated reading per period."""
 
     def __init__(self, **node_options: Any) -> None:
         """
         Declare the parameters and start the timer.
 
         :param node_options: passed on to ``rclpy.node.Node``
-        :raises ParameterException: if the user gave a parameter a bad value
+        :raises ParameterException: if a parameter has an invalid value
         """
         super().__init__(NODE_NAME, **node_options)
         self._settings = self._declare_settings()
@@ -110,7 +110,7 @@ class TemperaturePublisher(Node):
             self._timer = self._create_timer()
 
     def _create_timer(self) -> Any:
-        # create_timer takes the node's clock, so use_sim_time slows and stops the readings too.
+        # create_timer uses the node's clock, so use_sim_time also slows and stops the readings.
         return self.create_timer(1.0 / self._settings.rate_hz, self._publish_reading)
 
     def _publish_reading(self) -> None:
@@ -124,7 +124,8 @@ class TemperaturePublisher(Node):
         self.get_logger().info(
             f'Published {reading.temperature_value:.2f} {reading.unit} from {reading.sensor_id}'
         )
-        # By the nominal period and not by the clock: a seed gives the same series on any machine.
+        # Advance by the nominal period, not the clock: a seed gives the same series on any
+        # machine.
         self._sensor.advance(1.0 / settings.rate_hz)
 
 
@@ -132,8 +133,8 @@ def main(args: list[str] | None = None) -> int:
     """
     Run the node until SIGINT (Ctrl-C) or SIGTERM.
 
-    :param args: command line to use in place of ``sys.argv``
-    :returns: exit code: 0, or 2 if a parameter has a bad value
+    :param args: command line to use instead of ``sys.argv``
+    :returns: exit code: 0, or 2 if a parameter has an invalid value
     """
     return lifetime.run(TemperaturePublisher, NODE_NAME, args)
 

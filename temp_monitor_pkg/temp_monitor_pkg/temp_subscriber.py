@@ -1,4 +1,4 @@
-"""The node `temperature_subscriber`: logs every reading and warns about the hot ones."""
+"""Define the node `temperature_subscriber`: it logs readings and warns about high ones."""
 
 from typing import Any
 
@@ -13,14 +13,14 @@ NODE_NAME = 'temperature_subscriber'
 
 
 class TemperatureSubscriber(Node):
-    """Compare each reading with the threshold and put the outcome into the log."""
+    """Compare each reading with the threshold and log the result."""
 
     def __init__(self, **node_options: Any) -> None:
         """
         Declare the threshold and subscribe to the readings.
 
         :param node_options: passed on to ``rclpy.node.Node``
-        :raises ParameterException: if the user gave a parameter a bad value
+        :raises ParameterException: if a parameter has an invalid value
         """
         super().__init__(NODE_NAME, **node_options)
         meaning = 'Warn about readings strictly above this [degree Celsius].'
@@ -31,12 +31,13 @@ class TemperatureSubscriber(Node):
 
     def _on_reading(self, reading: Temperature) -> None:
         stamp = reading.timestamp
-        # Nine digits of nanoseconds: without the zeros 1.005 s would be shown as 1.5000000.
+        # Write nanoseconds with nine digits: without zeros, 1.005 s would be shown as 1.5000000.
         self.get_logger().info(
             f'Received {reading.temperature_value:.2f} {reading.unit} '
             f'from {reading.sensor_id} at {stamp.sec}.{stamp.nanosec:09d}'
         )
-        # Asked for at each reading: a new threshold counts from the next one on.
+        # Read the parameter for each reading, so that a new threshold applies from the next one
+        # on.
         threshold_c = self.get_parameter('threshold_c').value
         judgement = judge(reading.temperature_value, reading.unit, threshold_c)
         if judgement.finding is Finding.TOO_HOT:
@@ -49,8 +50,8 @@ def main(args: list[str] | None = None) -> int:
     """
     Run the node until SIGINT (Ctrl-C) or SIGTERM.
 
-    :param args: command line to use in place of ``sys.argv``
-    :returns: exit code: 0, or 2 if a parameter has a bad value
+    :param args: command line to use instead of ``sys.argv``
+    :returns: exit code: 0, or 2 if a parameter has an invalid value
     """
     return lifetime.run(TemperatureSubscriber, NODE_NAME, args)
 

@@ -1,4 +1,4 @@
-"""The monitor's one decision: what a single reading means for the threshold."""
+"""Decide whether a single reading is above the threshold of the monitor."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -8,7 +8,7 @@ from temp_monitor_pkg.units import to_celsius, UnknownUnitError
 
 
 class Finding(Enum):
-    """What a reading turned out to be."""
+    """The result of judging a reading."""
 
     NORMAL = 'normal'
     TOO_HOT = 'too hot'
@@ -18,7 +18,7 @@ class Finding(Enum):
 
 @dataclass(frozen=True)
 class Judgement:
-    """A finding with the words for the log; no words where there is nothing to add."""
+    """A finding with the text for the log, which is empty if there is nothing to add."""
 
     finding: Finding
     text: str = ''
@@ -28,19 +28,19 @@ def judge(value: float, unit: str, threshold_c: float) -> Judgement:
     """
     Compare one reading with the threshold.
 
-    Too hot means strictly above: a reading equal to the threshold is normal.
+    Only a reading strictly above the threshold is too hot; an equal reading is normal.
 
     :param value: the reading, in ``unit``
-    :param unit: the unit that came with the reading
+    :param unit: the unit given in the reading
     :param threshold_c: the threshold [degree Celsius], finite
-    :returns: the finding and its words; this function does not raise for any reading
+    :returns: the finding and its text; no reading makes this function raise an exception
     """
     try:
         value_c = to_celsius(value, unit)
     except UnknownUnitError as error:
         return Judgement(Finding.UNKNOWN_UNIT, f'reading ignored, {error}')
     if math.isnan(value_c):
-        # Every comparison with NaN is false, so without this branch a dead sensor looks cool.
+        # Every comparison with NaN is false: without this branch, a dead sensor would look cool.
         return Judgement(Finding.NOT_A_NUMBER, 'reading ignored, the value is not a number')
     if value_c > threshold_c:
         return Judgement(Finding.TOO_HOT, _too_hot(value_c, threshold_c))
@@ -49,6 +49,6 @@ def judge(value: float, unit: str, threshold_c: float) -> Judgement:
 
 def _too_hot(value_c: float, threshold_c: float) -> str:
     shown, limit = f'{value_c:.2f}', f'{threshold_c:.2f}'
-    if shown == limit:  # two decimals would hide what makes it too hot
+    if shown == limit:  # two decimals would not show that the reading is above the limit
         shown, limit = repr(value_c), repr(threshold_c)
     return f'{shown} degrees Celsius is above the threshold of {limit}'

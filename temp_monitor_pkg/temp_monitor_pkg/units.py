@@ -1,4 +1,4 @@
-"""Temperature units: the two that a reading may have, and the way between them."""
+"""Convert between the two temperature units that a reading may have."""
 
 CELSIUS = 'Celsius'
 FAHRENHEIT = 'Fahrenheit'
@@ -10,9 +10,9 @@ class UnknownUnitError(ValueError):
 
     def __init__(self, unit: str) -> None:
         """
-        Say which unit was met and which ones are known.
+        Create the error with the received unit and the known ones.
 
-        :param unit: the unit as it was received
+        :param unit: the unit as received
         """
         known = ' or '.join(f"'{name}'" for name in UNITS)
         super().__init__(f"unknown unit '{unit}': expected {known}")
@@ -24,7 +24,7 @@ def to_celsius(value: float, unit: str) -> float:
     Return a temperature in degrees Celsius.
 
     :param value: the temperature, in ``unit``; NaN stays NaN
-    :param unit: one of ``UNITS``, spelled exactly so
+    :param unit: one of ``UNITS``, in exactly this spelling
     :returns: the temperature [degree Celsius]
     :raises UnknownUnitError: for any other unit
     """
@@ -38,10 +38,10 @@ def to_celsius(value: float, unit: str) -> float:
 
 def from_celsius(value_c: float, unit: str) -> float:
     """
-    Return a temperature given in degrees Celsius in another unit.
+    Convert a temperature from degrees Celsius to another unit.
 
     :param value_c: the temperature [degree Celsius]; NaN stays NaN
-    :param unit: one of ``UNITS``, spelled exactly so
+    :param unit: one of ``UNITS``, in exactly this spelling
     :returns: the temperature, in ``unit``
     :raises UnknownUnitError: for any other unit
     """

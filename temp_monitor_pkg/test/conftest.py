@@ -1,4 +1,4 @@
-"""A private ROS world for each test: own context, own domain, one executor, a listening node."""
+"""Provide an isolated ROS environment per test: context, domain, executor and probe node."""
 
 from collections.abc import Callable, Iterator
 import random
@@ -14,11 +14,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 try:
     from autograder.simulation.virtual_time import virtual_time
-except ImportError:  # a ROS workspace without the course that this package belongs to
+except ImportError:  # the package was copied to a ROS workspace without the course
 
     @pytest.fixture
     def virtual_time() -> None:
-        """Skip the test."""
+        """Skip the test, because there is no virtual clock."""
         pytest.skip('needs the virtual clock of the course')
 
 
@@ -26,13 +26,13 @@ DEADLINE_S = 10.0
 
 
 class RosWorld:
-    """A context of its own with a probe node and the one executor that spins everything."""
+    """A separate context with a probe node and a single executor for all nodes."""
 
     def __init__(self, domain_id: int) -> None:
         """
         Create the context and the probe.
 
-        :param domain_id: domain that nothing else on this machine uses
+        :param domain_id: a ROS domain that no other program on this machine uses
         """
         self.context = rclpy.Context()
         rclpy.init(args=[], context=self.context, domain_id=domain_id)
@@ -46,10 +46,10 @@ class RosWorld:
 
     def start(self, node_class: type, **parameters: Any) -> Any:
         """
-        Create a node in this world.
+        Create a node in this context.
 
         :param node_class: the node's class
-        :param parameters: values as a user would give them at the start
+        :param parameters: initial values of parameters
         :returns: the node
         """
         overrides = [rclpy.Parameter(name, value=value) for name, value in parameters.items()]
@@ -57,7 +57,7 @@ class RosWorld:
 
     def adopt(self, node: Any) -> Any:
         """
-        Spin a node with this world and destroy it at its end.
+        Spin a node of this context, and destroy the node in :meth:`close`.
 
         :param node: a node of this world's context
         :returns: the node
@@ -72,7 +72,7 @@ class RosWorld:
 
         :param topic: the topic's name
         :param message_type: the topic's type
-        :returns: a list that grows while the world spins
+        :returns: a list that grows while the executor spins
         """
         messages: list = []
         self.probe.create_subscription(message_type, topic, messages.append, 100)
@@ -83,7 +83,7 @@ class RosWorld:
         Spin until a condition holds.
 
         :param condition: what to wait for
-        :param what: the same in words, for the failure
+        :param what: description of the condition, for the error message
         """
         end = time.monotonic() + DEADLINE_S
         while not condition():
@@ -101,11 +101,11 @@ class RosWorld:
 @pytest.fixture
 def domain_id() -> Iterator[int]:
     """
-    Reserve a domain for one test.
+    Reserve a ROS domain for one test.
 
-    :returns: an id that no other test of this machine has at the same time
+    :returns: a domain that no other test on this machine uses at the same time
     """
-    # By chance and not counted from 1: those who do not ask the coordinator tend to use low ids.
+    # Choose at random: programs that do not use the coordinator tend to use low ids.
     with domain_coordinator.domain_id(lambda: random.randint(1, 100)) as number:
         yield number
 
@@ -113,10 +113,10 @@ def domain_id() -> Iterator[int]:
 @pytest.fixture
 def world(domain_id: int) -> Iterator[RosWorld]:
     """
-    Make a private ROS world for one test.
+    Create an isolated ROS environment for one test.
 
-    :param domain_id: domain of that world
-    :returns: the world
+    :param domain_id: domain of the environment
+    :returns: the environment
     """
     ros_world = RosWorld(domain_id)
     yield ros_world

@@ -1,4 +1,4 @@
-"""The two programs as a user starts them: output, exit codes, signals."""
+"""Test both programs as a user starts them: output, exit codes, signals."""
 
 from collections.abc import Callable, Iterator
 import os
@@ -21,7 +21,7 @@ def start(domain_id: int) -> Iterator[Start]:
     """
     Return a function that starts one of the package's executables.
 
-    A guard ends whatever still runs at the deadline, so that no test can hang.
+    A guard ends all running programs at the deadline, so that no test can hang.
 
     :param domain_id: domain of the test
     :returns: the function
@@ -52,7 +52,7 @@ def start(domain_id: int) -> Iterator[Start]:
 
 
 def wait_for_line(process: subprocess.Popen, text: str) -> str:
-    """Return the first line of output that contains the text; the guard ends a vain wait."""
+    """Return the first line of output that contains the text; the guard ends a hopeless wait."""
     seen = []
     for line in process.stdout:
         seen.append(line)
@@ -63,7 +63,7 @@ def wait_for_line(process: subprocess.Popen, text: str) -> str:
 
 @pytest.mark.parametrize('stop', [signal.SIGINT, signal.SIGTERM])
 def test_both_programs_talk_and_stop_cleanly(start: Start, stop: signal.Signals) -> None:
-    """The chapter's two terminals: readings, warnings, and exit code 0 on either signal."""
+    """Both programs print readings and warnings, and exit with code 0 on either signal."""
     config = Path(get_package_share_directory(PACKAGE), 'config', 'quick_fahrenheit.yaml')
     publisher = start('temp_publisher', '--ros-args', '--params-file', str(config))
     subscriber = start('temp_subscriber', '--ros-args', '-p', 'threshold_c:=22.0')
@@ -89,7 +89,7 @@ def test_both_programs_talk_and_stop_cleanly(start: Start, stop: signal.Signals)
 def test_bad_parameter_ends_with_one_clear_line(
     start: Start, name: str, setting: str, reason: str
 ) -> None:
-    """A bad value on the command line: one line with the reason, no traceback, exit code 2."""
+    """An invalid value on the command line gives one line, no traceback and exit code 2."""
     process = start(name, '--ros-args', '-p', setting)
     output, _ = process.communicate()
 

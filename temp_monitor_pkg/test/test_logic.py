@@ -1,4 +1,4 @@
-"""The decisions and numbers of the package, without ROS."""
+"""Test the decisions and numbers of the package, without ROS."""
 
 import math
 
@@ -23,7 +23,7 @@ def test_conversion_known_pairs_are_exact(fahrenheit: float, celsius: float) -> 
 
 @pytest.mark.parametrize('unit', ['Kelvin', 'celsius', 'Celsius ', 'C', ''])
 def test_conversion_unknown_unit_is_refused(unit: str) -> None:
-    """Only the two agreed spellings are units; the error quotes the one that was met."""
+    """Only the two agreed spellings are valid units; the error quotes the received unit."""
     with pytest.raises(UnknownUnitError, match='expected') as caught:
         to_celsius(20.0, unit)
     assert repr(unit) in str(caught.value)
@@ -52,7 +52,7 @@ def test_conversion_unknown_unit_is_refused(unit: str) -> None:
 def test_judge_every_kind_of_reading_has_its_finding(
     value: float, unit: str, finding: Finding
 ) -> None:
-    """Strictly above the threshold is too hot; odd readings are recognised, not compared."""
+    """Only a reading strictly above the threshold is too hot; invalid ones are recognised."""
     judgement = judge(value, unit, 30.0)
 
     assert judgement.finding is finding
@@ -60,13 +60,13 @@ def test_judge_every_kind_of_reading_has_its_finding(
 
 
 def test_judge_words_show_the_difference_that_decided() -> None:
-    """Two decimals are enough, unless they would make the reading look equal."""
+    """The log shows two decimals, or more if the reading would otherwise look equal."""
     assert judge(31.256, 'Celsius', 30.0).text.startswith('31.26 degrees Celsius')
     assert '30.001' in judge(30.001, 'Celsius', 30.0).text
 
 
 def test_heating_is_above_30_within_a_minute_and_comes_back() -> None:
-    """The default cycle crosses 30 degrees on the way up and again on the way down."""
+    """The default cycle crosses 30 degrees while heating and again while cooling."""
     heating = Heating()
     hot = [second for second in range(91) if heating.temperature_c(second) > 30.0]
 
@@ -86,7 +86,7 @@ def test_heating_is_above_30_within_a_minute_and_comes_back() -> None:
     ],
 )
 def test_heating_impossible_cycle_is_named(heating: Heating, name: str) -> None:
-    """A cycle that cannot be is described with the name of the number that is wrong."""
+    """The problem of an impossible cycle names the wrong value."""
     assert name in heating.problem()
     assert Heating().problem() == ''
 
@@ -101,14 +101,14 @@ def _series(seed: int, count: int = 90) -> list:
 
 
 def test_sensor_same_seed_same_readings() -> None:
-    """A seed makes the readings repeatable, another seed makes others."""
+    """Equal seeds give equal readings, different seeds give different ones."""
     assert _series(7) == _series(7)
     assert _series(7) != _series(8)
 
 
 @pytest.mark.parametrize('seed', range(50))
 def test_sensor_any_seed_warns_within_a_minute_and_recovers(seed: int) -> None:
-    """Drift and noise never hide the crossing of 30 degrees, and readings always vary."""
+    """For any seed, drift and noise never hide the crossing of 30 degrees, and readings vary."""
     values = _series(seed)
 
     assert values[0] < 30.0
@@ -118,7 +118,7 @@ def test_sensor_any_seed_warns_within_a_minute_and_recovers(seed: int) -> None:
 
 
 def test_sensor_reading_outside_its_range_is_clipped() -> None:
-    """A room hotter than the sensor can measure reads as the end of its range."""
+    """A temperature outside the sensor's range gives the nearest limit of the range."""
     assert SimulatedSensor(Heating(124.9, 500.0, 2.0), 1).read() <= SENSOR_MAX_C
     hot = SimulatedSensor(Heating(200.0, 300.0, 2.0), 1)
     cold = SimulatedSensor(Heating(-90.0, -80.0, 2.0), 1)

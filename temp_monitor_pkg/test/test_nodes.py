@@ -1,4 +1,4 @@
-"""The two nodes, each in a private ROS world, seen from outside: topics, logs, parameters."""
+"""Test both nodes from outside, each in an isolated ROS environment: topics, logs, parameters."""
 
 import math
 from typing import Any
@@ -20,12 +20,12 @@ INFO, WARN, ERROR = LoggingSeverity.INFO, LoggingSeverity.WARN, LoggingSeverity.
 
 
 def set_one(node: Any, name: str, value: Any) -> Any:
-    """Set one parameter and return what the node answers."""
+    """Set one parameter and return the node's response."""
     return node.set_parameters([Parameter(name, value=value)])[0]
 
 
 class SimulatedTime:
-    """Drives /clock in steps of a tenth of a second."""
+    """Advances /clock in steps of 0.1 s."""
 
     def __init__(self, world, node: Any) -> None:
         self._world, self._node = world, node
@@ -33,7 +33,7 @@ class SimulatedTime:
         self._tenths = 0
 
     def advance(self, seconds: int) -> None:
-        """Move the clock on and give the node its turn after every step."""
+        """Advance the clock, and let the node run after every step."""
         for _ in range(10 * seconds):
             self._tenths += 1
             message = Clock()
@@ -45,7 +45,7 @@ class SimulatedTime:
                 lambda wanted=wanted: self._node.get_clock().now().nanoseconds >= wanted,
                 'the node follows /clock',
             )
-            # The timer is due from now on: give it and those who hear it their turns.
+            # The timer is due now: let it and its subscribers run.
             for _ in range(5):
                 self._world.executor.spin_once(timeout_sec=0)
 
@@ -54,7 +54,7 @@ class TestPublisher:
     """The node temperature_publisher."""
 
     def test_reading_has_all_fields(self, world) -> None:
-        """A reading carries value, unit, sensor and the node's present time."""
+        """A reading contains value, unit, sensor and the node's current time."""
         readings = world.listen('temperature_topic', Temperature)
         node = world.start(TemperaturePublisher, rate_hz=50.0)
         before = node.get_clock().now().nanoseconds
@@ -67,7 +67,7 @@ class TestPublisher:
         assert before < stamp_ns <= node.get_clock().now().nanoseconds
 
     def test_endpoint_has_the_agreed_name_and_quality(self, world) -> None:
-        """The topic is relative, reliable and volatile."""
+        """The topic has a relative name and a reliable, volatile QoS profile."""
         node = world.start(TemperaturePublisher)
         (endpoint,) = node.get_publishers_info_by_topic('temperature_topic')
 
@@ -77,7 +77,7 @@ class TestPublisher:
         assert endpoint.qos_profile.durability is DurabilityPolicy.VOLATILE
 
     def test_simulated_time_one_reading_each_second(self, world) -> None:
-        """With use_sim_time the timer and the stamps follow /clock exactly."""
+        """With use_sim_time, the timer and the stamps follow /clock exactly."""
         readings = world.listen('temperature_topic', Temperature)
         node = world.start(TemperaturePublisher, use_sim_time=True)
         SimulatedTime(world, node).advance(seconds=5)
@@ -86,7 +86,7 @@ class TestPublisher:
         assert stamps == [(second, 0) for second in range(1, 6)]
 
     def test_new_rate_remakes_the_timer(self, world) -> None:
-        """A rate that is set while the node runs counts at once, and the old timer is gone."""
+        """A rate that is set while the node runs applies immediately, and replaces the timer."""
         readings = world.listen('temperature_topic', Temperature)
         node = world.start(TemperaturePublisher, use_sim_time=True)
         time = SimulatedTime(world, node)
@@ -100,7 +100,7 @@ class TestPublisher:
         assert [timer.timer_period_ns for timer in node.timers] == [500_000_000]
 
     def test_unit_can_change_while_running(self, world) -> None:
-        """From the next reading on the value is in the new unit."""
+        """A new unit applies from the next reading on."""
         readings = world.listen('temperature_topic', Temperature)
         node = world.start(TemperaturePublisher, rate_hz=100.0)
         world.spin_until(lambda: readings, 'a reading')
@@ -129,7 +129,7 @@ class TestPublisher:
     def test_bad_value_is_refused_with_the_reason(
         self, world, name: str, value: Any, reason: str
     ) -> None:
-        """A bad value changes nothing, and the answer says what is allowed."""
+        """An invalid value changes nothing, and the response states the allowed values."""
         node = world.start(TemperaturePublisher)
         before = node.get_parameter(name).value
         answer = set_one(node, name, value)
@@ -139,7 +139,7 @@ class TestPublisher:
         assert node.get_parameter(name).value == before
 
     def test_values_that_fit_together_are_set_together(self, world) -> None:
-        """Two bounds that are impossible one by one are fine in one request."""
+        """Two limits that would each be invalid alone can be set in one request."""
         node = world.start(TemperaturePublisher)
         bounds = [Parameter('coolest_c', value=50.0), Parameter('warmest_c', value=60.0)]
 
@@ -151,7 +151,7 @@ class TestPublisher:
         [('rate_hz', -1.0), ('rate_hz', 1), ('unit', 'Kelvin'), ('seed', -2), ('sensor_id', '')],
     )
     def test_bad_value_at_the_start_stops_the_node(self, world, name: str, value: Any) -> None:
-        """A node that cannot do what the user asks for does not start."""
+        """A node with an invalid parameter does not start."""
         with pytest.raises(ParameterException, match=name):
             world.start(TemperaturePublisher, **{name: value})
 
@@ -161,7 +161,7 @@ class TestSubscriber:
 
     @staticmethod
     def send(world, *readings: tuple[float, str]) -> list[Log]:
-        """Publish readings; return the node's log lines, complete: an extra one has arrived."""
+        """Publish readings; return the node's log lines after a final extra one has arrived."""
         publisher = world.probe.create_publisher(Temperature, 'temperature_topic', 10)
         for value, unit in [*readings, (0.0, 'Celsius')]:
             message = Temperature(temperature_value=value, unit=unit, sensor_id='lab')
@@ -191,7 +191,7 @@ class TestSubscriber:
     def test_reading_is_logged_and_judged(
         self, world, value: float, unit: str, levels: list[int]
     ) -> None:
-        """Each reading gives one INFO line, a hot one a warning, a useless one an error."""
+        """Each reading gives an INFO line, a high one also a warning, an invalid one an error."""
         world.start(TemperatureSubscriber)
         logs = self.send(world, (value, unit))
 
@@ -199,14 +199,14 @@ class TestSubscriber:
         assert f'{value:.2f} {unit} from lab at 1.005000000' in logs[0].msg
 
     def test_burst_gives_one_warning_for_each_hot_reading(self, world) -> None:
-        """Warnings are neither merged nor repeated."""
+        """Each high reading gives its own warning."""
         world.start(TemperatureSubscriber)
         logs = self.send(world, *[(value, 'Celsius') for value in (31.0, 29.0, 31.0, 31.0)])
 
         assert [log.level for log in logs] == [INFO, WARN, INFO, INFO, WARN, INFO, WARN]
 
     def test_new_threshold_counts_from_the_next_reading(self, world) -> None:
-        """The threshold can be given at the start and changed while the node runs."""
+        """The threshold can be set at the start and changed while the node runs."""
         node = world.start(TemperatureSubscriber, threshold_c=20.0)
         logs = self.send(world, (25.0, 'Celsius'))
         world.logs.clear()
@@ -219,7 +219,7 @@ class TestSubscriber:
 
     @pytest.mark.parametrize('value', [math.nan, math.inf, -300.0, 31])
     def test_bad_threshold_is_refused(self, world, value: float) -> None:
-        """A threshold that nothing can be compared with is not accepted."""
+        """A threshold that cannot be compared with anything is rejected."""
         node = world.start(TemperatureSubscriber)
         answer = set_one(node, 'threshold_c', value)
 
@@ -229,10 +229,10 @@ class TestSubscriber:
 
 
 class TestVirtualTime:
-    """The nodes as programs, for minutes that take a second."""
+    """Test the nodes as programs on a virtual clock, where minutes take a second."""
 
     def test_heating_cycle_has_a_reading_each_second(self, virtual_time) -> None:
-        """The default rate is exact, and the reading, the log line and the stamp agree on it."""
+        """The default rate is exact; reading, log line and stamp agree."""
         run = virtual_time(temp_publisher.__file__, seconds=90)
         readings = run.messages('temperature_topic')
         stamps = [reading.timestamp for reading in readings]
@@ -243,7 +243,7 @@ class TestVirtualTime:
         assert max(reading.temperature_value for reading in readings) > 30.0
 
     def test_same_seed_same_series(self, virtual_time) -> None:
-        """Two starts with one seed are equal in every value and every time."""
+        """Two programs with the same seed publish equal values at equal times."""
         first, again, other = (
             virtual_time(temp_publisher.__file__, seconds=30, arguments=['-p', f'seed:={seed}'])
             for seed in (7, 7, 8)
@@ -253,7 +253,7 @@ class TestVirtualTime:
         assert first != other
 
     def test_cycle_of_the_publisher_warns_once_for_each_hot_reading(self, virtual_time) -> None:
-        """What the publisher sends in a cycle goes to the subscriber, at the same seconds."""
+        """The subscriber receives the publisher's cycle at the same times and warns correctly."""
         readings = virtual_time(temp_publisher.__file__, seconds=90)['temperature_topic']
         sent = list(zip(readings.times, readings.messages))
         run = virtual_time(temp_subscriber.__file__, 91, inputs={'temperature_topic': sent})
@@ -266,7 +266,7 @@ class TestVirtualTime:
 
 @pytest.mark.parametrize('node_class', [TemperaturePublisher, TemperatureSubscriber])
 def test_every_parameter_describes_itself(world, node_class: type) -> None:
-    """Each parameter of ours says what it does and what it allows; numbers have a range."""
+    """Each parameter of the package has a description and limits; numbers have a range."""
     node = world.start(node_class)
     ours = [name for name in node.get_parameters_by_prefix('') if '.' not in name]
     ours = [n for n in ours if n not in ('use_sim_time', 'start_type_description_service')]
@@ -281,7 +281,7 @@ def test_every_parameter_describes_itself(world, node_class: type) -> None:
 
 
 def test_namespace_moves_both_nodes_together(world) -> None:
-    """The topic's name is relative: in a namespace the two nodes still find each other."""
+    """The topic's name is relative: in a namespace, the two nodes still discover each other."""
     readings = world.listen('/hall/temperature_topic', Temperature)
     for node_class in (TemperaturePublisher, TemperatureSubscriber):
         node = node_class(context=world.context, namespace='hall')
