@@ -27,7 +27,6 @@ def range_slips(
     """
     test = f'Accept a value only if math.isfinite(value) and {lowest} <= value <= {highest}.'
 
-    blur = (highest - lowest) * 1e-6
 
     def slip(cause_id: str, text: str, *forms: Accepts, try_this: str = test) -> Slip:
         return Slip(cause_id, text, try_this, *map(rule, forms))
@@ -43,12 +42,6 @@ def range_slips(
             'takes_nan',
             'NaN is accepted: it is neither below nor above a number.',
             lambda value: not (value < lowest or value > highest),
-        ),
-        slip(
-            'ends_blurred',
-            f'A value just below {lowest} or just above {highest} is accepted.',
-            lambda value: lowest - blur <= value <= highest + blur,
-            try_this=f'{test} A FloatingPointRange accepts a little more.',
         ),
         slip('no_range', 'Each finite value is accepted.', math.isfinite),
         slip(

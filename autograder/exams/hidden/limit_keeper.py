@@ -7,7 +7,6 @@ from autograder.exams.limit_changes import Change, HIGHEST_C, LIMIT, LOWEST_C, N
 from autograder.exams.visible.limit_keeper import build
 
 _draw = generator('limit_keeper', 'limits')
-JUST_C = 1e-6  # FloatingPointRange accepts values that are as close to an end
 
 
 def _between(low: float, high: float) -> float:
@@ -16,7 +15,6 @@ def _between(low: float, high: float) -> float:
 
 _limits: list[float | int] = [
     *(*NO_NUMBERS, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.01, 0.4)),
-    *(LOWEST_C - JUST_C, HIGHEST_C + JUST_C),
     *(HIGHEST_C + _between(0.01, 0.4), _between(200.0, 900.0), _between(-900.0, -200.0)),
     *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
 ]

@@ -9,7 +9,7 @@ from autograder.exam.inputs import generator
 from autograder.exams.readings import Reading, THRESHOLD_C
 from autograder.exams.visible.temperature_subscriber import build
 
-UNKNOWN = 'a reading in an unknown unit'
+UNKNOWN, UNIT = 'a reading in an unknown unit', 'Fahrenheit'
 
 
 def edges(draw: random.Random) -> list[Reading]:
@@ -27,17 +27,20 @@ def edges(draw: random.Random) -> list[Reading]:
 
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
-    """Return readings around the threshold in Fahrenheit, some very close, in a secret order."""
+    """Return readings above and below the threshold in Fahrenheit, in turn, some very close."""
     limit = THRESHOLD_C * 1.8 + 32.0
-    warm, cool = draw.uniform(limit + 0.1, limit + 0.4), draw.uniform(limit - 0.5, limit - 0.1)
-    readings = [
-        Reading(round(warm, 2), 'a warm reading in °F', 'Fahrenheit'),
-        Reading(round(cool, 2), 'a cool reading in °F', 'Fahrenheit'),
-        Reading(limit + 0.002, 'a reading in °F just above the threshold', 'Fahrenheit'),
-        Reading(limit - 0.002, 'a reading in °F just below the threshold', 'Fahrenheit'),
+    warm = [
+        Reading(round(draw.uniform(limit + 0.1, limit + 0.4), 2), 'a warm reading in °F', UNIT),
+        Reading(limit + 0.002, 'a reading in °F just above the threshold', UNIT),
     ]
-    draw.shuffle(readings)
-    return readings
+    cold = [
+        Reading(round(draw.uniform(limit - 0.5, limit - 0.1), 2), 'a cool reading in °F', UNIT),
+        Reading(limit - 0.002, 'a reading in °F just below the threshold', UNIT),
+    ]
+    draw.shuffle(warm)
+    draw.shuffle(cold)
+    # Alternate: a node that warns only of changes would miss the second of two warm readings.
+    return [one for pair in zip(warm, cold) for one in pair]
 
 
 def odd(draw: random.Random) -> list[Reading]:

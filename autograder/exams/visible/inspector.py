@@ -76,7 +76,9 @@ def why_starved(run: Run) -> Cause | None:
     """Explain heartbeats that are regular at first, but stop during each inspection."""
     beats, results = _moments(run, ALIVE), _moments(run, TARGET)
     ticks = sum(beat < QUIET_S for beat in beats) > 1
-    during = [beat for beat in beats for end in results if end - INSPECT_S < beat < end - GRAIN_S]
+    during = [
+        beat for beat in beats for end in results if GRAIN_S < end - beat < INSPECT_S - GRAIN_S
+    ]
     return STARVED if ticks and results and not during else None
 
 
