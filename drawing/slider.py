@@ -39,8 +39,8 @@ def with_slider(picture: str, title: str, moments: Sequence[tuple[float, str]]) 
     return (
         f'<div data-slider="">{picture}'
         # JupyterLab would otherwise take the arrow keys to move between cells.
-        '<input type="range" data-lm-suppress-shortcuts="true" style="width: 100%" min="0" '
-        f'max="{end}" value="{end}" aria-label="Moment: {svg.escape(title)}" '
+        '<input type="range" data-lm-suppress-shortcuts="true" style="width: 100%; margin: 0" '
+        f'min="0" max="{end}" value="{end}" aria-label="Moment: {svg.escape(title)}" '
         f'aria-valuetext="{last}" data-moments="{svg.escape(json.dumps(shown))}" '
         f'oninput="{svg.escape(_MOVE)}">'
         '<output style="display: block; color: var(--jp-content-font-color1, currentColor)">'

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import wraps
 from itertools import pairwise
 import threading
 from typing import Any
@@ -89,6 +90,7 @@ def constructing(construction: Construction) -> Iterator[None]:
     original = Node.__init__
     thread = threading.get_ident()
 
+    @wraps(original)  # errors about its arguments name Node.__init__
     def init(self: Node, node_name: str, **given: Any) -> None:
         if threading.get_ident() != thread:
             original(self, node_name, **given)

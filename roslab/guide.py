@@ -282,7 +282,7 @@ def _out_of_order(shell: Any) -> str | None:
     ran: list[int] = []
     for number, source in enumerate(_history(shell)[:-1]):
         at = places.get(_executed.get(number, ''), index.get(source.strip()))
-        if at is not None and at != here and number not in _failed:
+        if at is not None and at < here and number not in _failed:
             ran = [*(other for other in ran if other != at), at]
     above = [number for number, cell in enumerate(cells[:here]) if cell.source.strip()]
     return None if ran[-len(above) :] == above else _ORDER

@@ -37,6 +37,7 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
             )
         compatibility, reason = qos_check_compatible(publisher.qos_profile, qos)
         if compatibility == QoSCompatibility.ERROR:
+            reason = reason.strip().removesuffix(';')
             return f'{name} publishes there, but the QoS does not match. {reason}'.strip()
     names = ' and '.join(sorted({publisher.node_name for publisher in publishers}))
     return f'{names} publishes there and is connected, but sends too little or too slowly.'

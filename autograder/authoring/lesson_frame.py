@@ -78,9 +78,11 @@ def unknown_needs(lessons: Sequence[Outline]) -> Iterator[str]:
 
 
 def next_lesson(lessons: Sequence[Outline], here: int) -> str:
-    """Return the Markdown of the last cell of a lesson, a link to the next lesson."""
+    """Return the Markdown of the last cell of a lesson: a link to the next lesson or the map."""
     if here + 1 == len(lessons):
-        return 'This was the last lesson.'
+        there = (lessons[here].path.parents[1] / START_HERE).is_file()
+        link = f' [START_HERE](../{START_HERE}) shows what you have reached.' if there else ''
+        return f'This was the last lesson.{link}'
     return f'*Next lesson:* {_link(lessons[here + 1], "../")}'
 
 

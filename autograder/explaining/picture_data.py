@@ -110,10 +110,11 @@ def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any]
     arrows: list[dict[str, Any]] = []
     wanted = list(_wanted(exam.scenario))
     about = ' '.join((result.title, result.expected, result.observed, result.cause))
-    for kind, topic, type_name in wanted:
+    named = [end for end in wanted if _names(about, end[1])]
+    for kind, topic, type_name in named or (wanted if _about_qos(result) else []):
         ends = run.recording.endpoints(kind, topic)
-        reason = _reason(run, result, ends, topic, type_name)
-        if not reason or (not _names(about, topic) and not _about_qos(result)):
+        reason = _reason(exam, run, result, ends, topic, type_name)
+        if not reason:
             continue
         node = ends[0]['node'] if ends else run.recording.nodes[0]
         outward = kind == 'publisher'
@@ -128,7 +129,7 @@ def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any]
 
 
 def _reason(
-    run: Run, result: CheckResult, ends: Sequence[Event], topic: str, type_name: str
+    exam: Exam, run: Run, result: CheckResult, ends: Sequence[Event], topic: str, type_name: str
 ) -> str:
     """Return why an endpoint differs from the required one; empty if it does not."""
     if not ends:
@@ -139,6 +140,10 @@ def _reason(
     refused = [
         event for event in about if event['event'] == 'not_connected' or event.get('refused')
     ]
+    said = f'{result.expected} {result.cause} {result.try_this}'.upper()
+    if topic in exam.scenario.watch:
+        # The plain subscription is connected, and the node may have to refuse the others.
+        refused = [event for event in refused if any(one in said for one in event['refused'])]
     if any(event['event'] == 'offered' and event['matched'] for event in about):
         # The node must refuse one of the grader's publishers, whose QoS profile is too weak.
         refused = []

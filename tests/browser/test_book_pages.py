@@ -69,17 +69,16 @@ def test_every_page_is_accessible_and_loads_nothing_from_elsewhere(
     found = {}
     for path in sorted(book.glob('*/*.html')) + [book / 'index.html']:
         name = path.relative_to(book).as_posix()
-        page.set_viewport_size({'width': WIDE, 'height': 900})
         page.goto(f'{address}/{name}')
-        found[name] = violations(page, *OF_THE_THEME)
-        page.screenshot(path=shots / f'{path.stem}-{scheme}-{WIDE}.png')
-        page.set_viewport_size({'width': NARROW, 'height': 900})
-        page.screenshot(path=shots / f'{path.stem}-{scheme}-{NARROW}.png')
+        for width in (WIDE, NARROW):
+            page.set_viewport_size({'width': width, 'height': 900})
+            found[name, width] = violations(page, *OF_THE_THEME)
+            page.screenshot(path=shots / f'{path.stem}-{scheme}-{width}.png')
         assert not page.evaluate(WIDER_THAN_THE_PAGE), name
     context.close()
 
     assert {name: one for name, one in found.items() if one} == {}
-    assert len(found) == len(list((ROOT / 'notebooks').glob('*/*.ipynb'))) + 1
+    assert len(found) == 2 * (len(list((ROOT / 'notebooks').glob('*/*.ipynb'))) + 1)
     assert [url for url in asked if not url.startswith((address, 'data:'))] == []
 
 

@@ -113,12 +113,12 @@ def run_in_order(notebook, monkeypatch):
     monkeypatch.setattr(guide, '_executed', {})
     monkeypatch.setattr(guide, '_failed', set())
 
-    def run(edited=(), left_out=()):
-        for number, cell in enumerate(cells):
-            if number not in left_out:
-                running.request = {'metadata': {'cellId': cell.identifier}}
-                guide._note(shell)
-                history.append('# mine' if number in edited else cell.source)
+    def run(edited=(), left_out=(), again=()):
+        numbers = [number for number, _ in enumerate(cells) if number not in left_out]
+        for number in (*numbers, *again):
+            running.request = {'metadata': {'cellId': cells[number].identifier}}
+            guide._note(shell)
+            history.append('# mine' if number in edited else cells[number].source)
         return guide._out_of_order(shell)
 
     return run
@@ -133,6 +133,11 @@ def test_cells_that_were_edited_and_not_saved_have_run_all_the_same(run_in_order
 def test_cell_that_was_left_out_is_told(run_in_order):
     """The hint is for those who jumped."""
     assert 'Run first' in run_in_order(left_out=(1,))
+
+
+def test_cell_below_that_ran_earlier_is_no_wrong_order(run_in_order):
+    """After a check, the learner corrects the answer above it and tries the answer again."""
+    assert run_in_order(again=(1, 2)) is None
 
 
 def test_texts_are_those_that_ran_last(notebook, monkeypatch):

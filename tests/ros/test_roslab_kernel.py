@@ -133,6 +133,15 @@ def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
     assert 'session.py' not in shown
 
 
+def test_node_without_a_name_is_an_error_of_the_node_class(kernel):
+    """The message names the method that the learner called."""
+    kernel.run('from roslab import *; from rclpy.node import Node')
+    named = 'class Mine(Node):\n    def __init__(self):\n        super().__init__()\n'
+    outputs = kernel.run(f'{named}start(Mine)')
+
+    assert 'Node.__init__() missing 1 required' in '\n'.join(outputs.error['traceback'])
+
+
 @pytest.mark.parametrize(
     ('code', 'said'),
     [

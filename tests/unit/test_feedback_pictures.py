@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, Offer, Qos, Scenario
+from autograder.exam.scenario import Advance, Feed, FeedTopic, Join, Offer, Qos, Scenario
 from autograder.explaining import picture_data
 from autograder.explaining.feedback_html import exam_html
 from autograder.explaining.picture_data import MOST_TIMES, pictures
@@ -131,6 +131,37 @@ class TestGraph:
         assert picture['arrows'][0]['remark'] == (
             'expected reliability RELIABLE, observed reliability BEST_EFFORT'
         )
+
+    def test_quality_of_service_of_one_topic_leaves_the_others_as_they_should_be(self):
+        """A check of a publisher says nothing about the subscription of the same node."""
+        failure = Failed(
+            expected='durability TRANSIENT_LOCAL',
+            observed='durability VOLATILE',
+            why=Cause('qos_durability', 'Another one on /chatter.', 'Pass a profile.'),
+        )
+        ends = [end(), end('/survey', kind='subscription')]
+        picture = drawn(recorded(ends=ends), failure, feed={'/survey': FeedTopic(TYPE)})
+
+        assert {arrow['topic'] for arrow in picture['arrows']} == {TOPIC}
+
+    @pytest.mark.parametrize(
+        ('cause', 'shown'),
+        [('It keeps no message: its durability is volatile.', True), ('It is inactive.', False)],
+    )
+    def test_refused_late_subscription_is_shown_only_if_it_is_the_cause(self, cause, shown):
+        """An exam may expect that the program refuses a subscription."""
+        late = {'event': 'joined', 'clock_ns': 0, 'topic': TOPIC, 'listener': 'late'}
+        failure = Failed(
+            expected='messages on chatter', observed='none', why=Cause('mute', cause, 'Change it.')
+        )
+        picture = drawn(
+            recorded({**late, 'matched': False, 'refused': ['DURABILITY']}),
+            failure,
+            steps=(Join('late', TOPIC, TYPE), Advance(10.0)),
+        )
+        arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
+
+        assert any('does not fit' in arrow['remark'] for arrow in arrows) is shown
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):

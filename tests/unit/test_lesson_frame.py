@@ -50,11 +50,13 @@ def test_contents_name_what_a_lesson_needs(solutions):
 
 
 def test_last_lesson_has_no_next_one(solutions):
-    """A new lesson changes that without an edit."""
+    """It leads back to the map, if the course has one."""
     lessons = outlines(solutions)
 
     assert next_lesson(lessons, 1) == '*Next lesson:* [03 Title c](../03_c/c.ipynb)'
     assert next_lesson(lessons, 2) == 'This was the last lesson.'
+    (solutions / 'START_HERE.ipynb').touch()
+    assert '(../START_HERE.ipynb)' in next_lesson(lessons, 2)
 
 
 def test_needed_lesson_that_does_not_exist_is_named(solutions):
