@@ -27,7 +27,6 @@ def range_slips(
     """
     test = f'Accept a value only if math.isfinite(value) and {lowest} <= value <= {highest}.'
 
-
     def slip(cause_id: str, text: str, *forms: Accepts, try_this: str = test) -> Slip:
         return Slip(cause_id, text, try_this, *map(rule, forms))
 
