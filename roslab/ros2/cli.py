@@ -38,7 +38,7 @@ GROUPS = {
 ELSEWHERE = ('action', 'bag', 'component', 'control', 'doctor', 'multicast', 'security')
 """Commands that only a full installation has, to distinguish them from typing errors."""
 SHUT_DOWN = 'the given context is not valid'
-"""rcl's error for anything created after Ctrl-C, the only reason for an early shutdown."""
+"""Part of rcl's error for anything created after Ctrl-C, which alone shuts down early."""
 
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
