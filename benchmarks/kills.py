@@ -181,7 +181,7 @@ def _killed_or_done(
     """
     Start a grading and kill one of its processes, unless the grading ends before that.
 
-    :param within_s: time within which to kill [s], None for never
+    :param within_s: delay before the kill [s], None for no kill
     :returns: what the grading printed and wrote, None if it did not complete
     """
     grading = _command(layout, jobs)

@@ -59,7 +59,7 @@ def build(
     Make the copy and submit the answers.
 
     :param root: an empty folder
-    :param answers: text of ``temp_publisher.py``
+    :param answers: text of ``temp_publisher.py``, by student
     :param seconds: duration of the exam [virtual s]
     :param more: code of additional checks, appended to the exam's module
     :param more_points: points of the additional checks

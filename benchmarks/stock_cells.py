@@ -67,7 +67,7 @@ student.start()
 
 
 def see():
-    """Read the graph once, and receive messages for 0.2 s."""
+    """Run at most one callback within 0.2 s, then read the graph."""
     executor.spin_once(timeout_sec=0.2)
     names.update(set(listener.get_node_names()) - {'listener'})
     endpoints[:] = listener.get_publishers_info_by_topic('/temperature_topic') or endpoints

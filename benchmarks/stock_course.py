@@ -97,7 +97,7 @@ def _source_notebook(seconds: int) -> NotebookNode:
             **({'points': float(points)} if points else {}),
         }
         cells.append(cell)
-    # Log to standard output, as in the course's kernel: a line on stderr would give 0 points.
+    # The course's kernel logs to standard output: a log line on stderr would give 0 points.
     kernel = {'name': 'ros2_jazzy', 'display_name': 'ROS 2 Jazzy', 'language': 'python'}
     return new_notebook(cells=cells, metadata={'kernelspec': kernel})
 

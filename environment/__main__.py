@@ -73,7 +73,7 @@ def run(command: Sequence[str], places: Places, environ: Mapping[str, str]) -> i
 
 
 def lock(environ: Mapping[str, str]) -> int:
-    """Resolve with every supported Python on this machine; all of them must be present."""
+    """Resolve with one Python of each supported version; all versions must be installed here."""
     from environment import interpreters
     from environment.lock import oldest_of_each, write_lock
 

@@ -20,7 +20,7 @@ def sources() -> list[Path]:
 
 def commands(folder: Path, *options: str) -> list[list[str]]:
     """
-    Return the two compiler commands, for the library and the driver.
+    Return the two compiler commands, for the driver and the library.
 
     :param folder: folder for the compiled files
     :param options: additional compiler options

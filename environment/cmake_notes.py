@@ -70,7 +70,7 @@ def _write_stand_in(path: Path, python: str) -> None:
 
 def _precompile(header: Path, flags: Path, language: str, called: str, defines: str) -> None:
     """
-    Compile a header with the options of the build; if that fails, leave no file behind.
+    Compile a header with the options of the build; if that fails, leave no compiled file.
 
     :param header: the header; GCC looks for the compiled file next to it, with suffix ``.gch``
     :param flags: file with CMake's options for a target

@@ -16,7 +16,7 @@ from environment.ros import RosEnvironment
 
 SYSTEM_PATH = ('/usr/local/sbin', '/usr/local/bin', '/usr/sbin', '/usr/bin', '/sbin', '/bin')
 
-# For every process of the course, wherever ROS comes from.
+# Variables for every process of the course, wherever ROS comes from.
 COMMON = {
     # Raise an error when a string is assigned to a number field, instead of a crash at publish
     # time.

@@ -1,7 +1,7 @@
 """
 Implement `make doctor`: one line per requirement, with its state and fix, without network access.
 
-The course does not work with a `missing` requirement; with a `weak` one, some part does not.
+If a requirement is `missing`, the course does not work; if one is `weak`, a part of it does not.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Finding:
     :param name: the requirement
     :param state: ok, weak or missing
     :param detail: what was found
-    :param fix: what to type or change, '' if nothing is wrong
+    :param fix: what to type or change; shown only if the state is not ok
     """
 
     name: str
@@ -277,7 +277,7 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
 
 
 def check_workspace(places: Places) -> Finding:
-    """Check that the course package is built, and from the current sources."""
+    """Check that the build of the course package has finished."""
     name = places.package_name
     if not name:
         return Finding('ROS package', OK, 'the course has none')

@@ -63,8 +63,8 @@ def write_jupyter_settings(places: Places) -> None:
 
     The question about news is switched off: it uses the network and distracts learners.  Messages
     between the server and its kernels are encrypted: other users of the machine cannot read them,
-    and no kernel prints a warning about that to the learner's terminal.  Terminals have the
-    environment of the course.  Students' copies omit the parts of nbgrader that instructors use.
+    and no kernel prints a warning about that to the learner's terminal.  Terminals start
+    with the course's PATH.  Students' copies omit the parts of nbgrader that instructors use.
     """
     folder = places.venv / 'etc' / 'jupyter'
     server = {

@@ -1,4 +1,4 @@
-"""Name the folders and files that the set-up creates, all of them inside the venv."""
+"""Name the folders and files that the set-up creates, in the venv and next to it."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
 
 
 def _python_of_venv(places: Places, environ: Mapping[str, str]) -> Interpreter | None:
-    """Return the Python of an existing venv, unless the user has chosen a different one."""
+    """Return the Python of an existing venv, None if it is missing, unsupported or incomplete."""
     python = interpreters.probe(str(places.python), environ) if places.python.exists() else None
     return python if python and python.supported and python.complete else None
 

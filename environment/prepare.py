@@ -189,7 +189,7 @@ def clear_venv(places: Places) -> None:
     """
     Empty the folder of the venv except for the notes, which include the log in use.
 
-    :raises StepError: if the folder contains files not created by venv or this set-up
+    :raises StepError: if the folder is a link, or is neither empty nor a virtual environment
     """
     if not places.venv.exists():
         return

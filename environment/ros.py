@@ -78,7 +78,7 @@ def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
     Return the ROS environment of the running virtual environment.
 
     :param venv: another virtual environment; by default the one to which this Python belongs
-    :raises EnvironmentError_: if it is missing or unreadable, the message gives the command to run
+    :raises EnvironmentError_: if it is missing or unreadable; the message gives the command to run
     """
     path = Path(venv or sys.prefix) / FILE_NAME
     try:
@@ -100,8 +100,8 @@ def further_messages(venv: Path) -> dict[str, list[str]]:
     """
     Return the message packages that an environment has in addition to those of the lock.
 
-    :returns: name of the ROS package, such as ``'trajectory_msgs'``, -> its version, followed by
-        the versions of the additional packages that it uses
+    :returns: name of the ROS package, such as ``'trajectory_msgs'``, -> the sorted pins
+        (``NAME==VERSION``) of its wheel and of the additional packages that it uses
     """
     try:
         found = json.loads((venv / MESSAGES_NAME).read_text(encoding='utf-8'))

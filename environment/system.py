@@ -112,7 +112,7 @@ def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
     Run bubblewrap to find out whether it works.
 
     :param bwrap: path of the program, None if it is not installed
-    :param root: whether this is root, for whom no user namespace is created
+    :param root: whether the user is root, for whom no user namespace is created
     :returns: '' if it works, else its error message
     """
     if not bwrap:

@@ -68,7 +68,7 @@ def listen(
 
     :param topic: name of the topic
     :param msg_type: class of the topic's messages
-    :param depth: how many messages wait in the queue for the callback
+    :param depth: how many messages can wait in the queue for the callback
     :param qos: a complete QoS profile, instead of a reliable one of this depth
     """
     return Listener(session(), topic, msg_type, qos or QoSProfile(depth=depth))
@@ -142,7 +142,7 @@ def plot(
         ``plot(run['temperature_topic'], 'temperature_value')``
     :param field: path of the field, such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
-    :param threshold: a value to mark with a horizontal line
+    :param threshold: a value to draw as a horizontal line; values above it are highlighted
     :param marks: names and times of other events, as in ``timeline`` [s]
     """
     if seconds is None:

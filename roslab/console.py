@@ -82,7 +82,7 @@ def spare_the_terminal(stream: Any) -> None:
 
 
 class ConsoleLines:
-    """Removes marked lines from text that arrives in pieces."""
+    """Removes marked lines of Python, and the marks of other lines, from text in pieces."""
 
     def __init__(self) -> None:
         self._rest = ''

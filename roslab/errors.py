@@ -22,7 +22,7 @@ class NameRefusedError(RoslabError):
 
 
 class AnswerRefusedError(RoslabError):
-    """Raised when an ``%%answer`` cell contains none of the permitted letters."""
+    """Raised when an ``%%answer`` cell does not contain one of the letters in quotes."""
 
 
 class NodeSyntaxError(RoslabError):
@@ -30,7 +30,7 @@ class NodeSyntaxError(RoslabError):
 
 
 class NotHereError(RoslabError):
-    """Raised when something must exist first; the message names the cell or command to run."""
+    """Raised when something that must already exist is missing; the message names it."""
 
 
 E = TypeVar('E', bound=BaseException)

@@ -198,7 +198,7 @@ class BackgroundExecutor:
 
     @property
     def is_this_thread(self) -> bool:
-        """Return whether the caller runs in the executor thread, inside a callback."""
+        """Return whether the caller runs in the executor thread, as callbacks do."""
         return threading.current_thread() is self._thread
 
     @property
@@ -229,7 +229,7 @@ class BackgroundExecutor:
         # Try again, because the thread may only have been slow.  Destroying a node twice is
         # harmless.
         if not self._do(go, patience_s):
-            go()  # a callback of another node blocks the thread, so no wait set is in use
+            go()  # a callback still blocks the thread, so no wait set is in use
 
     def ask(self, request: Callable[[], None]) -> None:
         """Request an action between two callbacks and return without waiting for it."""

@@ -23,7 +23,7 @@ _DEEPEST = 4
 
 def numeric_fields(msg_type: Any) -> list[str]:
     """
-    Return the paths of all numeric fields of a message; paths into arrays end in ``[0]``.
+    Return the paths of all numeric fields of a message, with ``[0]`` for the items of arrays.
 
     :param msg_type: class of the message
     """

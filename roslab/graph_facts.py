@@ -42,7 +42,8 @@ class Endpoint:
 
     :param node: full name of its node
     :param type: such as ``std_msgs/msg/String``
-    :param here: whether it belongs to this kernel's participant, None if unknown
+    :param here: whether it belongs to this kernel's participant; True without a check if no other
+        notebook is in the graph
     """
 
     node: str
@@ -77,7 +78,7 @@ class Edge:
 
     :param outward: True from node to topic (the node publishes), False from topic to node
     :param matched: whether the node's endpoint is matched
-    :param remark: why it is not matched, or which hidden node it is matched with
+    :param remark: why it is not matched, or that only hidden endpoints match it
     """
 
     node: str

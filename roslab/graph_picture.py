@@ -140,7 +140,7 @@ def _whole(
 ) -> str:
     legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
     width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
-    # Reserve space above a box that has remarks below it, to keep the box centred.
+    # The layout reserves space above a box with remarks below; do not show it at the top.
     room = {f't{name}': _LINE * len(found) for name, found in remarks.items()}
     tops = (s.y - s.height / 2 + room.get(s.key, 0.0) for s in layout.spots.values())
     top = min(tops, default=0.0)
@@ -205,7 +205,7 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
 
 
 def _ports(arrows: Sequence[Arrow]) -> dict[str, int]:
-    """Return the number of arrows that end at each box."""
+    """Return the number of arrows that start or end at each box."""
     found: dict[str, int] = {}
     for arrow in arrows:
         for key in arrow:

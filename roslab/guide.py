@@ -84,7 +84,7 @@ class NotebookCell:
 
 def load_ipython_extension(shell: Any) -> None:
     """
-    Install the handler that shows one sentence instead of a traceback where possible.
+    Install the handler that shows one sentence instead of a traceback if the sentence helps more.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -200,7 +200,7 @@ def texts_now(shell: Any) -> list[str]:
 
 def defined_names(source: str) -> frozenset[str]:
     """
-    Return the names that a cell defines at the top level, by assignment, import or loop.
+    Return the names that a cell binds at the top level: by assignment, import, loop, def or class.
 
     :param source: text of a cell, which may contain magics and shell commands
     """

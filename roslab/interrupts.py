@@ -107,7 +107,7 @@ def no_interrupts() -> Iterator[None]:
 
 def watch_cells(shell: Any) -> None:
     """
-    Deliver interrupts only at moments of a cell when they do no harm.
+    Deliver the interrupts of this kernel's cells only at moments when they do no harm.
 
     :param shell: what ``get_ipython()`` returns
     """
@@ -232,7 +232,7 @@ def _try_later() -> None:
 
 
 def _send_again(message: int) -> None:
-    if message == _watched.message:  # a later message belongs to another cell
+    if message == _watched.message:  # otherwise the signal would interrupt a later cell
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 

@@ -120,7 +120,7 @@ def print_topics(session: Session, types: bool) -> None:
 
 
 def _texts(node: Node, name: str) -> list[str]:
-    """Return the ``info`` texts of the topic and the node with a name."""
+    """Return the ``info`` texts of the topic and of the node with this name."""
     texts = []
     types = topics_now(node).get(name)
     if types:

@@ -24,7 +24,7 @@ class Plot:
         recorded by a simulation, ``run['topic']``
     :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]
-    :param threshold: a value to mark with a horizontal line
+    :param threshold: a value to draw as a horizontal line; values above it are highlighted
     :param marks: times of other events, by name [s]
     :raises NotHereError: if the topic has no endpoint
     :raises RoslabError: if the field does not exist or is not numeric

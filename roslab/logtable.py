@@ -30,7 +30,7 @@ class LogLine:
 
     :param stamp_s: wall-clock time [s]
     :param level: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'
-    :param logger: name of the logger; for a node, its full name with dots instead of slashes
+    :param logger: name of the logger; for a node, its namespace and name joined by dots
     """
 
     stamp_s: float

@@ -140,7 +140,8 @@ def matching_qos(publishers: Sequence[Any], depth: int = 10) -> QoSProfile:
     Return a QoS profile compatible with all publishers of a topic, as ``ros2 topic echo`` does.
 
     :param publishers: rclpy's ``TopicEndpointInfo``; if empty, the result is rclpy's default
-    :param depth: how many messages wait in the queue for the callback
+        profile with this depth
+    :param depth: how many messages can wait in the queue for the callback
     """
     offered = [info.qos_profile for info in publishers]
     reliable = all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)

@@ -110,7 +110,7 @@ class ElapsedTime:
         return self
 
     def tick(self, seconds: float, output: str) -> None:
-        """Show the elapsed time and the progress."""
+        """Show the elapsed time [s] and the progress."""
         if self._handle is not None:
             how_far = self._progress(output)
             text = f'{self._text} ... {seconds:.0f} s{how_far and f", {how_far}"}'

@@ -48,7 +48,7 @@ class LearnerPackage:
 
     def path_of(self, cell: CellFile) -> Path:
         """
-        Return the path of a cell's file; nodes are in the inner folder, as in any ROS package.
+        Return the path of a cell's file; Python files of nodes are in the inner folder.
 
         :raises NameRefusedError: if the path is outside the package
         """

@@ -76,7 +76,7 @@ class Pages:
     Sends the output of each thread to the correct cell.
 
     :param stream: the kernel's stdout
-    :param console: removes marked lines of C code from the output that the kernel reads
+    :param console: processes the marked log lines in the output that the kernel reads back
     """
 
     def __init__(self, stream: Any, console: ConsoleLines) -> None:

@@ -30,7 +30,7 @@ class Curve:
     :param name: topic and field, as in the title
     :param points: sorted by time; a value that is not finite leaves a gap
     :param seconds: length of the time axis [s]
-    :param threshold: a value to mark with a horizontal line
+    :param threshold: a value to draw as a horizontal line; values above it are highlighted
     :param marks: times of other events, by name [s]
     """
 

@@ -1,5 +1,5 @@
 """
-Store the last results of ``check(...)`` and ``quiz(...)``, count tries, and show both by lesson.
+Store the last results of ``check(...)`` and ``quiz(...)``, count tries, show results by lesson.
 
 One JSON file in the course's work folder holds the results. It is never sent anywhere, and the
 grader never reads it: it is for the learner and is not evidence.
@@ -59,7 +59,7 @@ def progress(forget: bool = False) -> None:
 
 def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
     """
-    Store the last result of an exercise; print one line if that fails.
+    Store the last result of an exercise or question; print one line if that fails.
 
     Only a notebook inside the course's folder is recorded: a copy that is executed elsewhere, for
     example by a test, is not the learner's work.
@@ -138,7 +138,7 @@ def next_part(lessons: Iterable[Outline], results: Results) -> tuple[Outline, Pa
 
 
 def headline(lessons: Iterable[Outline], results: Results) -> tuple[str, str]:
-    """Return two sentences: the points so far, and what comes next."""
+    """Return two phrases: the points so far, and what comes next."""
     points = [_points(lesson, results) for lesson in lessons]
     so_far, most = (number(sum(column)) for column in zip((0, 0), *points))
     found = next_part(lessons, results)

@@ -38,7 +38,7 @@ from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
 
 _PATIENCE_S = 10.0
-"""Upper limit, for a machine that is too busy; a table usually takes 0.2 s [s]."""
+"""Time limit [s], reached only on a very busy machine; a table usually takes 0.2 s."""
 _tables = count(1)
 
 Choice = Mapping[str, Any]
@@ -232,7 +232,7 @@ def _html_of(cell: Cell, rule: str) -> str:
 
 def qos_table(policy: str = 'reliability and durability', *, first: str = 'publisher') -> QosTable:
     """
-    Test every combination of one policy with real endpoints.
+    Test every combination of a policy's values with real endpoints.
 
     :param policy: ``'reliability'``, ``'durability'``, ``'reliability and durability'``,
         ``'deadline'``, ``'liveliness'``, ``'lease'``, ``'lifespan'`` or ``'depth'``
@@ -362,7 +362,7 @@ def _await_all(pairs: Sequence[_Pair], executor: SingleThreadedExecutor) -> None
 
 def documented(policy: str, offered: str, requested: str) -> bool | None:
     """
-    Return whether the documented rule predicts a match of an offer with a request.
+    Return whether an offer is at least as strong as a request, as the documented rule requires.
 
     :param policy: name of the table
     :returns: None if the middleware or the situation decides

@@ -47,7 +47,7 @@ def as_html(question: dict[str, Any]) -> str:
     """
     Return a question as HTML in which each option opens its explanation.
 
-    :param question: a dictionary with the fields of the widget
+    :param question: the ``question`` of the widget, a dictionary with ``text`` and ``options``
     """
     options = ''.join(
         f'<details><summary>{letter}) {_with_code(option["text"])}</summary>'

@@ -26,12 +26,12 @@ class CheckReport:
     :param exam: name of the exercise
     :param result: the verdicts, None if the exercise could not be judged
     :param problem: the reason why there are no verdicts
-    :param unfinished: files that still contain only the stub
+    :param unfinished: files that still contain a stub
     :param judged: one line that names the judged files and the cells that saved them
     :param edited: files whose cell was edited after the file was saved
     :param left_over: files that no cell of the notebook saves now
     :param lesson: file name of the lesson's notebook, for links to its sections
-    :param worked: the line that links to a worked answer, as text and as HTML
+    :param worked: the line about the worked answer, as text and as HTML
     """
 
     exam: str
@@ -67,7 +67,7 @@ class CheckReport:
         show(str(self), self._repr_html_())
 
     def _ipython_display_(self) -> None:
-        """Show the report as the value of a later cell; the first cell has already shown it."""
+        """Show the report as the value of a later cell; the cell of the check already shows it."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
             self.show()

@@ -86,8 +86,7 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     found = []
     for file in files:
         bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
-        # Ignore a notebook saved before the cell ran: its text may be older than the
-        # file.
+        # Ignore a notebook saved before the cell ran: its text may be older than the file.
         if (
             bodies
             and shown_s > file.modified_s

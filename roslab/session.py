@@ -185,7 +185,7 @@ class Session:
                 self._destroy(helper)
 
     def close(self) -> None:
-        """Destroy all nodes and shut the context down; a later call starts a new session."""
+        """Destroy all nodes and shut the context down; a later use initialises ROS again."""
         with HeldInterrupts():
             self._close()
 

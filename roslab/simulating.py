@@ -50,7 +50,7 @@ def simulate(
     :returns: messages and log lines with their times, for ``timeline`` and ``plot``. The result is
         cut off if the program has used 20 s of processor time, or has sent 20000 messages and log
         lines together
-    :raises RoslabError: if a file or topic does not exist, or a time is invalid
+    :raises RoslabError: if a file or topic does not exist, a time is invalid, or the run fails
     :raises NotImplementedError: if the program ended in an exercise that is not written yet
     """
     package = learner_package()

@@ -38,7 +38,7 @@ def answer(exam: Any) -> None:
 
 
 def offer(exam: str) -> tuple[str, str]:
-    """Return the line below a check that links to the worked answer, as text and as HTML."""
+    """Return how or when the worked answer opens, as text and as HTML; empty if there is none."""
     try:
         found = worked_answer(exam)
         closed = still_closed(exam) if found else ''

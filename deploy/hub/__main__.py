@@ -67,7 +67,7 @@ def _run(settings: Settings, path: Path) -> int:
             env=environ,
             stdout=file,
             stderr=subprocess.STDOUT,
-            start_new_session=True,  # so that only this process forwards a Ctrl-C, once
+            start_new_session=True,  # keep Ctrl-C from the hub: _stop() ends it
         )
     try:
         address = f'http://127.0.0.1:{settings.port}/'

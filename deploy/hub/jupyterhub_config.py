@@ -1,7 +1,7 @@
 """
 Configure JupyterHub for the course; ``jupyterhub`` reads this file when ``deploy.hub`` starts it.
 
-Students use the environment of the shared students' copy, the instructor that of the own clone.
+Students use the environment of the shared students' copy, the instructor that of a clone.
 """
 
 import os

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Start a kernel with a separate network and a separate /dev/shm: its nodes cannot exchange messages
-# with the nodes of other users or kernels. Needs no root. Each step replaces the last process, so
+# with the nodes of other users or kernels. Needs no root. Each step replaces the process before, so
 # that signals reach the kernel itself.
 #
 # `ip` and `mount` need the capabilities, which are dropped before the kernel starts.

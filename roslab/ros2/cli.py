@@ -39,7 +39,7 @@ GROUPS = {
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = 'the given context is not valid'
-"""rcl's error for anything created after Ctrl-C, the only reason for an early shutdown."""
+"""Part of rcl's error for anything created after Ctrl-C, which alone shuts down early."""
 
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:

@@ -38,7 +38,7 @@ from rclpy.parameter import Parameter
 QUIET_S = 0.12
 """How long the graph must not change; longer than the 0.1 s between two announcements [s]."""
 QUIET_LOOKS = 8
-"""Minimum number of polls within QUIET_S, so that a process without CPU time keeps polling."""
+"""Minimum number of polls without a change, so that a process without CPU time keeps polling."""
 ALONE_S = 0.5
 """How long to wait for a first other node; ``--spin-time`` of the real command [s]."""
 AGAIN_S = (0.2, 0.2, 0.2)
@@ -100,8 +100,8 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
     """
     Provide a node that has discovered the graph.
 
-    :param known: whether the graph contains the entity that the command needs; the wait for it
-        ends after LIMIT_S
+    :param known: returns whether the graph contains the entity that the command needs; the wait
+        for it ends after LIMIT_S
     """
     looks = (args.spin_time, *AGAIN_S, *([LIMIT_S] if known else []))
     for number, alone_s in enumerate(looks, 1):
@@ -113,9 +113,9 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
 
 def wait_for_graph(node: Node, alone_s: float = ALONE_S, known: Known | None = None) -> bool:
     """
-    Wait until the node has discovered the graph, for at most LIMIT_S or ``alone_s``.
+    Wait until the node has discovered the graph, at most the longer of LIMIT_S and ``alone_s``.
 
-    :param alone_s: how long to wait for a first other node; the longer limit applies [s]
+    :param alone_s: how long to wait for a first other node [s]
     :param known: if there are other nodes, the wait ends early only if this condition holds, too
     :returns: whether there are other nodes
     """

@@ -150,7 +150,7 @@ def _without_comment(line: str) -> str:
 
 
 def _part(line: str, package_name: str) -> str:
-    """Return the full name of the message type of a field, '' for any other line."""
+    """Return the full type name if a line defines a field with a message type, otherwise ''."""
     if not line or line == '---' or _CONSTANT.match(line):
         return ''
     kind = line.split()[0].partition('[')[0]

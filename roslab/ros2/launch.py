@@ -143,7 +143,7 @@ def _in_share(text: str) -> str:
 
 
 def _started(start: Start) -> subprocess.Popen[str]:
-    """Start a program in a separate session, so that only this process forwards Ctrl-C, once."""
+    """Start a program in a separate session, so that it gets Ctrl-C once, from this process."""
     process = subprocess.Popen(
         start.command,
         stdout=subprocess.PIPE if start.screen else subprocess.DEVNULL,

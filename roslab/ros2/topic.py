@@ -1,4 +1,4 @@
-"""Implement ``ros2 topic``: define its verbs, and those that only read the graph."""
+"""Implement ``ros2 topic``: register its verbs, and define those that only read the graph."""
 
 from __future__ import annotations
 

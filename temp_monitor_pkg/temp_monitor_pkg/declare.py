@@ -33,7 +33,7 @@ def number(
     :param largest: the largest value allowed
     :returns: the user's value, or the default
     :raises InvalidParameterValueException: if the value is outside the range or NaN
-    :raises InvalidParameterTypeException: if the user's value is not a float, but an integer
+    :raises InvalidParameterTypeException: if the user's value is not a float but, say, an integer
     """
     limits = FloatingPointRange(from_value=smallest, to_value=largest, step=0.0)
     descriptor = ParameterDescriptor(

@@ -253,7 +253,7 @@ class TestVirtualTime:
         assert first != other
 
     def test_cycle_of_the_publisher_warns_once_for_each_hot_reading(self, virtual_time) -> None:
-        """The subscriber receives the publisher's cycle at the same times and warns correctly."""
+        """The subscriber gets each reading at the same time and warns once per high one."""
         readings = virtual_time(temp_publisher.__file__, seconds=90)['temperature_topic']
         sent = list(zip(readings.times, readings.messages))
         run = virtual_time(temp_subscriber.__file__, 91, inputs={'temperature_topic': sent})
