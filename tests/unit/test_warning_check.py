@@ -92,6 +92,17 @@ def test_warning_that_comes_a_reading_late_is_explained():
     assert 'accepts_one_late' in {one.cause_id for one in found.values()}
 
 
+def test_warning_some_time_after_its_reading_is_explained():
+    """A check that misses this run and a right one compares something else than times."""
+    exam = catalog.load('warning_check')
+    runs = exam.asks['answers'].inputs
+    answers = [one.slip is None or one.slip.cause_id == 'warns_later' for one in runs]
+    answers[answers.index(True)] = False
+    found = results(answers, exam)
+
+    assert 'accepts_warns_later' in {one.cause_id for one in found.values()}
+
+
 def test_graded_exam_names_no_place_and_no_value():
     """Its order is the secret: with it, a list of answers would do."""
     exam = catalog.load('warning_check')
