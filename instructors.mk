@@ -35,7 +35,7 @@ quick: prepare
 # Files side by side, more than there are processors, because most tests wait for something; each
 # file's tests in their order. ARGS='-n 0' runs one after the other.
 test: prepare
-	@exec $(WITH_ROS) python -m pytest -n 6 --dist loadfile $(ARGS)
+	@exec $(WITH_ROS) python -m pytest -n 4 --dist loadfile $(ARGS)
 
 # HUB=FILE names other settings than deploy/hub/hub.toml.
 hub: export HUB := $(HUB)
