@@ -101,7 +101,7 @@ def explain(error: str | BaseException | None = None) -> None:
     Print what an error means, how to fix it, and where lesson 08 shows it.
 
     :param error: an error message or an exception; by default the last error of this notebook
-    :raises RoslabError: if there was no error, or the argument is empty or of another type
+    :raises RoslabError: if there was no error, or the argument is empty or of a wrong type
     """
     if error is None:
         error = getattr(sys, 'last_value', None)

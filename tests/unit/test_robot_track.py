@@ -22,7 +22,7 @@ def driven(*commands: tuple[float, float, float], until_s: float) -> Track:
 
 
 def test_robot_drives_as_the_last_command_says_until_another_arrives():
-    """It stands before the first command and after a stop command."""
+    """The robot does not move before the first command, nor after a stop command."""
     track = driven((1.0, 0.5, 0.0), (3.0, 0.0, 0.0), until_s=9.0)
 
     assert track.pose == pytest.approx((1.0, 0.0, 0.0))
