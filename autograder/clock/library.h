@@ -9,6 +9,7 @@
  * timers.c       alarms and timerfds
  * clocks.c       reading the clock, and loops that poll the clock
  * processes.c    child processes and waits for their end
+ * processors.c   how many processors the program sees
  */
 #ifndef LIBRARY_H
 #define LIBRARY_H
@@ -18,6 +19,7 @@
 
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <semaphore.h>
 #include <signal.h>
 #include <spawn.h>
@@ -45,9 +47,10 @@
     X(ppoll) X(pselect) X(pthread_clockjoin_np) X(pthread_create) X(pthread_join) \
     X(pthread_mutex_lock) X(pthread_mutex_trylock) X(pthread_mutex_unlock) \
     X(pthread_rwlock_tryrdlock) X(pthread_rwlock_trywrlock) X(pthread_rwlock_unlock) X(read) X(recv) \
-    X(recvfrom) X(recvmsg) X(sem_clockwait) X(sem_init) X(sem_open) X(sem_post) X(sem_trywait) \
-    X(sem_wait) X(send) X(sendmsg) X(sendto) X(setitimer) X(sigsuspend) X(sigtimedwait) X(syscall) X(timerfd_create) \
-    X(timerfd_gettime) X(timerfd_settime) X(wait4) X(waitid) X(write)
+    X(recvfrom) X(recvmsg) X(sched_getaffinity) X(sched_setaffinity) X(sem_clockwait) X(sem_init) \
+    X(sem_open) X(sem_post) X(sem_trywait) X(sem_wait) X(send) X(sendmsg) X(sendto) X(setitimer) \
+    X(sigsuspend) X(sigtimedwait) X(syscall) X(timerfd_create) X(timerfd_gettime) \
+    X(timerfd_settime) X(wait4) X(waitid) X(write)
 
 struct functions {
 #define X(name) __typeof__(&name) name;

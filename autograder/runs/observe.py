@@ -9,7 +9,7 @@ run when the probe has finished or the watchdog reports an exceeded limit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 import json
 import os
@@ -25,6 +25,7 @@ from typing import Any
 from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.recording import header, Recording
+from autograder.runs.one_processor import one_processor
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.probes import compile_code, start_probe
@@ -135,12 +136,18 @@ def observe(
     :raises SandboxUnavailable: if the sandbox cannot be started
     """
     compile_code()
+    builds = scenario['program'] in BUILDS  # compilers run side by side
     began = time.monotonic()
-    with sandbox.turn(), laid_out(files) as (submission, home), virtual_clock(2) as clock:
+    with (
+        sandbox.turn(),
+        nullcontext() if builds else one_processor(),
+        laid_out(files) as (submission, home),
+        virtual_clock(2) as clock,
+    ):
         program, limits = program_for(scenario, submission, sandbox.ros)
         # Packages are built in real time. After the build, run_package.py and build_package.py
         # load the library of the virtual clock into the program that replaces them.
-        placed = clock.command(STUDENT, later=scenario['program'] in BUILDS)
+        placed = clock.command(STUDENT, later=builds)
         program = replace(program, argv=(*placed, *program.argv))
         student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
         try:
