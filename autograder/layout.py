@@ -7,7 +7,7 @@ the course that contains the current folder; if there is none, the course in the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from functools import cached_property
@@ -27,6 +27,9 @@ CHOSEN = 'COURSE_DIR'
 """The environment variable that names the folder of the course; ``--course`` sets it."""
 
 
+TABLES = ('messages', 'sections')
+
+
 @dataclass(frozen=True)
 class Facts:
     """
@@ -40,6 +43,8 @@ class Facts:
     :param work: folder for everything that grading writes, relative to the root
     :param messages: the course's own message types to the field that feedback suggests if a
         student uses a whole message instead of a value
+    :param sections: sections of lessons that explain errors, named as in the ``read`` of a check,
+        each with the ids of the causes that it explains
     """
 
     name: str = 'course'
@@ -47,6 +52,11 @@ class Facts:
     package: str = UNSTATED['package']
     work: str = UNSTATED['work']
     messages: Mapping[str, str] = field(default_factory=dict)
+    sections: Mapping[str, Sequence[str]] = field(default_factory=dict)
+
+    def section_about(self, cause_id: str) -> str:
+        """Return the section that explains a cause, empty if none of :attr:`sections` does."""
+        return next((name for name, ids in self.sections.items() if cause_id in ids), '')
 
 
 def read_facts(path: Path) -> Facts:
@@ -66,8 +76,8 @@ def read_facts(path: Path) -> Facts:
     for name, value in found.items():
         if name not in known:
             raise GraderError(f'{path}: unknown name {name!r}.', f'Try: one of {", ".join(known)}')
-        if not isinstance(value, dict if name == 'messages' else str):
-            kind = 'a table' if name == 'messages' else 'a string'
+        if not isinstance(value, dict if name in TABLES else str):
+            kind = 'a table' if name in TABLES else 'a string'
             raise GraderError(
                 f'{path}: expected {kind} for {name}, got {value!r}.', 'Try: correct the file'
             )

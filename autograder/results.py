@@ -1,8 +1,8 @@
 """
 Define the results of grading as immutable data classes, which the stages of the grader exchange.
 
-This module does not depend on ROS, Jupyter or nbgrader.  All classes convert to and from JSON
-types.
+This module does not depend on ROS, Jupyter or nbgrader.  Results, with all
+objects in them, convert to and from JSON types.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ def copy_cmake_files(places: Places) -> None:
 
 def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
     """Return the contents of kernel.json, which sets the ROS environment."""
-    # Jupyter expands ${PATH}; the learner's own programs remain available after the venv's.
+    # Jupyter expands ${PATH}, so the learner's own programs are found after those of the venv.
     path = {'PATH': f'{Path(ros.python).parent}:${{PATH}}'}
     variables = {**discovery_variables(ros), **ros.variables, **path}
     launch = [ros.python, '-m', 'ipykernel_launcher', '-f', '{connection_file}']
@@ -180,7 +180,7 @@ def silence_colcon(places: Places) -> None:
 
 
 def install_files(places: Places, ros: RosEnvironment) -> None:
-    """Write everything that depends on the description of the environment."""
+    """Write the path file, kernel, ``ros2`` command, Jupyter settings and description."""
     write_path_file(places)
     write_kernel(places, ros)
     write_ros2_command(places, ros)

@@ -90,7 +90,7 @@ def constructing(construction: Construction) -> Iterator[None]:
     original = Node.__init__
     thread = threading.get_ident()
 
-    @wraps(original)  # errors about its arguments name Node.__init__
+    @wraps(original)  # so that errors about its arguments mention Node.__init__
     def init(self: Node, node_name: str, **given: Any) -> None:
         if threading.get_ident() != thread:
             original(self, node_name, **given)

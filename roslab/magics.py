@@ -2,7 +2,7 @@
 Save a cell as a file: the magics ``%%node``, ``%%rosmsg``, ``%%rospkg`` and ``%%answer``.
 
 Each magic saves its cell in the learner's package, so the notebook runs, colcon builds and the
-grader judges the same text.  ``%%node`` also runs the cell as a module with this name;
+grader judges the same text.  ``%%node NAME`` also runs the cell as the module NAME;
 ``%%answer`` prints the letter that it recognised.
 """
 

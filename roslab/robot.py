@@ -82,7 +82,7 @@ class Robot:
         self._change(command.linear.x, command.angular.z)
 
     def stop_in_silence(self) -> None:
-        """Stop, because no command arrived within the deadline; only the first one counts."""
+        """Stop because no command arrived within the deadline; ignore further misses in a row."""
         if self._track.happened[-1:] and self._track.happened[-1].what == DEADLINE:
             return
         self._change(0.0, 0.0, DEADLINE)

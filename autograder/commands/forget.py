@@ -207,7 +207,7 @@ order by assignment.name
 
 
 def _forget_name(layout: Layout, student: str) -> None:
-    """Remove the display name of a student and the saved participant numbers from Moodle."""
+    """Remove a student's saved display name and Moodle participant numbers."""
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
         keep_namesakes(layout, known, ())

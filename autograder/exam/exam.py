@@ -179,7 +179,9 @@ class Exam:
         :param needs: names of earlier checks
         :param static: whether the check looks only at the files; if failed static checks block all
             other checks, the grader does not run the program
-        :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
+        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
+            above 0, a need is not an earlier check, or only a program could answer the check and
+            the scenario has none
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:
@@ -193,7 +195,9 @@ class Exam:
         """
         Add a check.
 
-        :raises ExamInvalid: for a repeated name, no docstring, no points or an unknown need
+        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
+            above 0, a need is not an earlier check, or only a program could answer the check and
+            the scenario has none
         """
         names = [other.name for other in self.checks]
         where = f'exam {self.name}, check {check.name}'
@@ -222,7 +226,7 @@ class Exam:
         return sum(check.points for check in self.checks)
 
     def scenario_digest(self) -> str:
-        """Return a digest of the scenario; equal digests give equal recordings."""
+        """Return a digest of the scenario, which identifies the scenario in recordings."""
         text = json.dumps(self.scenario.to_json(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 

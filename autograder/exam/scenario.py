@@ -135,7 +135,7 @@ class Advance(Step):
     seconds: float
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """Reject a duration that is not positive."""
+        """Yield a message if the duration is not positive."""
         if not self.seconds > 0:
             yield f'the number of seconds must be above 0, got {self.seconds}'
 
@@ -161,7 +161,7 @@ class Feed(Step):
     rest_s: float = 2.0
 
     def mistakes(self, there: There) -> Iterator[str]:
-        """Reject a topic that was not announced, and a burst that is too long."""
+        """Yield a message for a topic that was not announced, and for a burst that is too long."""
         if self.topic not in there['subscription']:
             yield _not_announced(self.topic, there['subscription'])
         if self.burst and len(self.messages) > MAX_BURST:

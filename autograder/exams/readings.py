@@ -145,7 +145,8 @@ ERROR_ONCE = Cause(
     'error_once',
     'Your node logs an ERROR line for the first reading in an unknown unit, but not when the same '
     'unit comes again.',
-    'Log it for each reading, without once= and without a list of units seen before.',
+    'Log one ERROR line for every reading in an unknown unit, without once= and without a list of '
+    'units already seen.',
 )
 BURST_IS_CUT = Cause(
     'burst_is_cut',

@@ -1,5 +1,5 @@
 """
-Convert results to text; all feedback on a check comes from this module.
+Convert results to text; the text of every check comes from this module.
 
 Visible checks in a notebook, nbgrader's feedback, formgrader, the report of a class and the
 terminal all use this text.  A failed check takes at most twelve lines.  Parts of the text come

@@ -109,7 +109,7 @@ def refuse_damaged(layout: Layout) -> None:
 
     A missing file is accepted: an instructor removes the file to start a new gradebook.
 
-    :raises GraderError: if the gradebook is damaged or empty; the error names the copy to restore
+    :raises GraderError: if the file is refused; the error names the newest copy, if there is one
     """
     path = gradebook_file(layout)
     if path is None or not path.is_file():

@@ -57,10 +57,11 @@ def build(source: str, package: str) -> Path:
     command += ['--cmake-args', '-DCMAKE_BUILD_TYPE=None', '-DBUILD_TESTING=OFF']
     if shutil.which('ninja'):
         command += ['-GNinja']  # Ninja runs more steps of a message build in parallel than Make
-    # Four parallel compilers stay below the sandbox's limit of processes on any machine. No load
-    # limit (-l), with which a busy machine would build one file at a time. Only Python programs
-    # run, so environment/cmake skips the C++ code of messages.
-    settings = {**os.environ, 'MAKEFLAGS': '-j4', 'ROS2_COURSE_GRADED_BUILD': '1'}
+    # Four parallel compilers stay below the sandbox's limit of processes on any machine; Ninja
+    # ignores MAKEFLAGS. There is no load limit (-l): with one, a busy machine would build one file
+    # at a time. Only Python programs run, so environment/cmake skips the C++ code of messages.
+    parallel = {'MAKEFLAGS': '-j4', 'CMAKE_BUILD_PARALLEL_LEVEL': '4'}
+    settings = {**os.environ, **parallel, 'ROS2_COURSE_GRADED_BUILD': '1'}
     listening, names = warm_python.listen(workspace)
     colcon = partial(warm_python.become, [shutil.which('colcon'), *command], settings | names)
     ended = warm_python.run_beside(colcon, listening)

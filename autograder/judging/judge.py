@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
-from autograder.exam.read_more import where_to_read
 from autograder.judging.causes.ended import how_to_look
 from autograder.judging.causes.redaction import without_arguments
 from autograder.layout import Layout
@@ -86,7 +85,7 @@ def _judge_one(
             cause=run.names.fill(why.text),
             cause_id=why.cause_id,
             try_this=run.names.fill(why.try_this),
-            read=where_to_read(why.cause_id) or check.read or exam.read,
+            read=Layout.here().facts.section_about(why.cause_id) or check.read or exam.read,
         )
     except Exception as error:  # noqa: BLE001 - any other exception is a fault of the grader
         place = line_in(Layout.here().exams, error)

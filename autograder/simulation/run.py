@@ -79,7 +79,7 @@ def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
     """
     watch = {**before.watch, **_types(seen, 'publisher')}
     begins = seen.of('graph', when='start')
-    if not begins:  # the program ended before its first input, and does so again
+    if not begins:  # the program ended before its first input, and would do so again
         return replace(before, watch=watch, steps=(Advance(order.seconds),))
     types = _types(seen, 'subscription')
     feed = {one.topic: _type_of(one, types) for one in order.inputs}

@@ -21,7 +21,7 @@ from autograder.submission.reading import read_file, SUBMIT_AGAIN, unreadable
 
 MAX_NAME_CHARS = 100
 # nbgrader uses an id as a glob pattern, splits lists of ids at commas, and writes ids to CSV files
-# without quotes. So an id has no other characters than letters, digits and these.
+# without quotes. So an id may contain only letters, digits and these characters.
 _BESIDE_LETTERS = frozenset(' ._@-')
 
 

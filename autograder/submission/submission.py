@@ -132,7 +132,7 @@ def _fill_in(
             spot,
             f'a {cell["cell_type"]} cell',
             f'a {answer.cell_type or "broken"} cell, graded as {cell["cell_type"]}',
-            'set the cell type back in the notebook toolbar',
+            f'change the cell type back to {cell["cell_type"]} in the notebook toolbar',
         )
     cell['source'] = answer.source
 

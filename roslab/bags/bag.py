@@ -126,7 +126,7 @@ class _Dumper(yaml.SafeDumper):
     """Writes repeated objects in full instead of naming the first."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Make PyYAML write no anchors."""
+        """Prevent PyYAML from writing anchors."""
         return True
 
 

@@ -117,7 +117,7 @@ def _reading(file: Path) -> Iterator[SeekingReader]:
         raise
     except OSError as error:
         raise BagError(f'{file}: cannot be read: {error.strerror or error}.') from None
-    except Exception as error:  # mcap raises unrelated classes for damaged records
+    except Exception as error:  # mcap raises exceptions of many unrelated classes
         raise BagError(
             f'{file}: this file is damaged ({type(error).__name__}). Try: record it again'
         ) from None

@@ -19,7 +19,6 @@ from autograder.authoring.exam_mistakes import lesson_headings, no_section, read
 from autograder.classroom.pages import page_name, write_reports
 from autograder.commands import OK
 from autograder.exam import catalog
-from autograder.exam.read_more import SECTIONS, where_to_read
 from autograder.explaining.feedback import check_lines, titles_of, told
 from autograder.gradebook.record import record
 from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
@@ -200,9 +199,8 @@ def test_every_section_about_an_exception_is_a_heading():
     """The judge puts it in the place of the check's own."""
     headings = lesson_headings(HERE.notebooks)
 
-    for causes in SECTIONS.values():
-        for cause_id in causes:
-            assert no_section(where_to_read(cause_id), '', headings) == ''
+    for section in HERE.facts.sections:
+        assert no_section(section, '', headings) == ''
 
 
 def test_results_with_pictures_survive_json(result):

@@ -191,7 +191,7 @@ def talk(session, qos=KEPT, period_s=0.02, then=lambda count: None):
 
 
 def texts_of(file):
-    """Return the texts in a recording."""
+    """Return the strings in a bag."""
     return [deserialize_message(one.data, String).data for one in messages_of(open_bag(file))]
 
 

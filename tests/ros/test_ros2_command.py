@@ -200,7 +200,7 @@ def test_topic_pub_waits_for_a_subscription_and_is_heard(world):
 
 
 def test_topic_pub_explains_what_it_cannot_send(world):
-    """Wrong types, fields and values end with one line; nobody there, after the time given."""
+    """A wrong type, field or value fails with one line; so does a wait without a subscriber."""
     pub = ('topic', 'pub', '-1', '/nobody')
     wrong = {
         ('std_msgs/msg/Strin', 'data: x'): 'The passed message type is invalid\n',

@@ -55,7 +55,7 @@ def test_restarts_leave_nothing_behind(tmp_path, shared_memory):
 
 
 def test_kernel_with_an_endless_callback_ends_soon(tmp_path, shared_memory):
-    """Not even a callback that never returns holds up a restart."""
+    """Even a callback that never returns does not delay the shutdown of the kernel."""
     kernel = Kernel(tmp_path, shared_memory=shared_memory)
     kernel.run(TALKER)
     kernel.run(

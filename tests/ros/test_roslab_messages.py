@@ -64,7 +64,7 @@ def write(kernel, *cells):
 
 
 def test_learners_messages_take_the_place_of_the_courses(kernel):
-    """Built once, reused at once, loaded from the learner's libraries, replaced honestly."""
+    """A learner's message is built once and reused; a changed one asks for a restart."""
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
     built = kernel.run('report = build_messages()')
     again = kernel.run('bool(build_messages())')

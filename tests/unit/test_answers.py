@@ -84,7 +84,7 @@ def test_anything_else_is_refused_with_a_printable_reason(body, reason):
 
 
 def test_code_in_an_answer_is_never_executed(tmp_path):
-    """Not even if it would give a letter."""
+    """The grader does not execute an answer, even if the result would be a letter."""
     trace = tmp_path / 'trace'
     for body in (f"open('{trace}', 'w') and 'b'", f"__import__('os').system('touch {trace}')"):
         with pytest.raises(NotALetterError):

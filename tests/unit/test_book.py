@@ -24,7 +24,7 @@ def lesson(*cells):
 
 
 def made(*outputs, source='show()', **marks):
-    """Return the page of one cell, from its solved version with these outputs."""
+    """Return the cells of the page of a one-cell lesson, whose solved cell has these outputs."""
     metadata = {'nbgrader': marks} if marks else {}
     one = new_code_cell(source, id='one', metadata=metadata)
     solved = new_code_cell('the solution', id='one', outputs=list(outputs))
@@ -32,7 +32,7 @@ def made(*outputs, source='show()', **marks):
 
 
 def test_demonstration_has_its_picture():
-    """Of each output the best form that needs no kernel."""
+    """The page keeps the best form of each output that needs no kernel."""
     widget = {'application/vnd.jupyter.widget-view+json': {}, 'text/html': '<p>?</p>'}
     (cell,) = made(new_output('display_data', PICTURE), new_output('display_data', widget))
 

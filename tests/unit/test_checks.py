@@ -163,7 +163,7 @@ class TestMessages:
         assert failed.value.why.cause_id == 'stops'
 
     def test_too_few_messages_fail(self):
-        """Silence has a cause of its own."""
+        """If no message arrived, the cause is ``silent``."""
         with pytest.raises(Failed) as failed:
             checks.require_messages(run_of(GRAPH), [], 3, 'messages on /lab/reading')
 

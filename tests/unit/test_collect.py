@@ -317,7 +317,7 @@ class TestCommand:
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_it_prints_a_table_and_tells_by_its_exit_code(self, tmp_path, layout, capsys):
-        """1 if something was left."""
+        """The exit code is 1 if a student's work was not collected."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/x.txt': b''})
 
         assert command.main(['collect', str(source)]) == FOR_REVIEW
@@ -326,7 +326,7 @@ class TestCommand:
         assert '1 not taken, 1 taken.' in said
 
     def test_a_dry_run_writes_nothing(self, tmp_path, layout, capsys):
-        """And says the same, as JSON if asked."""
+        """A dry run prints the same table, as JSON with ``--json``."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--dry-run', '--json']) == OK

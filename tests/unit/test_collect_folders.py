@@ -137,7 +137,7 @@ class TestIdsOfFolders:
     @pytest.mark.parametrize('prefix', ['talk-', '03_talk-', '03-talk_', '03-Talk-', 'talk_'])
     @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
     def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, tmp_path, layout):
-        """Also if it is the first one, whatever is in it."""
+        """``collect`` removes the assignment's name, whatever other repositories there are."""
         names = (f'{prefix}ann', *others)
         files = {f'{name}/.git/HEAD': b'ref' for name in names}
         files |= {f'{name}/work/talk.ipynb': GOOD for name in names}

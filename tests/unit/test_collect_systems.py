@@ -134,7 +134,7 @@ class TestCanvas:
         assert len(rows) == 3
 
     def test_two_attachments_of_one_user_tell_where_the_name_ends(self, tmp_path, layout):
-        """An attachment has one number, so 1001 is none."""
+        """Each attachment has its own number, so 1001, which occurs twice, is the user's id."""
         files = {
             'a_102_1001_55_talk.ipynb': notebook('talker', text='old'),
             'a_102_1001_77_talk-1.ipynb': notebook('talker', text='new'),
@@ -181,7 +181,7 @@ class TestGradescope:
     """``submission_metadata.yml`` and one folder per submission."""
 
     def test_submissions_belong_to_everybody_named(self, tmp_path, layout):
-        """With the time of delivery, for nbgrader's late policy."""
+        """``collect`` saves the time of delivery, for nbgrader's late policy."""
         collect(packed(tmp_path / 'g.zip', GRADESCOPE), layout, layout.submitted)
 
         found = taken(layout)

@@ -36,7 +36,7 @@ def enough(run):
 
 
 def test_check_that_goes_through_the_events_gives_up_at_one():
-    """What comes afterwards changes no word."""
+    """The first event that fails the check is the deviation; later events do not change it."""
     found = where(all_small, message(1, 1), message(2, 9), message(3, 9), message(4, 1))
 
     assert (found.index, found.how) == (1, 'cut')

@@ -88,7 +88,7 @@ class SetUp:
     """
     The step in a small virtual environment, with wheels from a folder.
 
-    :param folder: where all of it lies
+    :param folder: folder for the environment, the wheels and messages.txt
     """
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -208,7 +208,7 @@ def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
 
 
 def test_make_plan_existing_venv_keeps_its_python(tmp_path):
-    """A venv made with another Python keeps it until another one is asked for."""
+    """An existing venv keeps its Python."""
     subprocess.run([sys.executable, '-m', 'venv', '--without-pip', tmp_path / 'v'], check=True)
     environ = {'PATH': '/nowhere', 'HOME': '/nowhere'}
 

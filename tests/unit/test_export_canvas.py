@@ -83,7 +83,7 @@ def test_an_id_that_collect_had_to_change_is_found(login):
 
 @pytest.mark.parametrize('student', ['Lovelace, Ada', 'ADA', 'ad', 'adaa', ''])
 def test_nobody_is_guessed(student):
-    """Not by a name, not by a near id."""
+    """The export matches only exact ids, not names or similar ids."""
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data) == cells(book())

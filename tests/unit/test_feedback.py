@@ -134,7 +134,7 @@ def test_cause_is_printed_once_and_then_referred_to():
 
 
 def test_points_stay_together():
-    """No line begins in the middle of them."""
+    """A line break never splits ``(1 of 1)``."""
     for length in range(60, 90):
         check = CheckResult('a', f'{"x " * (length // 2)}end.', Verdict.PASSED, 1, 1)
 

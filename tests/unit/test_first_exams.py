@@ -124,7 +124,7 @@ class TestNightWatch:
         ],
     )
     def test_wrong_level_is_explained(self, level, cause_id):
-        """Each way to warn wrongly has a name of its own."""
+        """Each kind of wrong warning has its own cause."""
         run = night(*watches(level))
 
         assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id

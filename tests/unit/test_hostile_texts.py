@@ -63,7 +63,7 @@ def test_no_node_file_is_put_where_a_folder_is():
 
 
 def test_a_giant_event_of_a_managed_node_breaks_no_check():
-    """What is recorded by its size alone has no data."""
+    """The recording of a message that is too large has its size, but no data."""
     exam = {one.name: one for one in catalog.for_assignment('06_managed_lifecycle', False)}[
         'managed_pressure'
     ]

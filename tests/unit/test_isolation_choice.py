@@ -69,7 +69,7 @@ def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monk
 def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     said, tmp_path, monkeypatch
 ):
-    """Not only the table is right: the way from bubblewrap's mouth to the message is, too."""
+    """The error repeats bubblewrap's message and adds the fix for this system."""
     program = tmp_path / 'bwrap'
     program.write_text(f'#!/bin/sh\necho "{said}" >&2\nexit 1\n', encoding='utf-8')
     program.chmod(0o755)

@@ -68,7 +68,7 @@ def test_a_recording_that_was_cut_off_is_made_again(path, left):
 
 
 def test_lines_that_were_lost_are_noticed_though_the_rest_is_sound(path):
-    """Fewer messages would be fewer points."""
+    """A recording that lost a line is not reused, because missing messages would cost points."""
     runs = Runs()
     WHOLE.save(path)
     lines = path.read_bytes().splitlines(keepends=True)

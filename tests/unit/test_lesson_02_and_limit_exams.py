@@ -93,7 +93,7 @@ class TestInputsOfThePilot:
 
 
 def test_command_before_both_have_come_is_told():
-    """It is the timer that must wait."""
+    """A command before both inputs have arrived has the cause ``begins_early``."""
     early = {
         'event': 'message',
         'topic': '/cmd_vel',

@@ -1,4 +1,4 @@
-"""The names of people, for those whose student id is a number."""
+"""Display names of students whose ids are numbers."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
 
 
 def test_names_are_text_of_one_line(layout):
-    """Whatever somebody calls themselves."""
+    """Names become one line of printable text, whatever a student has typed."""
     keep_people(
         layout,
         {

@@ -236,7 +236,7 @@ def runs_of(exam: Exam) -> Iterator[tuple[str, Run]]:
 
 
 def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
-    """Yield all that the checks of an exam have against the programs."""
+    """Yield the failed checks of an exam, for each program."""
     for name, run in runs_of(exam):
         for check in judge(alone(exam), run):
             if check.verdict is Verdict.FAILED:

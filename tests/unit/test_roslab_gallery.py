@@ -31,7 +31,7 @@ def sources() -> dict[str, str]:
 
 
 def heading_of(text: str) -> str:
-    """Return the heading of a text cell; messages are set as code."""
+    """Return the heading of a text cell, without the backticks around an error message."""
     return re.match(r'### (.*)\n', text)[1].strip('`')
 
 

@@ -27,7 +27,7 @@ def asked(*inputs, burst=0):
 
 
 class TestCause:
-    """The slip that gives the answers that came."""
+    """The cause is the slip that explains all answers of a program."""
 
     @pytest.mark.parametrize(
         ('came', 'cause_id'),

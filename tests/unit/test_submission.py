@@ -331,7 +331,7 @@ class TestRebuild:
     def test_cells_are_looked_through_once_however_many_answers_are_missing(
         self, release, monkeypatch
     ):
-        """And only at their first lines."""
+        """The grader parses each cell once, and only its first line."""
         release['cells'] += [
             cell(f'more_{number}', f'%%node more_{number}\n', solution=True)
             for number in range(20)

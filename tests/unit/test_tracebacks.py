@@ -1,4 +1,4 @@
-"""The exception that ended a program is read off what it printed, with the learner's line."""
+"""Find the exception that ended a program, and the learner's line, in the printed traceback."""
 
 from __future__ import annotations
 

@@ -230,7 +230,7 @@ def test_module_of_the_notebook_is_not_said_to_be_misspelled():
 
 @pytest.mark.parametrize(('owner', 'cause_id'), [('Talker', 'spins_no_node'), ('NoneType', 'no_')])
 def test_node_that_is_to_spin_itself_is_told_the_function(owner, cause_id):
-    """What is None is another mistake."""
+    """``spin()`` called on None is a different mistake."""
     found = at('node.spin()', f"AttributeError: '{owner}' object has no attribute 'spin'")
 
     assert found.cause_id.startswith(cause_id)

@@ -18,7 +18,7 @@ _NUMBER = re.compile(r'^\d+[_-]')
 
 
 def _plain(text: str) -> str:
-    """Return a name in the form that platforms use: lower case, hyphens for underscores."""
+    """Return a name in lower case, with hyphens for underscores, for comparisons."""
     return text.replace('_', '-').lower()
 
 

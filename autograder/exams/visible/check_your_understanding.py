@@ -31,7 +31,7 @@ CAUSES = {
         'Write one letter in quotes. Keep long notes in a text cell of your own.',
     ),
     'curly_quotes': (
-        'Python does not accept curly quotes or backquotes, which word processors insert.',
+        'Python does not accept curly quotes, which word processors insert, or backticks.',
         "Type the straight quote of the keyboard: '",
     ),
     'assigned': (

@@ -60,7 +60,7 @@ TOO_EARLY = Cause(
     'published_too_early',
     'No message arrived after a subscription had connected. Your node probably published the '
     'parcel before that, and a message without a subscription is lost.',
-    f'{PUBLISH_IF}, or in a callback for matched.',
+    f'{PUBLISH_IF}, or in the matched callback of PublisherEventCallbacks.',
 )
 ALSO_EARLY = Cause(
     'published_too_early',

@@ -18,7 +18,7 @@ from autograder.recording import Event, INFO
 
 NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
-WATCH = 'watch'  # the phase in which lines are judged, without the program's start
+WATCH = 'watch'  # the phase in which log lines are judged, which excludes start-up
 EXERCISE = 'Exercise 1: two nodes, one program'
 OTHER = {LOOKOUT: (KEEPER, 1.0), KEEPER: (LOOKOUT, 1.2)}
 """For each node: the other one, and the line rate above which it logs for both [1/s]."""

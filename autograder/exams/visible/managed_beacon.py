@@ -61,7 +61,8 @@ MUTE_AGAIN = Cause(
 )
 MUTE_AFTER_CLEANUP = Cause(
     'mute_after_cleanup',
-    'Before cleanup it publishes while it is active; configured again and activated, it does not.',
+    'Your node publishes while it is active before cleanup, but not after it is configured and '
+    'activated again.',
     'In on_configure(), always create again what on_cleanup() destroys, without checking the old '
     'value: self.timer = self.create_timer(...).',
 )

@@ -260,7 +260,7 @@ def ignores_while_not_active(run: Run) -> None:
     later = [line for line in own_logs(run, NODE, WARN) if line['after_input'] in sent]
     if later:
         raise Failed(
-            expected='no WARN line for what comes while it is inactive',
+            expected='no WARN line for a pressure that arrives while the node is inactive',
             observed=f'{len(later)}, as soon as it is active again',
             why=JUDGED_LATER,
         )

@@ -181,7 +181,7 @@ def names_unit_and_sensor(run: Run) -> None:
 
 
 def stamps_with_its_own_clock(run: Run) -> None:
-    """The timestamp is the time of the node's own clock when the number arrives."""
+    """The timestamp is the time on the node's own clock when the number arrives."""
     found = rows(run, 'values', run.recording.messages(TARGET))
     sent = [one['clock_ns'] for one in run.recording.of('input')]
     pairs = ((one, at) for row, at in zip(found, sent) for one in row or () if 'data' in one)

@@ -78,8 +78,7 @@ SLIPS = (
     ),
     Slip(
         'inverted',
-        'INFO and WARN have changed places: number % 5 is 0 for every fifth, and 0 counts as '
-        'false.',
+        'INFO and WARN are swapped: number % 5 is 0 for every fifth watch, and 0 counts as false.',
         f'{WARN_IF}.',
         fifths(warned=(INFO,), other=(WARN,)),
     ),
@@ -123,7 +122,7 @@ SLIPS = (
 )
 WARNINGS_STOP = Cause(
     'warnings_stop',
-    'The first warnings are right, and a later one is missing.',
+    'The first warnings are right, but a later one is missing.',
     f'{WARN_IF}, and do not list the numbers.',
 )
 FOLLOWS_NUMBER = Cause(

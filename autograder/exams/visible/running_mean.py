@@ -205,7 +205,7 @@ SLIPS = (
     Slip(
         'counts_nan',
         'Your code does not add NaN but counts it, so it divides by too large a count.',
-        'Return before you count: if math.isnan(message.data).',
+        'Before you count, write: if math.isnan(message.data): return',
         dividing(lambda one: 0.0 if math.isnan(one) else one),
     ),
     Slip(

@@ -34,7 +34,7 @@ TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
-STEP_S = 0.1  # of the ROS clock, so that ten ticks of 0.1 s make a second [s]
+STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exactly one second
 BEGINS_S = 2.0  # latest start of the rhythm [s of ROS time]
 OTHER_CLOCK = Cause(
     'other_clock',

@@ -250,7 +250,7 @@ def _field_cause(trace: Traceback) -> Cause | None:
 
 
 def _no_field_cause(trace: Traceback) -> Cause | None:
-    """Explain a field that a message does not have, in its constructor or in an assignment."""
+    """Explain the use of a field that a message does not have, in its constructor or elsewhere."""
     known = _messages(trace)
     if 'Invalid arguments passed to constructor' in trace.error:
         named = re.findall(r'\b([A-Z]\w{0,40})\(', trace.bare_code)
