@@ -81,7 +81,7 @@ def run(chosen: argparse.Namespace) -> int:
     name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
     path = getattr(chosen, 'to', None) or layout.work / 'exports' / f'{name}{ending}'
     files, left_out, said = make(layout, chosen, path)
-    refuse_existing(files, files and chosen.force)
+    refuse_existing(files, getattr(chosen, 'force', False))
     for file, data in files.items():
         if data is None:
             file.unlink(missing_ok=True)

@@ -111,17 +111,13 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
         from pylti1p3.assignments_grades import AssignmentsGradesService
         from pylti1p3.exception import LtiServiceException
         from pylti1p3.grade import Grade
-        from pylti1p3.names_roles import NamesRolesProvisioningService
         import requests
     except ImportError as error:
         raise GraderError('PyLTI1p3 is not installed.', INSTALL) from error
     connector = _connector(platform)
     done = Filled('the platform', column=url, row='member')
     try:
-        service = NamesRolesProvisioningService(
-            connector, {'context_memberships_url': platform.members_url}
-        )
-        members = service.get_members()
+        members = _members(connector, platform.members_url)
         grades = AssignmentsGradesService(connector, {'scope': [SCORE], 'lineitem': url})
         for row, mark in _by_member(members, marks, done).items():
             if not dry_run:
@@ -153,6 +149,20 @@ def _connector(platform: Platform) -> Any:
     if platform.key_id:
         known.set_kid(platform.key_id)
     return ServiceConnector(known, Session())
+
+
+def _members(connector: Any, url: str) -> list[Mapping[str, Any]]:
+    """Return the members on all pages; PyLTI1p3's own paging changes the case of URLs."""
+    from pylti1p3.names_roles import NamesRolesProvisioningService
+    from requests.utils import parse_header_links
+
+    service, found = NamesRolesProvisioningService(connector, {}), []
+    while url:
+        page = service.get_nrps_data(url)
+        found += page['body']['members']
+        links = parse_header_links(page['headers'].get('Link', ''))
+        url = next((one['url'] for one in links if one.get('rel') == 'next'), '')
+    return found
 
 
 def _by_member(
