@@ -98,7 +98,7 @@ def of_sample_class(report: str) -> str:
         raise RouteFailed(f'expected the sample class, graded {graded} submissions')
     if len(modes) != 1 or not modes < {'bwrap-user', 'bwrap-root'}:
         raise RouteFailed(f'expected full isolation, got {", ".join(sorted(modes)) or "none"}')
-    return f'{graded} sample submissions: {points} points, isolation `{modes.pop()}`'
+    return f'{graded} submissions, {points} points, `{modes.pop()}`'
 
 
 # -- routes --------------------------------------------------------------------------------

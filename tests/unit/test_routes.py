@@ -81,9 +81,7 @@ def test_an_unknown_route_is_refused(files, capsys):
 
 def test_of_sample_class_counts_submissions_and_points():
     """A submission for review has no points."""
-    assert (
-        routes.of_sample_class(REPORT) == '3 sample submissions: 29 points, isolation `bwrap-user`'
-    )
+    assert routes.of_sample_class(REPORT) == '3 submissions, 29 points, `bwrap-user`'
 
 
 @pytest.mark.parametrize(
