@@ -131,9 +131,8 @@ def try_out(sandbox: Sandbox) -> None:
         raise SandboxUnavailable(what, 'Try: make doctor')
     if said.strip() != b'in':
         tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
-        raise SandboxUnavailable(
-            f'rclpy does not run with isolation {sandbox.mode}: {tail}.', 'Try: make doctor'
-        )
+        fix = isolation.fix_for(tail) if tail.startswith('bwrap: ') else 'Try: make doctor'
+        raise SandboxUnavailable(f'rclpy does not run with isolation {sandbox.mode}: {tail}.', fix)
 
 
 def _try_to_join(confined: Confined) -> None:

@@ -116,9 +116,9 @@ FIX_CLONE = (
 )
 FIX_COUNT = 'This system allows no user namespace: sudo sysctl -w user.max_user_namespaces=15000.'
 FIX_CONTAINER = (
-    'This is a container whose profile forbids namespaces: start it with --security-opt '
-    'seccomp=unconfined --security-opt apparmor=unconfined --network none, and as root inside '
-    'with --cap-add SYS_ADMIN too. ' + SECTION
+    'This container forbids what the sandbox needs: start it as a plain user, with '
+    '--security-opt seccomp=grader.json --security-opt systempaths=unconfined '
+    '--security-opt apparmor=unconfined. See environment.md, section "Container".'
 )
 
 

@@ -1,7 +1,7 @@
 """
 Extend Docker's seccomp profile with the system calls that the grader's sandbox needs.
 
-    python3 deploy/container/profile.py default.json > grader.json
+    python3 deploy/container/profile.py default.json > deploy/container/grader.json
 
 ``default.json`` is Docker's default profile, published by the project moby/profiles.
 """

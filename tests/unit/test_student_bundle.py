@@ -101,6 +101,7 @@ class TestPacking:
             'course.toml',
             'environment.md',
             'notebooks/01/a.ipynb',
+            'pixi.toml',
             'roslab/api.py',
             'temp_monitor_pkg/launch/x.launch.py',
         ]
@@ -109,7 +110,7 @@ class TestPacking:
         """A new bundle means a new course."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
-        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 12
+        assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 13
         assert first.read_bytes() == second.read_bytes()
         assert zipfile.ZipFile(first).testzip() is None
 

@@ -1,0 +1,278 @@
+"""
+Execute ways to install the course, and note in environment.md when and where each one worked.
+
+    python -m deploy.routes NAME...    execute routes, as root, in a copy of the last commit
+    python -m deploy.routes            write the table again
+
+``routes.json`` holds the rows of the table. Executing a route sets the date and the result of its
+row; a route that fails changes nothing. The container route needs podman and the seccomp profile
+that Docker publishes: DOCKER_PROFILE names its file, ``default.json`` if it is not set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+import json
+import os
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Any
+
+from autograder.files import json_bytes, keep
+from deploy.container.profile import with_namespaces
+from environment.places import PROJECT
+
+ROWS = Path(__file__).with_suffix('.json')
+PAGE = PROJECT / 'environment.md'
+BEGIN, END = '<!-- written by deploy.routes -->\n', '<!-- end of the routes -->\n'
+HEAD = '| NAME | route | system | you type | executed | result |\n|---|---|---|---|---|---|\n'
+
+NOBODY = 65534
+SYSTEM = {'PATH': '/usr/sbin:/usr/bin:/sbin:/bin', 'HOME': '/root', 'LANG': 'C.UTF-8'}
+WIDE = {'COLUMNS': '200'}
+"""Keeps each line of a report on one line."""
+
+
+class RouteFailed(Exception):
+    """Report that a route did not lead to the expected result."""
+
+
+def run(
+    folder: Path, *command: str | Path, cwd: Path | None = None, code: int = 0, **more: str
+) -> str:
+    """
+    Run a command and return its output, which is also appended to ``log`` in the folder.
+
+    :param code: the exit code that means success
+    :param more: further environment variables
+    :raises RouteFailed: if it ends with a different exit code
+    """
+    with Path(folder, 'log').open('a+', encoding='utf-8') as log:
+        begin = log.seek(0, os.SEEK_END)
+        environ = {**os.environ, **WIDE, **more}
+        done = subprocess.run(
+            command, cwd=cwd, env=environ, stdin=subprocess.DEVNULL, stdout=log, stderr=log
+        )
+        log.seek(begin)
+        output = log.read()
+    if done.returncode != code:
+        last = '\n'.join(output.splitlines()[-5:])
+        raise RouteFailed(f'{command[0]} ended with code {done.returncode}:\n{last}')
+    return output
+
+
+def copy_of_project(folder: Path, inside: str = '.') -> Path:
+    """Put the files of the last commit into ``course`` in a folder, and return its path."""
+    course = folder / inside / 'course'
+    course.mkdir()
+    run(folder, 'git', 'archive', '--output', folder / 'course.tar', 'HEAD', cwd=PROJECT)
+    run(folder, 'tar', '-xf', folder / 'course.tar', '-C', course)
+    return course
+
+
+def make_grade(folder: Path, *before: str | Path, **more: Any) -> str:
+    """
+    Grade the sample class and return the result; parameters are those of :func:`run`.
+
+    One sample submission is unreadable, so the grader ends with 1, and make with 2.
+    """
+    return of_sample_class(run(folder, *before, 'make', 'grade', code=2, **more))
+
+
+def of_sample_class(report: str) -> str:
+    """
+    Return the result of grading the sample class, from what ``make grade`` printed.
+
+    :raises RouteFailed: if submissions are missing, or isolation was not full
+    """
+    graded = sum(map(int, re.findall(r'^(\d+) submissions in ', report, re.M)))
+    sample = re.search(r'so the (\d+) example submissions', report)
+    modes = set(re.findall(r'isolation\s+(\S+?)[.;]', report))
+    points = sum(int(points) for points in re.findall(r'│ +(\d+) of +\d+ │', report))
+    if not sample or graded != int(sample[1]):
+        raise RouteFailed(f'expected the sample class, graded {graded} submissions')
+    if len(modes) != 1 or not modes < {'bwrap-user', 'bwrap-root'}:
+        raise RouteFailed(f'expected full isolation, got {", ".join(sorted(modes)) or "none"}')
+    return f'{graded} submissions, {points} points, `{modes.pop()}`'
+
+
+# -- routes --------------------------------------------------------------------------------
+
+
+def this_machine(folder: Path) -> str:
+    """Grade the sample class as root."""
+    return make_grade(folder, cwd=copy_of_project(folder))
+
+
+def plain_user(folder: Path) -> str:
+    """Grade the sample class as the user nobody."""
+    course = copy_of_project(folder)
+    run(folder, 'chown', '-R', f'{NOBODY}:{NOBODY}', course)
+    become = ('setpriv', f'--reuid={NOBODY}', f'--regid={NOBODY}', '--clear-groups')
+    return make_grade(folder, *become, cwd=course, HOME=str(course))
+
+
+def new_system(suite: str, areas: str = 'main') -> Callable[[Path], str]:
+    """
+    Return a route that grades the sample class on a new system with nothing but make.
+
+    :param suite: name of the release, which debootstrap knows
+    :param areas: parts of its archive, separated by commas
+    """
+
+    def execute(folder: Path) -> str:
+        root = debootstrap(folder, suite, f'--components={areas}', '--include=make')
+        copy_of_project(folder, 'root')
+        inside: list[str | Path] = [
+            'bwrap',
+            '--bind',
+            root,
+            '/',
+            '--proc',
+            '/proc',
+            '--dev',
+            '/dev',
+        ]
+        inside += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', '/course']
+        inside += ['--ro-bind', '/etc/resolv.conf', '/etc/resolv.conf', '--clearenv']
+        environ = {**SYSTEM, **WIDE}
+        # Behind a proxy, pip needs the proxy's certificate authority.
+        if authority := os.environ.get('PIP_CERT'):
+            inside += ['--ro-bind', authority, '/run/authority']
+            environ['PIP_CERT'] = '/run/authority'
+        for name, value in environ.items():
+            inside += ['--setenv', name, value]
+        return make_grade(folder, *inside)
+
+    return execute
+
+
+def debootstrap(folder: Path, suite: str, *options: str) -> Path:
+    """Install a minimal system into ``root`` in a folder, and return its path."""
+    root = folder / 'root'
+    run(folder, 'debootstrap', '--variant=minbase', *options, suite, root)
+    return root
+
+
+def container(folder: Path) -> str:
+    """Build the image on a new Debian 12, and grade the sample class as compose.yaml runs it."""
+    course = copy_of_project(folder)
+    root = debootstrap(folder, 'bookworm')
+    run(folder, 'tar', '-C', root, '-cf', folder / 'base.tar', '.')
+    run(folder, 'podman', 'import', folder / 'base.tar', 'ros2-course-base')
+    run(
+        *(folder, 'podman', 'build', '--format', 'docker', '--build-arg', 'BASE=ros2-course-base'),
+        *('-f', 'deploy/container/Dockerfile', '-t', 'ros2-course', '.'),
+        cwd=course,
+    )
+    given = os.environ.get('DOCKER_PROFILE', 'default.json')
+    profile = json.loads(Path(given).read_text(encoding='utf-8'))
+    seccomp = folder / 'grader.json'
+    seccomp.write_text(json.dumps(with_namespaces(profile)), encoding='utf-8')
+    security = ('no-new-privileges', f'seccomp={seccomp}', 'unmask=ALL')
+    return make_grade(
+        *(folder, 'podman', 'run', '--rm', '--network=none', '--shm-size=512m', '--cap-drop=ALL'),
+        *(*(f'--security-opt={one}' for one in security), '--env=COLUMNS', 'ros2-course'),
+    )
+
+
+def hub(folder: Path) -> str:
+    """Click through a class on a hub in headless Chromium."""
+    report = run(folder, 'make', 'test-hub', cwd=copy_of_project(folder))
+    return last_match(r'(\d+ passed)', report)
+
+
+def see_it(folder: Path) -> str:
+    """Run the program that needs only uv, with an empty cache."""
+    course = copy_of_project(folder)
+    report = run(folder, 'uv', 'run', 'see_it.py', cwd=course, UV_CACHE_DIR=str(folder / 'cache'))
+    return last_match(r'(\d+ messages went from one node to another)', report)
+
+
+def last_match(pattern: str, report: str) -> str:
+    """Return the last match of a pattern's group in a report."""
+    found = re.findall(pattern, report)
+    if not found:
+        raise RouteFailed(f'expected {pattern!r} in the output')
+    return str(found[-1])
+
+
+ROUTES: dict[str, Callable[[Path], str]] = {
+    'this-machine': this_machine,
+    'plain-user': plain_user,
+    'debian-12': new_system('bookworm'),
+    'debian-13': new_system('trixie'),
+    'ubuntu-24.04': new_system('noble', 'main,universe'),
+    'container': container,
+    'hub': hub,
+    'see-it': see_it,
+}
+
+
+# -- table ---------------------------------------------------------------------------------
+
+
+def table(rows: Sequence[Mapping[str, str]]) -> str:
+    """Return the Markdown table of rows; a row without a date was never executed."""
+    lines = [
+        f'| {row["name"]} | {row["route"]} | {row["system"]} | {row["type"]} | '
+        f'{row["date"] or "**untried**"} | {row["result"]} |\n'
+        for row in rows
+    ]
+    return HEAD + ''.join(lines)
+
+
+def page_with(text: str, page: str) -> str:
+    """Return a page in which a text replaces everything between the two marks."""
+    before, rest = page.split(BEGIN)
+    return before + BEGIN + text + END + rest.split(END)[1]
+
+
+def write(name: str = '', **changes: str) -> None:
+    """Change the row of a route, and write all rows to both files."""
+    rows = json.loads(ROWS.read_text(encoding='utf-8'))
+    for row in rows:
+        row.update(changes if row['name'] == name else {})
+    keep(ROWS, json_bytes(rows))
+    keep(PAGE, page_with(table(rows), PAGE.read_text(encoding='utf-8')).encode())
+
+
+def execute(name: str) -> dict[str, str]:
+    """
+    Execute a route, and return date and result for its row.
+
+    :raises RouteFailed: if it does not work; the folder with the log is then kept
+    """
+    folder = Path(tempfile.mkdtemp(prefix=f'route-{name}-'))
+    folder.chmod(0o755)
+    print(f'{name}: log in {folder}/log', flush=True)
+    begin = time.monotonic()
+    result = ROUTES[name](folder)
+    minutes, seconds = divmod(round(time.monotonic() - begin), 60)
+    shutil.rmtree(folder)
+    today = time.strftime('%Y-%m-%d', time.gmtime())
+    return {'date': today, 'result': f'{result}, {minutes} min {seconds} s'}
+
+
+def main(names: Sequence[str]) -> int:
+    """Execute routes, write their rows, and return the exit code."""
+    if unknown := set(names) - set(ROUTES):
+        print(f'{unknown.pop()}: no such route. Try one of: {", ".join(ROUTES)}', file=sys.stderr)
+        return 2
+    write()
+    for name in names:
+        try:
+            write(name, **execute(name))
+        except (RouteFailed, OSError) as error:
+            print(f'{name}: {error}', file=sys.stderr)
+            return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

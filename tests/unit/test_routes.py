@@ -1,0 +1,98 @@
+"""The table of routes in environment.md: what it says was executed, by the command that did it."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from deploy import routes
+
+REPORT = """
+autograder/_work/submitted was empty, so the 3 example submissions from tests were copied there.
+│ fail__two │    11 of 18 │ why │
+│ pass__one │    18 of 18 │     │
+2 submissions in 5.6 s, of which runs took 4.9 s; longest run time: x, 4.5 s; isolation bwrap-user.
+│ broken    │  for review │ why │
+1 submissions in 3.9 s, of which runs took 3.1 s; isolation bwrap-user; 1 for review.
+"""
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """Give two rows and a page, in place of the project's."""
+    row = {'route': 'r', 'system': 's', 'type': 't', 'date': '', 'result': 'no time'}
+    rows = [{'name': 'see-it', **row}, {'name': '-', **row}]
+    monkeypatch.setattr(routes, 'ROWS', tmp_path / 'routes.json')
+    monkeypatch.setattr(routes, 'PAGE', tmp_path / 'page.md')
+    routes.ROWS.write_text(json.dumps(rows))
+    routes.PAGE.write_text(f'before\n{routes.BEGIN}old\n{routes.END}after\n')
+    return routes
+
+
+def test_the_table_of_environment_md_agrees_with_its_data():
+    """Nobody edits the table by hand."""
+    rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
+    assert routes.BEGIN + routes.table(rows) + routes.END in routes.PAGE.read_text(
+        encoding='utf-8'
+    )
+
+
+def test_each_route_has_one_row_and_each_date_a_route():
+    """A row that no command can execute has no date."""
+    rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
+    assert sorted(row['name'] for row in rows if row['name'] != '-') == sorted(routes.ROUTES)
+    for row in rows:
+        assert row['result']
+        assert re.fullmatch(r'20\d\d-\d\d-\d\d' if row['name'] != '-' else '', row['date'])
+
+
+def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
+    """The other rows keep theirs."""
+    monkeypatch.setitem(routes.ROUTES, 'see-it', lambda folder: 'it worked')
+    assert routes.main(['see-it']) == 0
+    page = routes.PAGE.read_text()
+    assert re.search(r'\| see-it \| r \| s \| t \| 20[\d-]{8} \| it worked, 0 min 0 s \|', page)
+    assert '| - | r | s | t | **untried** | no time |' in page
+    assert page.startswith('before\n')
+    assert page.endswith('after\n')
+    assert 'old' not in page
+
+
+def test_a_route_that_fails_changes_no_row(files, monkeypatch, capsys):
+    """The date stays that of the last time when it worked."""
+
+    def fails(folder):
+        routes.run(folder, 'sh', '-c', 'echo no network; exit 3')
+
+    monkeypatch.setitem(routes.ROUTES, 'see-it', fails)
+    before = json.loads(routes.ROWS.read_text())
+    assert routes.main(['see-it']) == 1
+    assert json.loads(routes.ROWS.read_text()) == before
+    assert capsys.readouterr().err == 'see-it: sh ended with code 3:\nno network\n'
+
+
+def test_an_unknown_route_is_refused(files, capsys):
+    """The message lists the routes."""
+    assert routes.main(['moon']) == 2
+    assert 'moon: no such route. Try one of: this-machine, plain-user' in capsys.readouterr().err
+
+
+def test_of_sample_class_counts_submissions_and_points():
+    """A submission for review has no points."""
+    assert routes.of_sample_class(REPORT) == '3 submissions, 29 points, `bwrap-user`'
+
+
+@pytest.mark.parametrize(
+    ('old', 'new', 'words'),
+    [
+        ('the 3 example', 'the 4 example', 'graded 3 submissions'),
+        ('isolation bwrap-user.', 'isolation landlock.', 'bwrap-user, landlock'),
+        ('bwrap-user', 'landlock', 'expected full isolation, got landlock'),
+    ],
+)
+def test_of_sample_class_refuses_less(old, new, words):
+    """Missing submissions or weak isolation mean that the route does not lead to full grading."""
+    with pytest.raises(routes.RouteFailed, match=words):
+        routes.of_sample_class(REPORT.replace(old, new))
