@@ -333,15 +333,14 @@ class TestGradescope:
         assert results['score'] == sum(test['max_score'] for test in results['tests']) > 0
         assert results['extra_data']['isolation']
 
-    def test_no_upload_gets_a_reason_and_no_points(self, container):
-        """That is the student's matter, so there is a file."""
+    def test_no_upload_gets_a_reason_for_the_staff_and_no_file(self, container):
+        """It is for review, as in a class."""
         root = container(TEXT_ONLY)
         done = run_autograder(root)
 
-        assert done.returncode == 0, done.stdout + done.stderr
-        results = json.loads((root / 'results' / 'results.json').read_text('utf-8'))
-        assert results['score'] == 0
-        assert 'got no notebook' in results['output']
+        assert done.returncode == 1, done.stdout + done.stderr
+        assert 'got no notebook' in done.stdout
+        assert list((root / 'results').iterdir()) == []
 
     def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
         """Not even that of an earlier run; the reason is for the staff."""
