@@ -2,24 +2,22 @@
 Read submissions other than notebooks: a Python script, a ROS package folder, or a zip of one.
 
 The result is the text of each file by its relative path.  A zip is never unpacked on the grader's
-disk (:mod:`autograder.submission.tree`).  A zip that contains a link, a special file or an unsafe
-path is refused.
+disk (:mod:`autograder.submission.tree`).  A folder or zip that contains a link, a special file or
+an unsafe path is refused: without the linked file, the grader would judge another program.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 import re
 
-from autograder.submission.package import KINDS
+from autograder.submission.package import is_left_out, KINDS
 from autograder.submission.reading import read_file
 from autograder.submission.tree import (
     Bounds,
     NotTakenInError,
     opened,
-    Parts,
-    SPECIAL,
     UnreadableError,
 )
 
@@ -29,8 +27,6 @@ LARGEST_ZIP = 8 << 20
 LARGEST_FILE = 1 << 20
 LARGEST_WHOLE = 8 << 20
 LONGEST_NAME = 200
-LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'}
-"""Names of folders that tools generate; their content is not the student's work."""
 
 MANIFEST = 'package.xml'
 NO_MODULES = {'test', 'tests', 'launch', 'config', 'msg', 'srv', 'action', 'resource', 'answers'}
@@ -67,8 +63,8 @@ def _script(path: Path) -> str:
 def _bounds() -> Bounds:
     return Bounds(
         'the files of one package',
-        'hand in the package folder alone, without links',
-        _is_left_out,
+        'hand in the package folder alone, with copies of files instead of links',
+        lambda parts, _: is_left_out(parts[-1]),
         entries=MOST_ENTRIES,
         listed=10 * MOST_ENTRIES,
         file_bytes=LARGEST_FILE,
@@ -77,17 +73,12 @@ def _bounds() -> Bounds:
     )
 
 
-def _is_left_out(parts: Parts, _: Collection[Parts]) -> bool:
-    name = parts[-1]
-    return name in LEFT_OUT or (name.startswith('.') and name not in ('.', '..'))
-
-
 def _texts(path: Path) -> dict[str, str]:
     """
     Return the texts of a folder or a zip file by relative path, without following links.
 
-    :raises NotTakenInError: if it is damaged or too large, or has a link, a special file (a folder
-        may have these) or an unsafe path
+    :raises NotTakenInError: if it is damaged or too large, or has a link, a special file or an
+        unsafe path
     """
     bounds, found, folder = _bounds(), {}, path.is_dir()
     if not folder and path.is_symlink():
@@ -96,8 +87,7 @@ def _texts(path: Path) -> dict[str, str]:
         raise bounds.refusal(str(path), f'{path.stat().st_size} bytes')
     with opened(path, bounds) as tree:
         for name, trouble in tree.refused:
-            if not (folder and trouble == SPECIAL):
-                raise bounds.refusal(f'{path}, {name[:80]!r}', trouble)
+            raise bounds.refusal(f'{path}, {name[:80]!r}', trouble)
         files = [file for file in tree.files if PurePosixPath(file.name).suffix in KINDS]
         if len(files) > MOST_FILES:
             raise bounds.refusal(str(path), f'more than {MOST_FILES} files')

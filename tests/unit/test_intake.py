@@ -72,13 +72,14 @@ class TestWhatIsTakenIn:
 
         assert len(found) == len(PACKAGE)
 
-    def test_links_in_a_folder_are_not_followed(self, tmp_path):
-        """Neither to a file nor to a folder."""
+    @pytest.mark.parametrize('target', ['/etc/passwd', '/etc', '/nowhere'])
+    def test_link_in_a_folder_is_refused_as_in_a_zip(self, tmp_path, target):
+        """Leaving it out would change the program that is judged."""
         (tmp_path / 'package.xml').write_text('x')
-        (tmp_path / 'passwd.txt').symlink_to('/etc/passwd')
-        (tmp_path / 'etc').symlink_to('/etc')
+        (tmp_path / 'linked.py').symlink_to(target)
 
-        assert read_handed_in(tmp_path) == {'package.xml': 'x'}
+        with pytest.raises(NotTakenInError, match=r"'linked\.py': .* got a link .* with copies"):
+            read_handed_in(tmp_path)
 
     def test_two_packages_are_one_too_many(self, tmp_path):
         """It is said which there are."""
