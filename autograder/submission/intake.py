@@ -30,6 +30,7 @@ LONGEST_NAME = 200
 
 MANIFEST = 'package.xml'
 NO_MODULES = {'test', 'tests', 'launch', 'config', 'msg', 'srv', 'action', 'resource', 'answers'}
+_COMMENT = re.compile('#.*')
 _ENTRY_POINT = re.compile(r'\b(?P<name>\w+)\s*=\s*(?P<module>[\w.]+)\s*:\s*(?P<call>\w+)')
 
 
@@ -138,17 +139,16 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
     """
     Return the files with a copy of each wanted node in the top folder, where exams look for it.
 
-    The source is the module from which ``setup.py`` or ``setup.cfg`` builds the executable of that
-    name; otherwise, a file of that name in the package's folders.
+    The source is the file that ``ros2 run`` would start: the module from which ``setup.py`` or
+    ``setup.cfg`` builds the executable of that name; otherwise, a file of that name: the one that
+    ``CMakeLists.txt`` mentions, or the one in the top folder, or one in the package's folders.
 
     :param wanted: node files such as ``talker.py``
     """
     found = dict(files)
     for name in wanted:
-        if name in found or not name.endswith('.py'):
-            continue
-        if any(path.startswith(f'{name}/') for path in files):
-            continue  # a folder has the node's name, so no file can
+        if not name.endswith('.py') or any(path.startswith(f'{name}/') for path in files):
+            continue  # a folder may have the node's name; then no file can
         text = _node_text(files, name)
         if text is not None:
             found[name] = text
@@ -158,16 +158,17 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
 def _node_text(files: Mapping[str, str], name: str) -> str | None:
     stem = name.removesuffix('.py')
     for setup in ('setup.py', 'setup.cfg'):
-        for match in _ENTRY_POINT.finditer(files.get(setup, '')):
+        for match in _ENTRY_POINT.finditer(_COMMENT.sub('', files.get(setup, ''))):
             path = match['module'].replace('.', '/') + '.py'
             if match['name'] == stem and path in files:
-                if match['call'] == 'main':
+                if match['call'] == 'main' or path == name:
                     return files[path]
                 module, call = match['module'], match['call']
                 return f'import sys\n\nfrom {module} import {call}\n\nsys.exit({call}())\n'
+    installed = re.split(r'[\s"()]+', _COMMENT.sub('', files.get('CMakeLists.txt', '')))
     places = [
-        path
+        (path not in installed, path.count('/'), path)
         for path in files
-        if path.endswith(f'/{name}') and not NO_MODULES & set(PurePosixPath(path).parts)
+        if f'/{path}'.endswith(f'/{name}') and not NO_MODULES & set(PurePosixPath(path).parts)
     ]
-    return files[min(places, key=lambda path: (path.count('/'), path))] if places else None
+    return files[min(places)[-1]] if places else None

@@ -215,6 +215,28 @@ class TestNodeFiles:
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
 
+    def test_entry_point_comes_before_a_file_at_the_top(self):
+        """``ros2 run`` starts the entry point's module, not a forgotten file."""
+        setup = "# 'talker = pkg.old:main',\n'talker = pkg.node_one:main',"
+        files = {'setup.py': setup, 'pkg/node_one.py': 'node', 'pkg/old.py': 'old'}
+
+        found = with_node_files({**files, 'talker.py': 'forgotten'}, ['talker.py'])
+
+        assert found['talker.py'] == 'node'
+
+    def test_installed_file_comes_before_others_of_its_name(self):
+        """A CMake package names what it installs."""
+        files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
+        files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
+
+        assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
+
+    def test_entry_point_of_a_module_at_the_top_leaves_it_as_it_is(self):
+        """It must not import itself."""
+        files = {'setup.py': "'talker = talker:start'", 'talker.py': 'node'}
+
+        assert with_node_files(files, ['talker.py']) == files
+
     def test_an_entry_point_may_call_another_function(self):
         """Then the file is what ROS would write for it."""
         files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
