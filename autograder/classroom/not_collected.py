@@ -105,7 +105,7 @@ def not_collected(
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
     ]
-    # The class list has the id that collect would give; a folder may still have another name.
+    # The class list has the id that collect would give; a folder may have the name itself.
     known = {*graded, *map(student_id, graded), *(one.student for one in found)}
     found += [
         NotCollected(student, assignment, NOTHING, name)
