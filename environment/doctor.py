@@ -24,6 +24,7 @@ from environment.exchange import exchange_root, unprotected
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, pins_for
 from environment.places import LOCK_FILE, Places
+from environment.plan import Plan
 from environment.ros import (
     EnvironmentError_,
     further_messages,
@@ -88,7 +89,8 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
         yield from check_packages(places, python.version, ros is None or ros.kind == 'wheels')
         yield check_messages(places)
     yield from check_by_running(ros)
-    yield check_workspace(places)
+    plan = Plan(places, environ, ros.kind, python) if python and ros else None
+    yield check_workspace(places, plan.digest('workspace') if plan else '')
     yield check_kernel(places, ros)
     yield check_ros2_command(places, ros)
     yield check_up_to_date(places, environ)
@@ -276,15 +278,24 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
             yield Finding(name, OK, f'tried ({ros.kind})')
 
 
-def check_workspace(places: Places) -> Finding:
-    """Check that the build of the course package has finished."""
+def check_workspace(places: Places, wanted: str) -> Finding:
+    """
+    Check that the build of the course package has finished and is up to date.
+
+    :param wanted: the digest that the stamp of the build must have; empty if it is unknown
+    """
     name = places.package_name
     if not name:
         return Finding('ROS package', OK, 'the course has none')
     if not places.prefix.is_dir():
         return Finding(name, MISSING, 'not built', PREPARE)
-    if not stamps.read_stamp(places, 'workspace'):
+    built = stamps.read_stamp(places, 'workspace')
+    if not built:
         return Finding(name, MISSING, 'its build did not finish', PREPARE)
+    if wanted not in ('', built):
+        return Finding(
+            name, WEAK, 'its sources or the packages have changed since the build', PREPARE
+        )
     programs = sorted(path.name for path in (places.prefix / 'lib' / name).glob('*'))
     return Finding(name, OK, f'programs: {", ".join(programs) or "none"}')
 

@@ -23,10 +23,14 @@ import tempfile
 from typing import Any
 
 from autograder.errors import GraderError
+from autograder.files import keep, refuse_existing
 from autograder.layout import Layout
+from autograder.results import first_of
 from autograder.submission.cells import body_of
 from autograder.submission.extract import answer_files
+from autograder.submission.inbox import students_in
 from autograder.submission.notebook import marks_of, Notebook, read_release, StudentCell
+from autograder.submission.reading import read_file
 from autograder.submission.submission import rebuild
 
 
@@ -148,28 +152,41 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     return DAMAGES[damage](notebook)
 
 
-def write_sample_class(layout: Layout, folder: Path) -> int:
+def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int:
     """
-    Write all sample submissions as a class of students; earlier copies of them are replaced.
+    Write all sample submissions as a class of students.
 
     :param folder: folder that receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
+    :param force: whether notebooks that somebody has changed may be replaced
     :returns: number of submissions
-    :raises GraderError: if this copy of the course has no sample submissions
+    :raises GraderError: if this copy of the course has no sample submissions, the folder is that
+        of a real class, or a notebook in it was changed; then nothing is written
     """
-    count = 0
-    for assignment in layout.assignments():
-        name = layout.release(assignment).name
-        for sample in samples(layout, assignment):
-            place = folder / sample.name / assignment
-            place.mkdir(parents=True, exist_ok=True)
-            (place / name).write_bytes(compose(layout, assignment, sample))
-            count += 1
-    if not count:
+    made = {
+        folder / sample.name / assignment / layout.release(assignment).name: compose(
+            layout, assignment, sample
+        )
+        for assignment in layout.assignments()
+        for sample in samples(layout, assignment)
+    }
+    if not made:
         raise GraderError(
             'This copy of the course has no sample class.',
             f'Put submissions into {folder} as STUDENT/ASSIGNMENT/NOTEBOOK.ipynb.',
         )
-    return count
+    graded = folder.is_dir() and folder.resolve() == layout.submitted.resolve()
+    there = students_in(folder, layout.assignments()) if graded else ()
+    if others := sorted({*there} - {path.parts[-3] for path in made}):
+        raise GraderError(
+            f'{folder}: this is the folder of a class, with {first_of(others, 3)}.',
+            'Try: --to with a new folder',
+        )
+    refuse_existing(
+        (path for path, data in made.items() if read_file(path, path.name)[0] != data), force
+    )
+    for path, data in made.items():
+        keep(path, data)
+    return len(made)
 
 
 def take_out_sample_class(layout: Layout) -> int:

@@ -17,7 +17,7 @@ from pathlib import Path
 from autograder.classroom.tables import parse_table, read_bytes
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.submission.ids import student_id
+from autograder.submission.ids import named_id
 
 MAX_HOURS = 24 * 366
 
@@ -85,7 +85,7 @@ def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str,
 
 def _student(where: str, row: Mapping[str, str]) -> str:
     """Return the student id of a row, as ``collect`` would write it."""
-    student = student_id(row['student'].strip())
+    student = named_id(row['student'].strip())
     if not student:
         raise GraderError(
             f'{where}: the student id {row["student"]!r} has no letter or digit.',

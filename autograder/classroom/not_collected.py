@@ -15,6 +15,7 @@ import json
 from autograder.classroom.class_list import class_list
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
+from autograder.submission.ids import student_id
 from autograder.submission.reading import read_file
 
 NOTHING = 'Nothing handed in'
@@ -104,7 +105,8 @@ def not_collected(
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
     ]
-    known = {*graded, *(one.student for one in found)}
+    # The class list has the id that collect would give; a folder may have the name itself.
+    known = {*graded, *map(student_id, graded), *(one.student for one in found)}
     found += [
         NotCollected(student, assignment, NOTHING, name)
         for student, name in names.items()
@@ -120,7 +122,8 @@ def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
     :raises GraderError: if the class list is wrong
     """
     known = class_list(layout)
-    return tuple(one for one in students if one not in known) if known else ()
+    here = (one for one in students if known.keys().isdisjoint((one, student_id(one))))
+    return tuple(here) if known else ()
 
 
 def names_to_write_to(missing: Sequence[NotCollected]) -> str:

@@ -170,7 +170,7 @@ def _unusable(handed: Handed, course: Course, wanted: str) -> str:
         return f'handed in for {handed.assignment}'
     if handed.assignment and handed.assignment not in course.assignments:
         return f'{handed.assignment}: not an assignment of this course; name one with --assignment'
-    return '' if handed.pieces else 'no files'
+    return '' if handed.pieces else 'no file that can be read'
 
 
 def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:

@@ -11,7 +11,7 @@ import sys
 from autograder.authoring.new_course import new_course, new_exam
 from autograder.authoring.sample_class import write_sample_class
 from autograder.authoring.self_check import self_check
-from autograder.commands import FOR_REVIEW, OK, option, takes, TO_SUBMITTED
+from autograder.commands import flag, FOR_REVIEW, OK, option, takes, TO_SUBMITTED
 from autograder.commands.grade import short
 from autograder.grading.pipeline import grading_engine
 from autograder.layout import Layout
@@ -44,12 +44,12 @@ def new_exam_command(chosen: argparse.Namespace) -> int:
     return OK
 
 
-@takes(TO_SUBMITTED)
+@takes(TO_SUBMITTED, flag('--force', 'replace sample submissions that were changed'))
 def sample_class_command(chosen: argparse.Namespace) -> int:
     """Write the example submissions of the sample class."""
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
-    count = write_sample_class(layout, folder)
+    count = write_sample_class(layout, folder, chosen.force)
     print(f'Wrote {count} example submissions to {short(folder, layout)}.')
     return OK
 

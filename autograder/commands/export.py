@@ -92,23 +92,24 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marked(layout: Layout, chosen: argparse.Namespace) -> Marked:
-    """Return the results of each chosen assignment, with the marks of all students."""
+    """Return the results and marks of each chosen assignment; print who lost points as late."""
     source = getattr(chosen, 'points', AUTOMATIC)
-    return [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
-
-
-def _without_mark(marked: Marked) -> bool:
-    """Print who has no mark and who lost points for being late; return whether marks miss."""
-    missing = [(one, mark) for one, given in marked for mark in given if mark.points is None]
-    for one, mark in missing:
-        line = f'no mark: {one.assignment}: {mark.student}: {mark.status}'
-        print(printable(line), file=sys.stderr)
-    for one, given in marked:
+    found = [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
+    for one, given in found:
         for mark in given:
             if mark.late_points:
                 lost = f'{number(mark.late_points)} points less, to {number(mark.points or 0.0)}'
                 line = f'late: {one.assignment}: {mark.student}: {lost}'
                 print(printable(line), file=sys.stderr)
+    return found
+
+
+def _without_mark(marked: Marked) -> bool:
+    """Print who has no mark, and return whether there is such a student."""
+    missing = [(one, mark) for one, given in marked for mark in given if mark.points is None]
+    for one, mark in missing:
+        line = f'no mark: {one.assignment}: {mark.student}: {mark.status}'
+        print(printable(line), file=sys.stderr)
     return bool(missing)
 
 

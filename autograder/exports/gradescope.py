@@ -31,14 +31,12 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
         file is missing, it refers the student to the staff
     """
     mark = automatic(result)
-    # For an unusable file, write results although there is no mark: the student sees the problem
-    # at once and can upload again.
-    if mark.points is None and not result.unusable:
+    if mark.points is None:
         raise GraderError(
             f'{result.student}: {mark.status}, so there are no results.', result.review
         )
     return {
-        'score': round(result.points, 4),
+        'score': round(mark.points, 4),
         'execution_time': round(sum(map(seconds_of_exam, result.exams)), 2),
         'output': _about(result),
         'output_format': 'text',

@@ -2,8 +2,8 @@
 Grade one submission in Gradescope's container.
 
 The script ``run_autograder`` in the zip file starts ``python -m
-autograder.exports.gradescope_run``.  If the grader fails, it writes no ``results.json``: then
-Gradescope reports a failed autograder instead of giving a zero.
+autograder.exports.gradescope_run``.  For a submission for review, it writes no ``results.json``:
+then Gradescope reports a failed autograder instead of giving a zero.
 """
 
 from __future__ import annotations

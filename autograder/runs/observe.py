@@ -29,12 +29,7 @@ from autograder.runs.one_processor import one_processor
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.probes import compile_code, start_probe
-from autograder.sandboxes.processes import (
-    family,
-    oom_kills,
-    other_domains,
-    ports,
-)
+from autograder.sandboxes.processes import oom_kills, other_domains, ports, running
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from environment.ros import RosEnvironment
 
@@ -355,8 +350,8 @@ class _Watched:
         if self.student.home is None:  # otherwise, the program shares the machine's network
             self.domains = other_domains(ports(self.student.pid))
         launcher = bool(self.student.namespaces) or self.student.supervised
-        running = self.exit is None
-        self.left = len(list(family(self.student.pid))) > launcher + running
+        program = self.exit is None
+        self.left = len(running(self.student.pid)) > launcher + program
 
     def _process_event(self) -> dict[str, Any]:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}

@@ -27,13 +27,27 @@ def states(pid: int) -> bytes:
 
     :param pid: host pid of the first process
     """
+    return b''.join(map(_states, family(pid)))
+
+
+def _states(process: int) -> bytes:
     found = b''
-    for process in family(pid):
-        with suppress(OSError):  # the process has ended
-            for task in os.listdir(f'/proc/{process}/task'):
-                stat = _read(f'/proc/{process}/task/{task}/stat')
-                found += stat.rpartition(b')')[2][1:2]
+    with suppress(OSError):  # the process has ended
+        for task in os.listdir(f'/proc/{process}/task'):
+            stat = _read(f'/proc/{process}/task/{task}/stat')
+            found += stat.rpartition(b')')[2][1:2]
     return found
+
+
+def running(pid: int) -> list[int]:
+    """
+    Return the pids of a process and its descendants that have not ended.
+
+    A process that has ended keeps its pid, as a zombie, until its parent asks for its exit code.
+
+    :param pid: host pid of the first process
+    """
+    return [one for one in family(pid) if _states(one).strip(b'ZX')]
 
 
 def used_ns(pid: int) -> int:

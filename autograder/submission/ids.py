@@ -13,6 +13,16 @@ _DIGITS = 12
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 
+def named_id(text: str) -> str:
+    """
+    Return the id of a student whom an instructor names, by the name or by the student's id.
+
+    :func:`student_id` would replace an id that it has made itself, because it cannot know that
+    the text is not a name.
+    """
+    return text if is_student_id(text) and _REPLACED.fullmatch(text) else student_id(text)
+
+
 def student_id(name: str) -> str:
     """
     Return a student id for a name: the name itself if it is a valid id.

@@ -2,24 +2,22 @@
 Read submissions other than notebooks: a Python script, a ROS package folder, or a zip of one.
 
 The result is the text of each file by its relative path.  A zip is never unpacked on the grader's
-disk (:mod:`autograder.submission.tree`).  A zip that contains a link, a special file or an unsafe
-path is refused.
+disk (:mod:`autograder.submission.tree`).  A folder or zip that contains a link, a special file or
+an unsafe path is refused: without the linked file, the grader would judge another program.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 import re
 
-from autograder.submission.package import KINDS
+from autograder.submission.package import is_left_out, KINDS
 from autograder.submission.reading import read_file
 from autograder.submission.tree import (
     Bounds,
     NotTakenInError,
     opened,
-    Parts,
-    SPECIAL,
     UnreadableError,
 )
 
@@ -29,11 +27,10 @@ LARGEST_ZIP = 8 << 20
 LARGEST_FILE = 1 << 20
 LARGEST_WHOLE = 8 << 20
 LONGEST_NAME = 200
-LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'}
-"""Names of folders that tools generate; their content is not the student's work."""
 
 MANIFEST = 'package.xml'
 NO_MODULES = {'test', 'tests', 'launch', 'config', 'msg', 'srv', 'action', 'resource', 'answers'}
+_COMMENT = re.compile('#.*')
 _ENTRY_POINT = re.compile(r'\b(?P<name>\w+)\s*=\s*(?P<module>[\w.]+)\s*:\s*(?P<call>\w+)')
 
 
@@ -67,8 +64,8 @@ def _script(path: Path) -> str:
 def _bounds() -> Bounds:
     return Bounds(
         'the files of one package',
-        'hand in the package folder alone, without links',
-        _is_left_out,
+        'hand in the package folder alone, with copies of files instead of links',
+        lambda parts, _: is_left_out(parts[-1]),
         entries=MOST_ENTRIES,
         listed=10 * MOST_ENTRIES,
         file_bytes=LARGEST_FILE,
@@ -77,17 +74,12 @@ def _bounds() -> Bounds:
     )
 
 
-def _is_left_out(parts: Parts, _: Collection[Parts]) -> bool:
-    name = parts[-1]
-    return name in LEFT_OUT or (name.startswith('.') and name not in ('.', '..'))
-
-
 def _texts(path: Path) -> dict[str, str]:
     """
     Return the texts of a folder or a zip file by relative path, without following links.
 
-    :raises NotTakenInError: if it is damaged or too large, or has a link, a special file (a folder
-        may have these) or an unsafe path
+    :raises NotTakenInError: if it is damaged or too large, or has a link, a special file or an
+        unsafe path
     """
     bounds, found, folder = _bounds(), {}, path.is_dir()
     if not folder and path.is_symlink():
@@ -96,8 +88,7 @@ def _texts(path: Path) -> dict[str, str]:
         raise bounds.refusal(str(path), f'{path.stat().st_size} bytes')
     with opened(path, bounds) as tree:
         for name, trouble in tree.refused:
-            if not (folder and trouble == SPECIAL):
-                raise bounds.refusal(f'{path}, {name[:80]!r}', trouble)
+            raise bounds.refusal(f'{path}, {name[:80]!r}', trouble)
         files = [file for file in tree.files if PurePosixPath(file.name).suffix in KINDS]
         if len(files) > MOST_FILES:
             raise bounds.refusal(str(path), f'more than {MOST_FILES} files')
@@ -148,17 +139,16 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
     """
     Return the files with a copy of each wanted node in the top folder, where exams look for it.
 
-    The source is the module from which ``setup.py`` or ``setup.cfg`` builds the executable of that
-    name; otherwise, a file of that name in the package's folders.
+    The source is the file that ``ros2 run`` would start: the module from which ``setup.py`` or
+    ``setup.cfg`` builds the executable of that name; otherwise, a file of that name: the one that
+    ``CMakeLists.txt`` mentions, or the one in the top folder, or one in the package's folders.
 
     :param wanted: node files such as ``talker.py``
     """
     found = dict(files)
     for name in wanted:
-        if name in found or not name.endswith('.py'):
-            continue
-        if any(path.startswith(f'{name}/') for path in files):
-            continue  # a folder has the node's name, so no file can
+        if not name.endswith('.py') or any(path.startswith(f'{name}/') for path in files):
+            continue  # a folder may have the node's name; then no file can
         text = _node_text(files, name)
         if text is not None:
             found[name] = text
@@ -168,16 +158,17 @@ def with_node_files(files: Mapping[str, str], wanted: Iterable[str]) -> dict[str
 def _node_text(files: Mapping[str, str], name: str) -> str | None:
     stem = name.removesuffix('.py')
     for setup in ('setup.py', 'setup.cfg'):
-        for match in _ENTRY_POINT.finditer(files.get(setup, '')):
+        for match in _ENTRY_POINT.finditer(_COMMENT.sub('', files.get(setup, ''))):
             path = match['module'].replace('.', '/') + '.py'
             if match['name'] == stem and path in files:
-                if match['call'] == 'main':
+                if match['call'] == 'main' or path == name:
                     return files[path]
                 module, call = match['module'], match['call']
                 return f'import sys\n\nfrom {module} import {call}\n\nsys.exit({call}())\n'
+    installed = re.split(r'[\s"()]+', _COMMENT.sub('', files.get('CMakeLists.txt', '')))
     places = [
-        path
+        (path not in installed, path.count('/'), path)
         for path in files
-        if path.endswith(f'/{name}') and not NO_MODULES & set(PurePosixPath(path).parts)
+        if f'/{path}'.endswith(f'/{name}') and not NO_MODULES & set(PurePosixPath(path).parts)
     ]
-    return files[min(places, key=lambda path: (path.count('/'), path))] if places else None
+    return files[min(places)[-1]] if places else None

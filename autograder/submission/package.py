@@ -2,7 +2,7 @@
 Read the files that exams judge from a package folder on disk.
 
 Node files may be in the top folder or, as in every Python ROS package, in the folder with the
-package's name.  Links are not followed.
+package's name.  No link is followed: a package with a link is refused.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 from autograder.exam.exam import Exam
 from autograder.results import ExamResult, first_of
 from autograder.submission.reading import read_file
+from autograder.submission.tree import NotTakenInError
 
 MAX_FILES = 200
 NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
@@ -27,18 +28,31 @@ KINDS = (
 """Suffixes of files that a build may need; the marker in ``resource/`` has no suffix."""
 
 
+LEFT_OUT = {'build', 'install', 'log', '__pycache__', '__MACOSX', 'node_modules'}
+"""Names of folders that tools generate; their content is not the student's work."""
+
+
+def is_left_out(name: str) -> bool:
+    """Return whether a file or folder of this name is hidden or generated."""
+    return name in LEFT_OUT or (name.startswith('.') and name not in ('.', '..'))
+
+
 def read_package(folder: Path) -> dict[str, str]:
     """
     Return the texts of a package's files by the paths that exams use.
 
     :param folder: the package, or a folder with the same structure
+    :raises NotTakenInError: if a file or folder is a link
     """
     found: dict[str, str] = {}
     for path in sorted(folder.rglob('*')):
         inside = path.relative_to(folder)
-        if any(part.startswith(('.', '__pycache__')) for part in inside.parts):
+        if any(map(is_left_out, inside.parts)):
             continue
-        if path.suffix not in NOTEBOOK_KINDS or path.is_symlink() or not path.is_file():
+        if path.is_symlink():
+            fix = 'Try: replace the link by a copy of its target'
+            raise NotTakenInError(f'{path}: expected a file or folder, got a link.', fix)
+        if path.suffix not in NOTEBOOK_KINDS or not path.is_file():
             continue
         if path.suffix == '.py' and len(inside.parts) > 1 and inside.parts[0] != 'test':
             inside = Path(*inside.parts[1:])

@@ -116,7 +116,7 @@ class Tree:
 
     :param files: sorted by path
     :param refused: path and reason of each skipped entry
-    :param empty: folders of the two upper levels without files or skipped entries
+    :param empty: folders of the two upper levels without files that can be read
     :param repositories: folders that contain ``.git``
     :param owners: uid of each file and folder; empty for a zip
     """
@@ -228,15 +228,16 @@ def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
         if one.owner is not None:
             owners[one.parts] = one.owner
         twice = 'a name that occurs twice' if one.parts in files else ''
-        if trouble := bounds.trouble(one.parts) or one.trouble or twice:
+        unsafe = bounds.trouble(one.parts)
+        if trouble := unsafe or one.trouble or twice:
             refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
+            folders |= set() if unsafe else {above}
         elif one.read is None:
             folders.add(one.parts)
         else:
             files[one.parts] = File(one.parts, one.read)
-    there = [*files, *(tuple(where.split('/')) for where, _ in refused)]
-    used = {parts[:depth] for parts in there for depth in (1, 2)}
-    empty = sorted({parts[:2] for parts in folders} - used)
+    used = {parts[:depth] for parts in files for depth in (1, 2)}
+    empty = sorted({parts[:2] for parts in folders} - {(), *used})
     ordered = tuple(files[parts] for parts in sorted(files))
     return Tree(name, ordered, tuple(refused), tuple(empty), frozenset(repositories), owners)
 

@@ -38,8 +38,8 @@ GROUPS = {
 }
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
-SHUT_DOWN = 'the given context is not valid'
-"""Part of rcl's error for anything created after Ctrl-C, which alone shuts down early."""
+SHUT_DOWN = ('the given context is not valid', "rcl node's context is invalid")
+"""Parts of rcl's errors after Ctrl-C or SIGTERM, which alone shut down early."""
 
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
@@ -102,7 +102,9 @@ def main(arguments: Sequence[str]) -> Outcome:
         return int(signal.SIGINT)
     except Exception as problem:
         # After Ctrl-C has shut the context down, an exception from rclpy is not the user's error.
-        if type(problem).__name__ == 'ExternalShutdownException' or SHUT_DOWN in str(problem):
+        if type(problem).__name__ == 'ExternalShutdownException' or any(
+            part in str(problem) for part in SHUT_DOWN
+        ):
             return int(signal.SIGINT)
         if isinstance(problem, RuntimeError):
             return str(problem)

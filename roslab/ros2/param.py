@@ -155,7 +155,7 @@ def get(args: argparse.Namespace) -> Outcome:
 
 
 def set_parameter(args: argparse.Namespace) -> Outcome:
-    """Set a parameter and print whether the node accepted the value."""
+    """Set a parameter and print whether the node accepted it; as in Jazzy, both exit with 0."""
     with asking(args) as (node, name):
         parameter = Parameter(name=args.parameter_name, value=get_parameter_value(args.value))
         for _, result in _set(node, name, [parameter]):

@@ -111,6 +111,30 @@ def endless_run(box: sandbox.Sandbox) -> None:
     observe('endless', scenario, {'x.py': program}, box, lambda event: print('runs', flush=True))
 
 
+FORKS = """
+import resource, time
+import rclpy
+
+
+def faults_of_children():
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_minflt
+
+
+rclpy.init()
+node = rclpy.create_node('n')
+before = faults_of_children()
+time.sleep(20)
+print(faults_of_children() - before, flush=True)
+"""
+
+
+def forks(box: sandbox.Sandbox) -> str:
+    """Return what a program prints of children that it did not start; 0 if there are none."""
+    scenario = Scenario(file='x.py', steps=(Advance(25.0),)).to_json()
+    recording, _ = observe('forks', scenario, {'x.py': FORKS}, box)
+    return str(recording.process['stdout']).strip()
+
+
 def main() -> None:
     """Run the hostile program and, where a program is confined, two honest exams."""
     mode, folder = sys.argv[1], Path(sys.argv[2])
@@ -126,7 +150,7 @@ def main() -> None:
         files = {file: (answers / file).read_text('utf-8') for file in exam.requires}
         result = examine(exam, files, sandbox=box)
         results.append({**result.to_json(), 'lacks': result.max_points - result.points})
-    print(json.dumps({'hostile': lines, 'results': results}))
+    print(json.dumps({'hostile': lines, 'results': results, 'forks': forks(box)}))
 
 
 if __name__ == '__main__':

@@ -184,6 +184,11 @@ def test_honest_programs_get_their_points_and_results_say_the_mode(world):
     check_honest(mode, seen['results'])
 
 
+def test_libraries_start_no_process_during_a_run(world):
+    """It would look like a process that the program has left behind."""
+    assert world[1]['forks'] == '0'
+
+
 def check_honest(mode: str, results) -> None:
     """Find full points in a mode, for one program that publishes and one that answers."""
     assert len(results) == 2

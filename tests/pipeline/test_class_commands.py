@@ -170,8 +170,8 @@ class TestCommands:
             capsys.readouterr()
 
     def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Those without a mark keep their cells."""
-        grade_by_hand(graded, 'ann', 5.0)
+        """Those without a mark keep their cells; who lost points for being late is named."""
+        grade_by_hand(graded, 'ann', 5.0, late=2.0)
         mine = tmp_path / 'canvas.csv'
         mine.write_text(
             'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
@@ -185,9 +185,11 @@ class TestCommands:
 
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[4] for row in rows] == ['Monitor (7)', '55', '55', '']
+        assert [row[4] for row in rows] == ['Monitor (7)', '55', '53', '']
         assert mine.read_bytes() == before
-        assert 'not entered: eve: for review' in capsys.readouterr().out
+        said = capsys.readouterr()
+        assert 'not entered: eve: for review' in said.out
+        assert said.err == f'late: {ASSIGNMENT}: ann: 2 points less, to 53\n'
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_feedback_is_packed_under_the_names_of_the_download(self, graded, tmp_path, capsys):
@@ -209,8 +211,8 @@ class TestCommands:
         assert not list(graded.work.glob('feedback_*'))
 
     def test_moodle_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Those without a mark keep their cells."""
-        grade_by_hand(graded, 'ann', 5.0)
+        """Those without a mark keep their cells; who lost points for being late is named."""
+        grade_by_hand(graded, 'ann', 5.0, late=2.0)
         mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
         mine.write_text(
             'Identifier,"Full name",Grade,"Maximum Grade","Last modified (grade)"\n'
@@ -222,9 +224,11 @@ class TestCommands:
 
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[2] for row in rows] == ['Grade', '55', '']
+        assert [row[2] for row in rows] == ['Grade', '53', '']
         assert mine.read_bytes() == before
-        assert 'not entered: eve: for review' in capsys.readouterr().out
+        said = capsys.readouterr()
+        assert 'not entered: eve: for review' in said.out
+        assert said.err == f'late: {ASSIGNMENT}: ann: 2 points less, to 53\n'
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_gradescope_has_a_file_for_each_but_the_review(self, graded, tmp_path, capsys):
@@ -333,15 +337,14 @@ class TestGradescope:
         assert results['score'] == sum(test['max_score'] for test in results['tests']) > 0
         assert results['extra_data']['isolation']
 
-    def test_no_upload_gets_a_reason_and_no_points(self, container):
-        """That is the student's matter, so there is a file."""
+    def test_no_upload_gets_a_reason_for_the_staff_and_no_file(self, container):
+        """It is for review, as in a class."""
         root = container(TEXT_ONLY)
         done = run_autograder(root)
 
-        assert done.returncode == 0, done.stdout + done.stderr
-        results = json.loads((root / 'results' / 'results.json').read_text('utf-8'))
-        assert results['score'] == 0
-        assert 'got no notebook' in results['output']
+        assert done.returncode == 1, done.stdout + done.stderr
+        assert 'got no notebook' in done.stdout
+        assert list((root / 'results').iterdir()) == []
 
     def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
         """Not even that of an earlier run; the reason is for the staff."""

@@ -26,6 +26,7 @@ from autograder.classroom.statistics import class_numbers
 from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
 from autograder.exports.marks import AUTOMATIC, marks, MISSING
+from autograder.submission.ids import student_id
 
 
 @pytest.fixture
@@ -60,6 +61,21 @@ def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
     ]
     assert found[3].max_points == 6.5
     assert not_listed(listed, ['ann', 'eve']) == ('eve',)
+
+
+@pytest.mark.parametrize('column', ['name', 'id'])
+def test_name_and_id_of_a_student_are_the_same_student(layout, column):
+    """The id that collect shows, or the name from which it is made, in either file."""
+    name = 'Müller, Jörg'
+    shown = {'name': name, 'id': student_id(name)}[column]
+    laid(layout.work, {'class_list.csv': f'student\n"{shown}"\n'.encode()})
+    text = f'student,assignment,hours\n"{shown}",,48\n'
+    laid(layout.work, {'extensions.csv': text.encode()})
+
+    assert extensions(layout)[student_id(name), TALK] == timedelta(hours=48)
+    for folder in (name, student_id(name)):  # an instructor may have laid the folder
+        assert not_collected(layout, TALK, {folder}) == ()
+        assert not_listed(layout, {folder}) == ()
 
 
 def test_without_a_list_nobody_is_missing(layout):

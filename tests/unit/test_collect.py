@@ -28,6 +28,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.classroom.course_lock import alone
+from autograder.classroom.not_collected import read_not_collected
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.kinds.kind import recognised
@@ -186,15 +187,19 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """Whatever it points to."""
+        """Its student has handed in something, so the reports name the student."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
             archive.writestr(link, '/etc/passwd')
 
-        (row,) = collect(tmp_path / 's.zip', layout, layout.submitted)
+        rows = collect(tmp_path / 's.zip', layout, layout.submitted)
 
-        assert (row.done, row.notes) == (LEFT, ('a link or a special file',))
+        assert [(row.student, row.done, row.notes) for row in rows] == [
+            ('', LEFT, ('a link or a special file',)),
+            ('ann', LEFT, ('no file that can be read',)),
+        ]
+        assert [one.student for one in read_not_collected(layout)] == ['ann']
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
         """Nobody waits for a pipe."""
@@ -207,6 +212,7 @@ class TestHostileSources:
         rows = collect(source, layout, layout.submitted)
 
         left = {row.place: row.notes[0] for row in rows if row.done == LEFT}
+        assert left.pop('bob') == 'no file that can be read'
         assert left == dict.fromkeys(
             ('bob/talk.ipynb', 'loop', 'pipe'), 'a link or a special file'
         )
@@ -246,7 +252,7 @@ class TestHostileSources:
         assert [(row.student, row.done) for row in rows] == [
             ('ann', TAKEN), ('bob', LEFT), ('cy', TAKEN)
         ]  # fmt: skip
-        assert rows[1].notes == ('no files',)
+        assert rows[1].notes == ('no file that can be read',)
         monkeypatch.setattr(tree, 'MOST_LISTED', 5)
         with pytest.raises(NotTakenInError, match='more than 5 files'):
             collect(source, layout, layout.submitted)

@@ -64,8 +64,8 @@ class TestFolders:
         left = {row.student: row.notes[:1] for row in rows if row.done == LEFT}
         assert left == {
             'cho': ('no notebook, only README.md',),
-            'dan': ('no files',),
-            'eva': ('no files',),
+            'dan': ('no file that can be read',),
+            'eva': ('no file that can be read',),
         }
 
     def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):

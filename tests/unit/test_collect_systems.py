@@ -211,7 +211,7 @@ class TestGradescope:
             ('', 'submission_999'): LEFT,
         }
         said = notes(rows)
-        assert said['submission_102'] == ('no files',)
+        assert said['submission_102'] == ('no file that can be read',)
         assert said['submission_999'][0].startswith('not in submission_metadata.yml')
 
     def test_a_time_that_yaml_refuses_is_one_sentence(self, tmp_path, layout):

@@ -238,6 +238,29 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
     assert {'pass__reference', 'zero__untouched_stub'} <= names
     assert f'{len(notebooks)} example submissions' in capsys.readouterr().out
 
+    notebooks[-1].write_bytes(b'my own')
+    notebooks[0].unlink()
+    arguments = ['sample-class', '--to', str(tmp_path / 'class')]
+    assert command.main(arguments) == command.USAGE
+    said = capsys.readouterr().err
+    assert f'{notebooks[-1]}: this file already exists. Try: --force' in said
+    assert (notebooks[-1].read_bytes(), notebooks[0].exists()) == (b'my own', False)
+
+    assert command.main([*arguments, '--force']) == OK
+    assert notebooks[-1].read_bytes() != b'my own'
+
+
+def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, capsys):
+    """Sample students would get marks in the gradebook of the class."""
+    folder = tmp_path / 'ann' / Layout.here().assignments()[0]
+    folder.mkdir(parents=True)
+    (folder / 'mine.ipynb').write_text('{}')
+    monkeypatch.setattr(Layout, 'submitted', tmp_path)
+
+    assert command.main(['sample-class']) == command.USAGE
+    assert 'the folder of a class, with ann. Try: --to' in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ['ann']
+
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
     """A fresh clone has something to grade; an existing class is not changed."""

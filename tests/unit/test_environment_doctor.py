@@ -9,6 +9,8 @@ import pytest
 from environment import doctor, interpreters, stamps, system
 from environment import pins as pins_module
 from environment.places import LOCK_FILE, Places
+from environment.plan import Plan
+from environment.ros import RosEnvironment
 
 
 def test_line_ok_has_no_fix():
@@ -50,8 +52,32 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
     places.prefix.mkdir(parents=True)
     stamps.write_stamp(places, 'workspace', 'done')
 
-    found = doctor.check_workspace(places)
+    found = doctor.check_workspace(places, 'done')
     assert (found.state, found.detail) == (doctor.OK, detail)
+
+
+def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
+    """An old program would run although its source has changed."""
+    (tmp_path / 'course.toml').write_text("package = 'doors'\n")
+    source = tmp_path / 'doors' / 'door.py'
+    source.parent.mkdir()
+    source.write_text('OPEN = 1')
+    places = Places.of('.venv', tmp_path)
+    places.prefix.mkdir(parents=True)
+    python = interpreters.probe(sys.executable, os.environ)
+    ros = RosEnvironment('wheels', sys.executable, {}, {}, (), '')
+    monkeypatch.setattr(doctor, '_description', lambda _: ros)
+    monkeypatch.setattr(doctor, 'check_by_running', lambda _: ())
+    monkeypatch.setattr(interpreters, 'probe', lambda *_: python)
+    stamps.write_stamp(places, 'workspace', Plan(places, {}, 'wheels', python).digest('workspace'))
+
+    def line():
+        return next(one.line() for one in doctor.findings(places, {}) if one.name == 'doors')
+
+    assert line().startswith('ok ')
+    source.write_text('OPEN = 2')
+    assert line().startswith('weak ')
+    assert line().endswith('packages have changed since the build  -> make prepare')
 
 
 def test_check_python_none_found_says_what_to_install():

@@ -23,7 +23,7 @@ from autograder.exam.inputs import course_secret
 from autograder.exports.gradescope import results_bytes, results_of, VISIBILITIES
 from autograder.exports.gradescope_zip import autograder_zip, SETTINGS
 from autograder.layout import Layout
-from autograder.results import ExamResult, SubmissionResult
+from autograder.results import ExamResult, Problem, SubmissionResult
 
 FORMATS = {'enum': ['text', 'html', 'simple_format', 'md', 'ansi']}
 VISIBILITY = {'enum': ['hidden', 'after_due_date', 'after_published', 'visible']}
@@ -84,7 +84,7 @@ class TestResults:
     def test_every_graded_submission_keeps_the_rules(self):
         """Hostile words included, which are shown as text."""
         for result in CLASS.results:
-            if not result.fault:
+            if not result.review:
                 data = json.loads(results_bytes(result))
                 RULES.validate(data)
                 assert {test['output_format'] for test in data['tests']} == {'text'}
@@ -112,8 +112,11 @@ class TestResults:
 
     def test_for_review_has_no_file(self):
         """A file without a score is refused there, and a zero would be wrong."""
-        with pytest.raises(GraderError, match='eve: for review'):
-            results_bytes(REVIEW)
+        unread = Problem('a.ipynb', 'a notebook', 'a picture', 'upload again', unusable=True)
+
+        for result in (REVIEW, submission('eve', problems=(unread,))):
+            with pytest.raises(GraderError, match='eve: for review'):
+                results_bytes(result)
 
     def test_visible_checks_alone_are_no_result(self):
         """Without isolation nothing else is run, and it makes no grade."""

@@ -72,13 +72,14 @@ class TestWhatIsTakenIn:
 
         assert len(found) == len(PACKAGE)
 
-    def test_links_in_a_folder_are_not_followed(self, tmp_path):
-        """Neither to a file nor to a folder."""
+    @pytest.mark.parametrize('target', ['/etc/passwd', '/etc', '/nowhere'])
+    def test_link_in_a_folder_is_refused_as_in_a_zip(self, tmp_path, target):
+        """Leaving it out would change the program that is judged."""
         (tmp_path / 'package.xml').write_text('x')
-        (tmp_path / 'passwd.txt').symlink_to('/etc/passwd')
-        (tmp_path / 'etc').symlink_to('/etc')
+        (tmp_path / 'linked.py').symlink_to(target)
 
-        assert read_handed_in(tmp_path) == {'package.xml': 'x'}
+        with pytest.raises(NotTakenInError, match=r"'linked\.py': .* got a link .* with copies"):
+            read_handed_in(tmp_path)
 
     def test_two_packages_are_one_too_many(self, tmp_path):
         """It is said which there are."""
@@ -213,6 +214,28 @@ class TestNodeFiles:
         files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
+
+    def test_entry_point_comes_before_a_file_at_the_top(self):
+        """``ros2 run`` starts the entry point's module, not a forgotten file."""
+        setup = "# 'talker = pkg.old:main',\n'talker = pkg.node_one:main',"
+        files = {'setup.py': setup, 'pkg/node_one.py': 'node', 'pkg/old.py': 'old'}
+
+        found = with_node_files({**files, 'talker.py': 'forgotten'}, ['talker.py'])
+
+        assert found['talker.py'] == 'node'
+
+    def test_installed_file_comes_before_others_of_its_name(self):
+        """A CMake package names what it installs."""
+        files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
+        files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
+
+        assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
+
+    def test_entry_point_of_a_module_at_the_top_leaves_it_as_it_is(self):
+        """It must not import itself."""
+        files = {'setup.py': "'talker = talker:start'", 'talker.py': 'node'}
+
+        assert with_node_files(files, ['talker.py']) == files
 
     def test_an_entry_point_may_call_another_function(self):
         """Then the file is what ROS would write for it."""

@@ -112,7 +112,7 @@ class TestShown:
             layout,
             [
                 NotCollected('1001', TALK, PDF, 'Ann <b>', '2026-03-01 12:00'),
-                NotCollected('bob', TALK, 'no files'),
+                NotCollected('bob', TALK, 'no file that can be read'),
             ],
         )
         return read_not_collected(layout)

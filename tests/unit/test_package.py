@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 from autograder.exam import catalog
 from autograder.submission.package import own_files, read_package
+from autograder.submission.tree import NotTakenInError
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
@@ -21,15 +24,25 @@ def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
     }
 
 
-def test_hidden_files_links_and_other_kinds_are_left_out(tmp_path):
+def test_hidden_files_and_other_kinds_are_left_out(tmp_path):
     """Only what a build could need."""
     (tmp_path / '.part.py').write_text('x')
     (tmp_path / '__pycache__').mkdir()
     (tmp_path / '__pycache__' / 'a.py').write_text('x')
+    (tmp_path / 'log').mkdir()
+    (tmp_path / 'log' / 'latest').symlink_to('build_now')
     (tmp_path / 'core').write_text('x')
-    (tmp_path / 'link.py').symlink_to('/etc/passwd')
 
     assert read_package(tmp_path) == {}
+
+
+@pytest.mark.parametrize('target', ['/etc/passwd', '/etc'])
+def test_link_is_refused_with_its_name(tmp_path, target):
+    """Without its target, the check would say that nothing was saved."""
+    (tmp_path / 'pkg').symlink_to(target)
+
+    with pytest.raises(NotTakenInError, match=r'pkg: expected a file or folder, got a link'):
+        read_package(tmp_path)
 
 
 def test_odd_bytes_are_replaced(tmp_path):

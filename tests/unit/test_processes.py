@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-from autograder.sandboxes.processes import family, states, used_ns
+from autograder.sandboxes.processes import family, running, states, used_ns
 
 # Each says a word when its threads are at it.
 SLEEPS = "import threading; print('x', flush=True); threading.Event().wait()"
@@ -25,6 +25,15 @@ CHILD = f"""
 import subprocess, sys
 child = subprocess.Popen([sys.executable, '-c', {COMPUTES!r}], stdout=subprocess.PIPE)
 child.stdout.readline()
+{SLEEPS}
+"""
+
+
+ZOMBIE = f"""
+import os
+if (child := os.fork()) == 0:
+    os._exit(0)
+os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
 {SLEEPS}
 """
 
@@ -76,6 +85,14 @@ def test_a_stopped_program_is_seen_as_one():
         process.send_signal(signal.SIGSTOP)
 
         assert reaches(process, b'T')
+
+
+@pytest.mark.timeout(60)
+def test_child_that_has_ended_is_not_running():
+    """Its parent has not asked for its exit code, so the kernel still lists it."""
+    with started(ZOMBIE) as process:
+        assert len(list(family(process.pid))) == 2
+        assert running(process.pid) == [process.pid]
 
 
 def test_a_program_that_has_ended_has_nothing():

@@ -2,6 +2,7 @@
 
 from argparse import ArgumentParser
 import re
+import signal
 from xml.etree import ElementTree
 
 import pytest
@@ -51,6 +52,20 @@ def test_help_says_what_it_is(capsys):
     assert "The course's own small ros2 command" in text
     assert 'its own ros2 comes first' in text
     assert set(VERBS) == set(cli.GROUPS)
+
+
+@pytest.mark.parametrize(
+    'words', ['the given context is not valid', "rcl node's context is invalid, at node.c:404"]
+)
+def test_command_that_a_signal_ends_prints_no_error(monkeypatch, words):
+    """The error of rcl is about the context, which the signal has shut down."""
+
+    def asks_the_graph(_):
+        raise RuntimeError(words)
+
+    monkeypatch.setattr('roslab.ros2.daemon.status', asks_the_graph)
+
+    assert cli.main(['daemon', 'status']) == signal.SIGINT
 
 
 def test_group_without_verb_prints_its_help(capsys):

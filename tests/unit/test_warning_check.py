@@ -9,6 +9,7 @@ import pytest
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Run
+from autograder.exam.specification import Slip
 from autograder.exams.monitor_runs import celsius, made_run
 from autograder.exams.visible import warning_check
 from autograder.judging.judge import judge
@@ -162,3 +163,12 @@ def test_run_that_does_not_show_its_slip_is_refused():
         made_run('cool readings', celsius(20.0), warning_check.DUE, slip)
     with pytest.raises(ExamInvalid, match='No slip nan shows'):
         warning_check.of_monitor('nan', celsius(20.0))
+
+
+def test_slip_that_no_check_refuses_is_an_error_of_the_exam():
+    """A new slip does not silently count as a wrong warning."""
+    slip = Slip('new_slip', 'It warns of NaN.', 'Do not.', lambda readings: [1])
+    run = made_run('a reading that is NaN', (warning_check.NAN,), warning_check.DUE, slip)
+
+    with pytest.raises(ExamInvalid, match=r'with the slip new_slip\. Try: .* MISSES, UNITS or'):
+        warning_check.build((*RUNS, run))

@@ -54,7 +54,11 @@ UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
     *('first_letter', 'part_of_a_unit', 'any_case'),
 )
-"""Names of slips about units; any slip that is not here or in MISSES causes wrong warnings."""
+WRONG = (
+    *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'warns_ever_after'),
+    *('repeated_warning', 'one_late', 'warns_later', 'nan'),
+)
+"""Names of slips that leave out a warning, mistake a unit, or give a wrong warning."""
 OWN = (
     *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'upper_bound', 'cut_off'),
     *('nan', *UNITS),
@@ -312,10 +316,16 @@ def build(runs: Sequence[MadeRun]) -> Exam:
         asks={'answers': Specification(runs, each(lambda run: run.slip is None), SLIPS)},
     )
     right = [place for place, one in enumerate(runs) if one.slip is None]
-    named = [(place, one.slip.cause_id) for place, one in enumerate(runs) if one.slip]
-    missing = [place for place, name in named if name in MISSES]
-    units = [place for place, name in named if name in UNITS]
-    other = [place for place, _ in named if place not in {*missing, *units}]
+    named = {place: one.slip.cause_id for place, one in enumerate(runs) if one.slip}
+    if unknown := sorted({*named.values()} - {*MISSES, *UNITS, *WRONG}):
+        raise ExamInvalid(
+            f'warning_check: no check refuses a run with the slip {unknown[0]}.',
+            'Try: add its name to MISSES, UNITS or WRONG',
+        )
+    missing, units, other = (
+        [place for place, name in named.items() if name in names]
+        for names in (MISSES, UNITS, WRONG)
+    )
     exam.check(points=1)(returns_true_or_false)
     for points, name, places, sentence in (
         (4, 'accepts_right_nodes', right, 'It accepts each run of a right node.'),

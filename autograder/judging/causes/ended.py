@@ -12,7 +12,7 @@ import difflib
 import re
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes import not_answering as stalled
+from autograder.judging.causes import not_answering
 from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.text_table import cause_of
@@ -117,7 +117,7 @@ def why_no_node(run: Run, wanted: str) -> Cause:
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
         return cause_of('node_name', near=near[1:], wanted=wanted.rpartition('/')[2])
-    return why_it_ended(run) or stalled.why_thread_ended(run) or why_by_code('unseen', run)
+    return why_it_ended(run) or not_answering.why_thread_ended(run) or why_by_code('unseen', run)
 
 
 def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
@@ -200,11 +200,12 @@ def why_silent(run: Run) -> Cause | None:
     if ended and ended.cause_id not in LIMITS:
         return ended
     # An exception that ended a thread explains more than a limit that the other threads exceeded.
-    if other := stalled.why_thread_ended(run) or ended or stalled.why_other_is_spun(run):
+    thread = not_answering.why_thread_ended(run)
+    if other := thread or ended or not_answering.why_other_is_spun(run):
         return other
-    if not stalled.nobody_answers(run):
+    if not not_answering.nobody_answers(run):
         return why_late(run)
-    return stalled.why_it_sleeps(run) or why_by_code('idle', run)
+    return not_answering.why_it_sleeps(run) or why_by_code('idle', run)
 
 
 def why_late(run: Run) -> Cause | None:
