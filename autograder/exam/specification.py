@@ -59,11 +59,13 @@ class Cause:
     :param cause_id: short stable name, for statistics and tests
     :param text: the reason, worded for the learner
     :param try_this: the next thing to do
+    :param about: names, texts or numbers that the program has there, which help to find the line
     """
 
     cause_id: str
     text: str
     try_this: str
+    about: Sequence[str] = ()
 
 
 @dataclass(frozen=True, init=False)

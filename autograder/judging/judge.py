@@ -8,6 +8,7 @@ from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
 from autograder.exam.read_more import where_to_read
 from autograder.judging.causes.ended import how_to_look
+from autograder.judging.causes.places import place_in_code
 from autograder.judging.causes.redaction import without_arguments
 from autograder.layout import Layout
 from autograder.recording import Recording
@@ -75,6 +76,7 @@ def _judge_one(
         if failure.blocks:
             blocked.add(check.name)
         why = failure.why or Cause('', '', how_to_look(run))
+        lines = {int(one['line']) for one in failure.shown_by if one.get('line')}
         return CheckResult(
             check=check.name,
             title=check.title,
@@ -83,7 +85,7 @@ def _judge_one(
             max_points=check.points,
             expected=failure.expected,
             observed=failure.observed,
-            cause=run.names.fill(why.text),
+            cause=place_in_code(run, why, lines) + run.names.fill(why.text),
             cause_id=why.cause_id,
             try_this=run.names.fill(why.try_this),
             read=where_to_read(why.cause_id) or check.read or exam.read,
