@@ -77,7 +77,7 @@ class Slip(Cause):
         several forms, such as a number of digits
     """
 
-    rules: tuple[Rule, ...]
+    rules: tuple[Rule, ...] = ()
 
     def __init__(self, cause_id: str, text: str, try_this: str, *rules: Rule) -> None:
         """Create a slip from a cause and its rules."""

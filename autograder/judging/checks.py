@@ -226,7 +226,10 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
         expected=f'{field} {wanted!r} in every message',
         observed=f'{field} {shown}',
         why=Cause(
-            'wrong_value', slip, f'Set msg.{field} = {wanted!r} before you publish.', [field, *map(str, others[:1])]
+            'wrong_value',
+            slip,
+            f'Set msg.{field} = {wanted!r} before you publish.',
+            [field, *map(str, others[:1])],
         ),
     )
 

@@ -76,7 +76,10 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
         wrong = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
         return Cause('nanoseconds', wrong, take, [field])
     return why_it_sleeps(run) or Cause(
-        'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take, [field]
+        'stale_stamp',
+        'The stamp was taken at another moment, or its parts are wrong.',
+        take,
+        [field],
     )
 
 

@@ -107,7 +107,9 @@ def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
         slip = 'The number is right, but not written with the digits 0 to 9.'
-        return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]])
+        return Cause(
+            'wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]]
+        )
     if written or '{' in texts[place]:
         return why_not_numbered(texts, place, first)
     near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))

@@ -162,7 +162,7 @@ def why_no_configure(code: Code) -> Cause | None:
         return None
     near = close_name('on_configure', code.functions)
     meant = f' Your {near}() has a similar name.' if near else ''
-    return cause_of('method_name', near=meant)
+    return cause_of('method_name', near=meant, name=near)
 
 
 def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:

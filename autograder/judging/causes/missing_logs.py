@@ -47,7 +47,8 @@ def why_not_logged(
         return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
-        return cause_of('wrong_level', other=other, call=CALLS[level])
+        line = instead[0].get('line')
+        return cause_of('wrong_level', other=other, call=CALLS[level], line=line)
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
 
 
