@@ -85,8 +85,9 @@ def _texts(program: Program) -> Sequence[ast.AST]:
     """Return the strings that give the first of the names in question that the code has."""
     for name in program.about:
         found = [node for node in program.strings if _names(_text(node), name)]
+        exact = [node for node in found if _text(node) == name]
         if name.strip('/') and found:
-            return found
+            return exact or found
     return ()
 
 
