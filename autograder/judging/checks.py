@@ -109,10 +109,11 @@ def require_partner(ends: Iterable[Event]) -> None:
         policy, wrong, *texts = _UNUSUAL[end['kind']]
         if end['qos'][policy] == wrong:
             expected, cause_id, why, repair = texts
+            base = end['topic'].rpartition('/')[2]
             raise Failed(
                 expected=expected,
                 observed=f'{policy} {wrong}',
-                why=Cause(cause_id, why.format(end['topic'].rpartition('/')[2]), repair),
+                why=Cause(cause_id, why.format(base), repair, [wrong, base]),
             )
 
 
@@ -276,6 +277,7 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
                         f'qos_{name}',
                         f'The {end["kind"]} on {end["topic"]} has a different {name}.',
                         f'Pass a QoSProfile with {name}={_policy_code(policy, value)}.',
+                        [str(end['qos'][policy]), end['topic']],
                     ),
                 )
 

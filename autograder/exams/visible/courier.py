@@ -74,6 +74,7 @@ KEEPS_OLD = Cause(
     'With this durability, every later subscription that requests old messages gets the parcel '
     'again.',
     'Pass the depth 10 as quality of service.',
+    about=['TRANSIENT_LOCAL', TOPIC],
 )
 DELIVERS_AGAIN = Cause(
     'delivers_again',

@@ -172,9 +172,9 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
         if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
             continue
         if end['topic'] == f'{end["node"]}/{base}':
-            return cause_of('private_name', kind=kind, base=base)
+            return cause_of('private_name', kind=kind, base=base, seen=end['topic'])
         if not topic.endswith(end['topic']):
-            return cause_of('namespace_in_the_name', kind=kind, base=base)
+            return cause_of('namespace_in_the_name', kind=kind, base=base, seen=end['topic'])
     return None
 
 

@@ -11,6 +11,7 @@ from autograder.submission.code.program import (
     argument,
     end_of,
     FUNCTIONS,
+    is_stored,
     line_of,
     names_in,
     Program,
@@ -18,6 +19,8 @@ from autograder.submission.code.program import (
 
 _TIMERS = ('create_timer', 'create_rate', 'Timer', 'sleep')
 _WALL = ('time', 'time_ns', 'monotonic', 'today', 'utcnow', 'Clock')
+_ENDPOINTS = {'create_publisher': 2, 'create_lifecycle_publisher': 2, 'create_subscription': 3}
+"""The functions that create publishers and subscriptions, with the index of the profile."""
 USUAL_DEPTH = 10
 _SHORT_PROFILES = ('qos_profile_sensor_data',)
 """Profiles of rclpy whose depth is below the usual one."""
@@ -58,6 +61,30 @@ def _few_threads(program: Program) -> Iterator[ast.AST]:
         given = argument(call, 0, 'num_threads')
         if given is not None and program.number(given) == 1:
             yield program.origin(given)
+
+
+def _endpoints(program: Program) -> Iterator[ast.Call]:
+    """Yield the calls that create the publishers and subscriptions in question."""
+    for call in program.calls(*_ENDPOINTS):
+        name = argument(call, 1, 'topic')
+        text = _text(program.origin(name)) if name else ''
+        if any(_names(text, one) for one in program.about):
+            yield call
+
+
+def _profiles(program: Program) -> Iterator[ast.AST]:
+    """Yield the quality of service of the publishers and subscriptions in question."""
+    for call in _endpoints(program):
+        given = argument(call, _ENDPOINTS[last_name(call.func)], 'qos_profile')
+        if given is not None:
+            yield program.origin(given)
+
+
+def _uses(program: Program) -> Iterator[ast.AST]:
+    """Yield the uses of the classes and constants in question."""
+    last = (one.rpartition('/')[2] for one in program.about)
+    names = {one for one in last if one[:1].isupper()}
+    return (one for one in program.nodes if last_name(one) in names and not is_stored(one))
 
 
 def _depths(program: Program) -> Iterator[ast.AST]:
@@ -272,6 +299,7 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'count': _counts,
     'depth': _depths,
     'early_return': _early_returns,
+    'endpoint': _endpoints,
     'few_threads': _few_threads,
     'field': _fields,
     'joined': _joined,
@@ -280,6 +308,7 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'log': _log_calls,
     'own_arguments': _own_arguments,
     'period': _periods,
+    'profile': _profiles,
     'reset': _resets,
     'says': _sayings,
     'slow_period': _slow_periods,
@@ -288,6 +317,7 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'text': _texts,
     'function': _functions_named,
     'truth': _truths,
+    'use': _uses,
     'wall_clock': _wall_clocks,
     'without_result': _without_result,
 }
