@@ -167,7 +167,7 @@ class TestKnownActs:
     def test_hostile_code_takes_no_time(self, act):
         """Names of names, and sums of sums, are followed only a little."""
         names = '\n'.join(f'a{n} = a{n + 1} + a{n + 1}' for n in range(60))
-        deep = f'create_timer({"+".join(["1"] * 500)}, f)\ncreate_timer(a0, f)\n'
+        deep = f'create_timer({"+".join(["1"] * 500)}, f)\ncreate_timer({10**400}, a0)\n'
 
         place(act, ['0.5'], code=f'{names}\na60 = 1\n{deep}x{".y" * 500} = 1\n')
 

@@ -146,7 +146,7 @@ def _counts(program: Program) -> Iterator[ast.AST]:
         if isinstance(node, ast.Assign):
             name = last_name(node.targets[0])
             adds = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
-            if any(_is_one(one.right) and name in names_in(one.left) for one in adds):
+            if name in names_in(node.value) and any(_is_one(one.right) for one in adds):
                 yield node
 
 

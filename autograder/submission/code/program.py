@@ -23,7 +23,7 @@ _ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
 }
 _MOST = 3  # names of names, or nested operations: hostile code has thousands
 Scope = tuple[ast.AST | None, str]
-"""A function, a class or None for the file, and a name in it."""
+"""A function, None for the file, and a name in it; a dot before the names of all classes."""
 
 
 class Program:
@@ -52,7 +52,8 @@ class Program:
             return None, ast.unparse(target)
         scopes = (*FUNCTIONS, ast.ClassDef)
         inner = next((one for one in self.around(node) if isinstance(one, scopes)), None)
-        return inner, target.arg if isinstance(target, ast.arg) else last_name(target)
+        name = target.arg if isinstance(target, ast.arg) else last_name(target)
+        return (None, f'.{name}') if isinstance(inner, ast.ClassDef) else (inner, name)
 
     @cached_property
     def parents(self) -> Mapping[ast.AST, ast.AST]:
@@ -82,11 +83,9 @@ class Program:
 
     def function_around(self, *nodes: ast.AST) -> ast.FunctionDef | ast.AsyncFunctionDef | None:
         """Return the innermost function around all nodes, None if there is none."""
-        others = [set(self.around(node)) for node in nodes]
-        for one in self.around(nodes[0]) if nodes else ():
-            if isinstance(one, FUNCTIONS) and all(one in some for some in others):
-                return one
-        return None
+        each = [[one for one in self.around(node) if isinstance(one, FUNCTIONS)] for node in nodes]
+        common = (one for one in each[0] if all(one in others for others in each)) if each else ()
+        return next(iter(common), None)
 
     def calls(self, *names: str) -> list[ast.Call]:
         """Return the calls of functions."""
@@ -142,7 +141,7 @@ class Program:
         """Yield where the value of a name may come from, the innermost place first."""
         if isinstance(node, ast.Attribute):
             yield None, ast.unparse(node)
-            yield from ((one, node.attr) for one in self.nodes if isinstance(one, ast.ClassDef))
+            yield None, f'.{node.attr}'  # of a class
         if isinstance(node, ast.Name):
             yield from ((one, node.id) for one in self.around(node) if isinstance(one, FUNCTIONS))
             yield None, node.id
@@ -159,12 +158,11 @@ class Program:
         :param most: number of nested operations that are followed
         """
         node = self.origin(node)
-        if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
-            return float(node.value)
-        apply = _ARITHMETIC.get(type(node.op)) if isinstance(node, ast.BinOp) and most else None
-        if apply and isinstance(node, ast.BinOp):
-            left, right = (self.number(one, most - 1) for one in (node.left, node.right))
-            with suppress(ArithmeticError):
+        with suppress(ArithmeticError):
+            if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
+                return float(node.value)
+            if isinstance(node, ast.BinOp) and most and (apply := _ARITHMETIC.get(type(node.op))):
+                left, right = (self.number(one, most - 1) for one in (node.left, node.right))
                 return None if left is None or right is None else apply(left, right)
         return None
 
