@@ -18,7 +18,7 @@ Words without a bar between them are alternatives:
 ``to:name()``  the function that is passed to a call, such as the callback of a timer
 ``period``     and the other keys of :data:`.known_acts.ACTS`
 ``NAME``       any other word: a use of this name
-``one@other``  an act inside another one, such as ``>=@def:judge``
+``one@other``  an act inside another one, such as ``>=@def:judge``, or in what it calls
 ``one+``       an act that has several places
 =============  ====================================================================
 
@@ -124,7 +124,7 @@ def find(program: Program, word: str) -> list[ast.AST]:
     word, _, outer = word.partition('@')
     found = list(_find(program, word.removesuffix('+')))
     if outer:
-        scopes = set(find(program, outer))
+        scopes = program.reached(find(program, outer))
         found = [node for node in found if not scopes.isdisjoint(program.around(node))]
     if word.endswith('+') and len(found) < 2:
         return []
@@ -154,10 +154,16 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
 
 
 def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
-    for node in _find(program, word):
+    """Yield the innermost statement around each place of an act or a call of its function."""
+    left, seen = list(_find(program, word)), set[str]()
+    for node in left:
         around = (one for one in program.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
-        if isinstance(found := next(around, None), kinds) and not _asks_ok(found):
+        found = next(around, None)
+        if isinstance(found, kinds) and not _asks_ok(found):
             yield found
+        elif isinstance(found, FUNCTIONS) and found.name not in seen:
+            seen.add(found.name)
+            left += program.calls(found.name)  # the loop goes on with them
 
 
 def _asks_ok(node: ast.AST) -> bool:

@@ -118,6 +118,11 @@ def _texts(program: Program) -> Sequence[ast.AST]:
     return ()
 
 
+def _exact_texts(program: Program) -> Iterator[ast.AST]:
+    """Yield the strings that are the name in question, letter by letter."""
+    yield from (node for node in program.strings if _text(node) in program.about[:1])
+
+
 def _names(text: str, name: str) -> bool:
     """Return whether a string gives a name, with or without its namespace."""
     text = text.strip('~/')
@@ -301,6 +306,7 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'early_return': _early_returns,
     'endpoint': _endpoints,
     'few_threads': _few_threads,
+    'exact': _exact_texts,
     'field': _fields,
     'joined': _joined,
     'limit': _limits,

@@ -7,7 +7,7 @@ As in :mod:`.learners_code`, the code is never run, and the results affect only 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 import operator
@@ -95,6 +95,18 @@ class Program:
     def functions(self, *names: str) -> list[ast.AST]:
         """Return the functions and methods with some names."""
         return [one for one in self.nodes if isinstance(one, FUNCTIONS) and one.name in names]
+
+    def reached(self, bodies: Iterable[ast.AST]) -> set[ast.AST]:
+        """Return functions with all functions that they call, directly or not."""
+        found = set(bodies)
+        left = list(found)
+        while left:
+            inner = (one for one in ast.walk(left.pop()) if isinstance(one, ast.Call))
+            called = {last_name(one.func) for one in inner}
+            new = set(self.functions(*called)) - found
+            found |= new
+            left += new
+        return found
 
     def arguments(self, name: str, place: int) -> Iterator[ast.AST]:
         """Yield an argument of each call of a function."""
