@@ -106,8 +106,8 @@ def _judge_one(
 
 def _place(run: Run, why: Cause, shown_by: Sequence[Event]) -> str:
     """Return the line of the act that a cause speaks about, empty if there is no single place."""
-    acts = _ACTS.get(why.cause_id.removeprefix(_OF_A_CHECK))
-    if acts is None or why.text.startswith('Line '):
+    acts = why.act or _ACTS.get(why.cause_id.removeprefix(_OF_A_CHECK))
+    if not acts or why.text.startswith('Line '):
         return ''
     lines = {int(one['line']) for one in shown_by if one.get('line')}
     place = place_of(Code(run.files), acts, why.about, lines)

@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+from autograder.errors import ExamInvalid
 from autograder.judging.causes.text_table import FOLDER, rows_of
 from autograder.submission.code.acts import OPERATORS, place_of, STATEMENTS
 from autograder.submission.code.known_acts import ACTS
@@ -117,6 +118,11 @@ class TestPlace:
         """So none is named."""
         assert place_of(Code({'a.py': NODE, 'b.py': NODE}), 'publish()') is None
         assert place_of(Code({'a.py': 'def ('}), 'publish()') is None
+
+    def test_unknown_statement_is_a_mistake_of_the_exam(self):
+        """The author of the exam is told what there is."""
+        with pytest.raises(ExamInvalid, match='Use one of: to, if, while'):
+            place('wenn:publish()')
 
     def test_words_of_a_place_are_those_of_the_cell(self):
         """The magic line comes before the file."""

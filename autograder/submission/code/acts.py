@@ -32,6 +32,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
+from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
 from autograder.submission.code.learners_code import Code, in_cell, last_name
 from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, Program
@@ -90,6 +91,7 @@ def place_of(
     :param acts: see above
     :param about: names, texts and numbers in question, such as the field of a message
     :param lines: of the log calls in question; they choose between several places
+    :raises ExamInvalid: for an act with an unknown statement
     """
     if len(code.trees) != 1:
         return None
@@ -142,6 +144,9 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
     kind, _, name = word.rpartition(':')
     if kind == 'to':
         return program.passed(name.removesuffix('()'))
+    if kind and kind not in STATEMENTS:
+        known = ', '.join(('to', *STATEMENTS))
+        raise ExamInvalid(f'The act {word!r} begins with {kind!r}.', f'Use one of: {known}.')
     if kind:
         inner = name.endswith('()') or name in ACTS
         return _around(program, name, STATEMENTS[kind]) if inner else program.functions(name)
