@@ -31,7 +31,7 @@ from autograder.errors import ExamInvalid
 from autograder.exam.names import Names
 from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.exam.specification import Cause, Specification
-from autograder.recording import Recording
+from autograder.recording import Event, Recording
 
 __all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
 
@@ -48,6 +48,7 @@ class Failed(Exception):
     :param blocks: whether the checks that need this one are then NOT_RUN
     :param at: virtual time of the first deviation [ns], if no single event shows it
     :param every_s: period of the expected messages [s], only used to draw the picture
+    :param shown_by: log lines that show the failure; their place in the code helps to explain it
     """
 
     expected: str
@@ -57,6 +58,7 @@ class Failed(Exception):
     blocks: bool = True
     at: int | None = None
     every_s: float | None = None
+    shown_by: Sequence[Event] = ()
 
     def __str__(self) -> str:
         """Return the observation."""

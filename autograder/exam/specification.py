@@ -59,11 +59,16 @@ class Cause:
     :param cause_id: short stable name, for statistics and tests
     :param text: the reason, worded for the learner
     :param try_this: the next thing to do
+    :param about: names, texts or numbers that the program has there, which help to find the line
+    :param act: what the program does in that line, see :mod:`autograder.submission.code.acts`; by
+        default, as in ``judging/causes/places.txt``
     """
 
     cause_id: str
     text: str
     try_this: str
+    about: Sequence[str] = ()
+    act: str = ''
 
 
 @dataclass(frozen=True, init=False)
@@ -75,17 +80,19 @@ class Slip(Cause):
         several forms, such as a number of digits
     """
 
-    rules: tuple[Rule, ...]
+    rules: tuple[Rule, ...] = ()
 
-    def __init__(self, cause_id: str, text: str, try_this: str, *rules: Rule) -> None:
+    def __init__(
+        self, cause_id: str, text: str, try_this: str, *rules: Rule, act: str = ''
+    ) -> None:
         """Create a slip from a cause and its rules."""
-        super().__init__(cause_id, text, try_this)
+        super().__init__(cause_id, text, try_this, act=act)
         object.__setattr__(self, 'rules', rules)
 
     @classmethod
     def of(cls, cause: Cause, *rules: Rule) -> Slip:
         """Return the slip for a cause that checks may also report without a matching rule."""
-        return cls(cause.cause_id, cause.text, cause.try_this, *rules)
+        return cls(cause.cause_id, cause.text, cause.try_this, *rules, act=cause.act)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from autograder.results import CheckResult, ExamResult, Verdict
 MANIFEST = 'package.xml'
 
 _NAME = re.compile(r'<name>\s*([A-Za-z][A-Za-z0-9_-]{0,99})\s*</name>')
-_IN_CELL = re.compile(r'^Line (\d+): ')
+_IN_CELL = re.compile(r'^Line (\d+)(?=[:,])')
 
 
 def package_name(files: Mapping[str, str]) -> str:
@@ -76,7 +76,7 @@ def explained(
 
 def of_a_file(check: CheckResult) -> CheckResult:
     """Return a result with the line numbers of a file; a cell's numbers include its magic line."""
-    words = _IN_CELL.sub(lambda found: f'Line {int(found[1]) - 1}: ', check.cause)
+    words = _IN_CELL.sub(lambda found: f'Line {int(found[1]) - 1}', check.cause)
     return replace(check, cause=words)
 
 

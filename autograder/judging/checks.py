@@ -29,7 +29,7 @@ from autograder.judging.causes.ended import (
 )
 from autograder.judging.causes.redaction import own_words
 from autograder.recording import Event, LEVELS
-from autograder.submission.code.learners_code import Code, in_cell
+from autograder.submission.code.learners_code import Code
 
 SECOND = 1_000_000_000
 
@@ -60,25 +60,25 @@ def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
     spaces = [name.rpartition('/')[0] for name in run.recording.nodes if name.endswith(f'/{base}')]
     if not spaces or namespace in spaces:
         return None
-    line, repair = _own_namespace(Code(run.files))
     return Cause(
         'namespace',
-        f'{in_cell(line)}Your node {base} is in the namespace {spaces[0] or "/"}.',
-        f'{repair} The command line chooses the namespace.',
+        f'Your node {base} is in the namespace {spaces[0] or "/"}.',
+        f'{_own_namespace(Code(run.files))} The command line chooses the namespace.',
+        about=[spaces[0]],
     )
 
 
-def _own_namespace(code: Code) -> tuple[int | None, str]:
-    """Return the line that overrides the namespace of the command line, and the repair."""
+def _own_namespace(code: Code) -> str:
+    """Return how to repair what overrides the namespace of the command line."""
     for call in (call for some in code.calls.values() for call in some):
         for one in call.keywords:
             if one.arg in ('namespace', 'use_global_arguments', 'cli_args'):
-                return call.lineno, f'Remove {one.arg}=.'
+                return f'Remove {one.arg}=.'
     for call in code.calls.get('init', ()):
         given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
-        if given and isinstance(given[0], (ast.List, ast.Tuple, ast.Call)):
-            return call.lineno, 'Write rclpy.init(args=args) in main(args=None).'
-    return None, 'Give the node a plain name.'
+        if given and not isinstance(given[0], (ast.Name, ast.Attribute)):
+            return 'Write rclpy.init(args=args) in main(args=None).'
+    return 'Give the node a plain name.'
 
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:
@@ -109,10 +109,11 @@ def require_partner(ends: Iterable[Event]) -> None:
         policy, wrong, *texts = _UNUSUAL[end['kind']]
         if end['qos'][policy] == wrong:
             expected, cause_id, why, repair = texts
+            base = end['topic'].rpartition('/')[2]
             raise Failed(
                 expected=expected,
                 observed=f'{policy} {wrong}',
-                why=Cause(cause_id, why.format(end['topic'].rpartition('/')[2]), repair),
+                why=Cause(cause_id, why.format(base), repair, [wrong, base]),
             )
 
 
@@ -225,7 +226,12 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     raise Failed(
         expected=f'{field} {wanted!r} in every message',
         observed=f'{field} {shown}',
-        why=Cause('wrong_value', slip, f'Set msg.{field} = {wanted!r} before you publish.'),
+        why=Cause(
+            'wrong_value',
+            slip,
+            f'Set msg.{field} = {wanted!r} before you publish.',
+            [field, *map(str, others[:1])],
+        ),
     )
 
 
@@ -271,6 +277,7 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
                         f'qos_{name}',
                         f'The {end["kind"]} on {end["topic"]} has a different {name}.',
                         f'Pass a QoSProfile with {name}={_policy_code(policy, value)}.',
+                        [str(end['qos'][policy]), end['topic']],
                     ),
                 )
 

@@ -51,6 +51,7 @@ def require_period(
         why=why_it_ended(run) or explain() or rhythm or why_silent(run),
         at=round(odd[0] * SECOND) if odd else None,
         every_s=period_s,
+        shown_by=found,
     )
 
 
@@ -92,6 +93,7 @@ def why_other_rhythm(
             f'Your node sends one {what} every {mean_s:.2g} s.',
             f'The first argument of create_timer() is the period in seconds: {float(period_s)}. '
             f'Each call of its callback has one {what}, and nothing else in the program waits.',
+            about=[f'{mean_s:.4g}'],
         )
     if steady and len(found) < due - 1.5:
         return Cause(

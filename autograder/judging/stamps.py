@@ -66,17 +66,20 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
     if sec == nanosec == 0:
         return why_silent(run) or _why_zero(use_of_field(run.files, field), field, take)
     if sec > SYSTEM_TIME_S:
-        return Cause('wall_clock', 'The stamp comes from the system time.', take)
+        return Cause('wall_clock', 'The stamp comes from the system time.', take, [field])
     if abs(sec - right) > FAR_S:
         other = 'The stamp comes from a clock that is not the ROS clock, or sec is no second.'
-        return Cause('other_clock', other, take)
+        return Cause('other_clock', other, take, [field])
     if sec == right and nanosec == 0:
-        return Cause('whole_seconds', 'The fraction of the second is lost.', take)
+        return Cause('whole_seconds', 'The fraction of the second is lost.', take, [field])
     if sec == right and nanosec < MILLISECOND:
         wrong = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
-        return Cause('nanoseconds', wrong, take)
+        return Cause('nanoseconds', wrong, take, [field])
     return why_it_sleeps(run) or Cause(
-        'stale_stamp', 'The stamp was taken at another moment, or its parts are wrong.', take
+        'stale_stamp',
+        'The stamp was taken at another moment, or its parts are wrong.',
+        take,
+        [field],
     )
 
 
@@ -84,10 +87,10 @@ def _why_zero(code: FieldUse, field: str, take: str) -> Cause:
     """Explain a stamp of 0 by the code that uses the field."""
     if not code.given and code.local:
         alone = f'The {field} is never set: {field} alone is a variable of its own.'
-        return Cause('missing_stamp', alone, take)
+        return Cause('missing_stamp', alone, take, [field])
     if not code.given:
-        return Cause('missing_stamp', f'The {field} is never set.', take)
+        return Cause('missing_stamp', f'The {field} is never set.', take, [field])
     if code.empty:
         return Cause('empty_time', 'An empty Time is 0: Time() asks no clock.', take)
     early = 'The stamp is 0: a time taken before the clock ran, as in __init__, or never set.'
-    return Cause('stale_stamp', early, take)
+    return Cause('stale_stamp', early, take, [field])

@@ -127,12 +127,13 @@ def test_any_other_end_keeps_the_words_of_the_exam():
     assert told(1, '', {}).cause == 'It died.'
 
 
-def test_lines_are_those_of_the_file():
+@pytest.mark.parametrize('words', ['Line {}: It fails.', 'Line {}, in tick(): It fails.'])
+def test_lines_are_those_of_the_file(words):
     """A file has no magic line above it."""
-    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause='Line 8: It fails.')
+    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause=words.format(8))
     result = explained(EXAM, ExamResult('x', (check,)), None, {})
 
-    assert result.checks[0].cause == 'Line 7: It fails.'
+    assert result.checks[0].cause == words.format(7)
 
 
 def test_both_sides_mean_the_same_codes(monkeypatch):

@@ -49,19 +49,18 @@ class TestNode:
         assert failed.value.why.cause_id == 'namespace'
 
     @pytest.mark.parametrize(
-        ('line', 'text', 'repair'),
+        ('line', 'repair'),
         [
-            ("super().__init__('a', namespace='lab')", 'Line 2: Your node a', 'Remove namespace='),
-            ('rclpy.init(args=[])', 'Line 2: Your node a', 'Write rclpy.init(args=args)'),
-            ('rclpy.init(args=args)', 'Your node a', 'Give the node a plain name'),
+            ("super().__init__('a', namespace='lab')", 'Remove namespace='),
+            ('rclpy.init(args=[])', 'Write rclpy.init(args=args)'),
+            ('rclpy.init(args=args)', 'Give the node a plain name'),
         ],
     )
-    def test_what_the_code_has_against_the_namespace_is_named(self, line, text, repair):
+    def test_what_the_code_has_against_the_namespace_is_named(self, line, repair):
         """No suspect is named that the program does not have."""
         with pytest.raises(Failed) as failed:
             checks.require_node(replace(run_of(GRAPH), files={'a.py': line}), '/kitchen/a')
 
-        assert failed.value.why.text.startswith(text)
         assert failed.value.why.try_this.startswith(repair)
 
 

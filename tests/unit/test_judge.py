@@ -34,6 +34,36 @@ def breaks(run):
     raise KeyError('ours')
 
 
+CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
+
+
+@pytest.mark.parametrize(
+    ('why', 'line', 'place'),
+    [
+        (Cause('wrong_rate', 'It is fast.', '', ['0.7']), None, 'Line 2: '),
+        (Cause('wrong_rate', 'Line 9: It is fast.', '', ['0.7']), None, ''),
+        (Cause('not_in_the_table', 'It is fast.', '', ['0.7']), None, ''),
+        (Cause('no_number', 'It has no number.', ''), 3, 'Line 4: '),
+        (Cause('no_number', 'It has no number.', ''), None, ''),
+        (Cause('of_an_exam', 'It is fast.', '', act='create_timer()'), None, 'Line 2: '),
+        (Cause('check_wrong_rate', 'It is fast.', '', ['0.7']), None, 'Line 2: '),
+    ],
+)
+def test_cause_begins_with_the_line_of_its_act(why, line, place):
+    """The line is that of the cell; a line that the cause has itself stays the only one."""
+    exam = make_exam()
+
+    def dies(run):
+        """It dies."""
+        raise Failed(expected='1', observed='2', why=why, shown_by=[{'line': line}])
+
+    exam.check(points=1)(dies)
+
+    (result,) = judge(exam, Run(CODE, NOTHING))
+
+    assert result.cause == f'{place}{why.text}'
+
+
 class TestJudge:
     """Every verdict, and where points go."""
 

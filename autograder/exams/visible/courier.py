@@ -12,6 +12,8 @@ after both have left: a node that only checks whether any subscription exists de
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
 from autograder.judging.causes.ended import why_no_message, why_silent
@@ -72,6 +74,7 @@ KEEPS_OLD = Cause(
     'With this durability, every later subscription that requests old messages gets the parcel '
     'again.',
     'Pass the depth 10 as quality of service.',
+    about=['TRANSIENT_LOCAL', TOPIC],
 )
 DELIVERS_AGAIN = Cause(
     'delivers_again',
@@ -121,7 +124,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
         raise Failed(
             expected='the parcel as soon as a subscription is connected',
             observed=f'a parcel that arrives {when} later',
-            why=LATE,
+            why=replace(LATE, about=[str(late_s)]),
         )
 
 

@@ -48,6 +48,7 @@ def both_nodes_exist(run: Run) -> None:
                 'further_node',
                 'Your program makes another node beside lookout and keeper.',
                 'Let these two do all the work: each can have several timers.',
+                about=[others[0]],
             ),
         )
     ends = run.recording.endpoints('publisher', '/rosout')
@@ -75,6 +76,7 @@ def _why_missing(run: Run, node: str) -> Cause:
                 f'Your node {base} is in '
                 + (f'the namespace {space}.' if space else 'no namespace.'),
                 "Pass it to the parent class: super().__init__(name, namespace='harbour').",
+                about=[space, base],
             )
     if run.recording.nodes and not others:
         return why_silent(run) or Cause(

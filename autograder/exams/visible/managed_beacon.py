@@ -76,6 +76,7 @@ KEEPS_OLD = Cause(
     'keeps_old',
     'The publisher keeps its messages for late subscriptions: its durability is transient local.',
     'Pass the depth 10 as quality of service.',
+    about=['TRANSIENT_LOCAL', 'beacon_signal'],
 )
 NOT_MANAGED = Cause(
     'not_managed',

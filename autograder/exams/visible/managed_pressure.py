@@ -194,12 +194,14 @@ def refuses_a_senseless_limit(run: Run) -> None:
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
     refused = run.facts['refused']
-    found = [str(line['text']) for line in own_logs(run.during('refused'), NODE, ERROR)]
+    told = own_logs(run.during('refused'), NODE, ERROR)
+    found = [str(line['text']) for line in told]
     if len(found) != len(refused) or not all(map(shows, found, refused)):
         raise Failed(
             expected=f'{len(refused)} refused, each with one ERROR line that shows the limit',
             observed=lines(len(found), ERROR),
             why=_why_untold(run, found, refused),
+            shown_by=told,
         )
 
 

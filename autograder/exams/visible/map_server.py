@@ -37,17 +37,20 @@ LATCH = Cause(
     'not_latched',
     'The publisher keeps no map for late subscriptions.',
     'Give its profile durability=DurabilityPolicy.TRANSIENT_LOCAL.',
+    about=['VOLATILE', 'map'],
 )
 BEST_EFFORT = Cause(
     'best_effort',
     'The publisher offers best effort, so reliable subscriptions do not connect to it.',
     'Give its profile reliability=ReliabilityPolicy.RELIABLE.',
+    about=['BEST_EFFORT', 'map'],
 )
 ASKS_TOO_MUCH = Cause(
     'asks_too_much',
     'No message reaches your subscription on survey: its profile requests more than an ordinary '
     'publisher offers.',
     "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
+    about=['survey'],
 )
 PUBLISHER_GONE = Cause(
     'publisher_gone',
@@ -300,6 +303,7 @@ def _why_many(run: Run, kept: int) -> Cause | None:
         'keeps_too_many',
         f'The publisher keeps {kept} maps or more for late subscriptions.',
         'Give its profile depth=1: keep the last one.',
+        about=['map'],
     )
 
 

@@ -207,13 +207,15 @@ def _has_another(text: str) -> bool:
 
 def lines_are_numbered(run: Run) -> None:
     """The lines carry the number of the watch: 1, 2, 3, and so on."""
-    texts = [str(entry['text']) for entry in _enough(run)]
+    found = _enough(run)
+    texts = [str(entry['text']) for entry in found]
     for place, text in enumerate(texts):
         if place + 1 not in whole_numbers_in(text):
             raise Failed(
                 expected=f'the number {place + 1} in line {place + 1}',
                 observed=repr(shortened(text)),
                 why=_why_shifted(run) or why_not_numbered(texts, place),
+                shown_by=[found[place]],
             )
 
 

@@ -157,6 +157,7 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
             'number_not_shown',
             f"Your INFO line '{quoted(run, other)}' does not contain the number, or rounds it.",
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
+            about=[other],
         )
     distance = run.facts['distances'][index]
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
@@ -188,6 +189,7 @@ def warns_of_silence(run: Run) -> None:
             expected='no WARN line before the sensor has fallen silent',
             observed=repr(shortened(str(early[0]['text']), 80)),
             why=_why_default(early) or NOT_A_MISS,
+            shown_by=early,
         )
     silence = own_logs(run.during('silence'), NODE)
     found, due = sum(line['level'] == WARN for line in silence), missed_deadlines(run)

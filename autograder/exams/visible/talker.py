@@ -65,6 +65,7 @@ def moves_with_its_namespace(run: Run) -> None:
             'absolute_name',
             'Your topic name begins with a slash, so it ignores the namespace.',
             "Write 'chatter', without the slash.",
+            about=[ABSOLUTE],
         ),
     )
 
@@ -106,13 +107,15 @@ def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
         slip = 'The number is right, but not written with the digits 0 to 9.'
-        return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
+        return Cause(
+            'wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]]
+        )
     if written or '{' in texts[place]:
         return why_not_numbered(texts, place, first)
     near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))
     matters = 'Upper and lower case, spaces and punctuation matter.'
     slip = matters if near else 'The text has a different form.'
-    return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').")
+    return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]])
 
 
 def offers_reliable_qos(run: Run) -> None:

@@ -56,6 +56,7 @@ def logs_every_reading(run: Run) -> None:
             expected=f'{len(proper)} readings sent, each in one INFO line with its value',
             observed=f'{found} of them; missing: {missing[0][0].kind}',
             why=_why_not_logged(run, *missing[0]),
+            shown_by=[line for line in missing[0][1].logs if line['level'] == INFO],
             share=share(run, [one.row for one in groups], found, len(proper)),
         )
     # An occasional line, such as a new maximum or a conversion, may repeat the value of a reading.

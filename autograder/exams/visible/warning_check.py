@@ -291,9 +291,8 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     does = f'The node of this run is wrong. Its author is told: {slip.text}'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
-    same = 'What your check takes for due has the same mistake.'
-    more = same if own.cause_id == f'check_{slip.cause_id}' else own.text
-    return Cause(own.cause_id, f'{does} {more}', own.try_this)
+    more = '' if own.cause_id == f'check_{slip.cause_id}' else f' {does}'
+    return Cause(own.cause_id, f'{own.text}{more}', own.try_this)
 
 
 def build(runs: Sequence[MadeRun]) -> Exam:

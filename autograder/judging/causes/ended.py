@@ -162,7 +162,7 @@ def why_no_configure(code: Code) -> Cause | None:
         return None
     near = close_name('on_configure', code.functions)
     meant = f' Your {near}() has a similar name.' if near else ''
-    return cause_of('method_name', near=meant)
+    return cause_of('method_name', near=meant, name=near)
 
 
 def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:
@@ -172,9 +172,9 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
         if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
             continue
         if end['topic'] == f'{end["node"]}/{base}':
-            return cause_of('private_name', kind=kind, base=base)
+            return cause_of('private_name', kind=kind, base=base, seen=end['topic'])
         if not topic.endswith(end['topic']):
-            return cause_of('namespace_in_the_name', kind=kind, base=base)
+            return cause_of('namespace_in_the_name', kind=kind, base=base, seen=end['topic'])
     return None
 
 

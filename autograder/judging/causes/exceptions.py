@@ -172,6 +172,7 @@ def _arguments_cause(trace: Traceback) -> Cause | None:
             'arguments.',
             'A subscription passes the message, an event callback gets the event, a timer passes '
             'nothing; a method also has self first: def take(self, message).',
+            about=[name],
         )
     advice = SIGNATURES.get(name, f'Look up how the lesson calls {called}().')
     if own:

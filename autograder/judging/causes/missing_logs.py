@@ -18,7 +18,7 @@ from autograder.judging.causes.logged_errors import why_exception_logged
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import Code, in_cell, last_name
+from autograder.submission.code.learners_code import Code, last_name
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
@@ -47,7 +47,8 @@ def why_not_logged(
         return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
-        return cause_of('wrong_level', other=other, call=CALLS[level])
+        line = instead[0].get('line')
+        return cause_of('wrong_level', other=other, call=CALLS[level], line=line)
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
 
 
@@ -91,8 +92,7 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
     for call in Code(run.files).calls.get('set_level', ()):
         named = set(map(last_name, ast.walk(call)))
         if hidden := [one for number, one in LEVELS.items() if number > level and one in named]:
-            place = in_cell(call.lineno)
-            return cause_of('set_level', place=place, level=hidden[0], call=CALLS[level])
+            return cause_of('set_level', level=hidden[0], call=CALLS[level])
     return None
 
 

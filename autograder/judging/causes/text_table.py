@@ -34,7 +34,12 @@ def cause_of(situation: str, **words: object) -> Cause:
     :param words: values for the names in braces
     """
     cause_id, text, try_this = _sentences()[situation]
-    return Cause(cause_id, text.format(**words), try_this.format(**words))
+    about = [
+        str(words[name])
+        for name in ('near', 'seen', 'topic', 'base', 'name', 'line')
+        if name in words
+    ]
+    return Cause(cause_id, text.format(**words), try_this.format(**words), about)
 
 
 @cache

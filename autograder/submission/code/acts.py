@@ -1,0 +1,177 @@
+"""
+Find the place where a program does an act, such as creating its timer, without running it.
+
+An act is written in a few words, which :func:`place_of` looks for in this order::
+
+    round() | field         a call of round(), or else what is assigned to the field in question
+
+Words without a bar between them are alternatives:
+
+=============  ====================================================================
+``name()``     a call of a function or method
+``name(1)``    an argument of a call, by its index
+``name=``      the value of a keyword argument or of an attribute
+``>=``         an operator, see :data:`OPERATORS`
+``while``      a statement, see :data:`STATEMENTS`
+``if:name()``  the innermost ``if`` around a call; so for any statement, ``def`` and act
+``def:name``   a function or method
+``to:name()``  the function that is passed to a call, such as the callback of a timer
+``period``     and the other keys of :data:`.known_acts.ACTS`
+``NAME``       any other word: a use of this name
+``one@other``  an act inside another one, such as ``>=@def:judge``, or in what it calls
+``one+``       an act that has several places
+=============  ====================================================================
+
+As in :mod:`.learners_code`, the results affect only messages.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from typing import NamedTuple
+
+from autograder.errors import ExamInvalid
+from autograder.submission.code.known_acts import ACTS
+from autograder.submission.code.learners_code import Code, in_cell, last_name
+from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, Program
+
+OPERATORS: Mapping[str, type[ast.AST]] = {
+    '%': ast.Mod,
+    '//': ast.FloorDiv,
+    '==': ast.Eq,
+    '!=': ast.NotEq,
+    '>': ast.Gt,
+    '<': ast.Lt,
+    '>=': ast.GtE,
+    '<=': ast.LtE,
+    'or': ast.Or,
+    'not': ast.Not,
+    'is': ast.Is,
+    'in': ast.In,
+    'not_in': ast.NotIn,
+}
+STATEMENTS: Mapping[str, tuple[type[ast.AST], ...]] = {
+    'if': (ast.If, ast.IfExp),
+    'while': (ast.While,),
+    'for': (ast.For, ast.AsyncFor),
+    'with': (ast.With, ast.AsyncWith),
+    'raise': (ast.Raise,),
+    'def': FUNCTIONS,
+}
+
+
+class Place(NamedTuple):
+    """
+    The place of an act.
+
+    :param line: in the file, from 1
+    :param function: name of the function that begins in this line, if the act has several places
+        in it; empty if the line itself does the act
+    """
+
+    line: int
+    function: str = ''
+
+    @property
+    def words(self) -> str:
+        """Return the place as the beginning of a message."""
+        where = in_cell(self.line)
+        return f'{where[:-2]}, in {self.function[:40]}(): ' if self.function else where
+
+
+def place_of(
+    code: Code, acts: str, about: Sequence[str] = (), lines: Collection[int] = ()
+) -> Place | None:
+    """
+    Return the place of the first act that has exactly one, None if none has.
+
+    :param code: of one file; the lines of several files would be ambiguous
+    :param acts: see above
+    :param about: names, texts and numbers in question, such as the field of a message
+    :param lines: of the log calls in question; they choose between several places
+    :raises ExamInvalid: for an act with an unknown statement
+    """
+    if len(code.trees) != 1:
+        return None
+    program = Program(code.trees[0], about, lines)
+    with suppress(RecursionError):  # hostile code: a name with thousands of dots
+        return next(filter(None, (_place(program, act) for act in acts.split(' | '))), None)
+    return None
+
+
+def _place(program: Program, act: str) -> Place | None:
+    """Return the place of an act, given as alternative words."""
+    found = [node for word in act.split() for node in find(program, word)]
+    seen = [node for node in found if _is_seen(program, node)]
+    working = [node for node in found if not program.working.isdisjoint(program.around(node))]
+    for some in (found, seen, working):
+        if len(set(map(line_of, some))) == 1:
+            one = some[0]
+            return Place(line_of(one), one.name if isinstance(one, FUNCTIONS) else '')
+    outer = program.function_around(*(seen or working or found))
+    return Place(outer.lineno, outer.name) if outer else None
+
+
+def _is_seen(program: Program, node: ast.AST) -> bool:
+    """Return whether a node is in a function with one of the log calls in question."""
+    outer = program.function_around(node)
+    ends = (outer.lineno, outer.end_lineno or 0) if outer else (1, 0)
+    return any(ends[0] <= line <= ends[1] for line in program.lines)
+
+
+def find(program: Program, word: str) -> list[ast.AST]:
+    """Return the nodes that a word means."""
+    word, _, outer = word.partition('@')
+    found = list(_find(program, word.removesuffix('+')))
+    if outer:
+        scopes = program.reached(find(program, outer))
+        found = [node for node in found if not scopes.isdisjoint(program.around(node))]
+    if word.endswith('+') and len(found) < 2:
+        return []
+    is_value = word.endswith('=') and word not in OPERATORS
+    return list(map(program.origin, found)) if is_value or word[-2:-1].isdigit() else found
+
+
+def _find(program: Program, word: str) -> Iterable[ast.AST]:
+    if find := ACTS.get(word):
+        return find(program)
+    if word in OPERATORS:
+        return program.operations(OPERATORS[word])
+    if word in STATEMENTS:
+        return (node for node in program.nodes if isinstance(node, STATEMENTS[word]))
+    kind, _, name = word.rpartition(':')
+    if kind == 'to':
+        return program.passed(name.removesuffix('()'))
+    if kind and kind not in STATEMENTS:
+        known = ', '.join(('to', *STATEMENTS))
+        raise ExamInvalid(f'The act {word!r} begins with {kind!r}.', f'Use one of: {known}.')
+    if kind:
+        inner = name.endswith('()') or name in ACTS
+        return _around(program, name, STATEMENTS[kind]) if inner else program.functions(name)
+    name, _, inside = word.partition('(')
+    if inside:
+        return program.calls(name) if inside == ')' else program.arguments(name, int(inside[:-1]))
+    if word.endswith('='):
+        return program.given(word[:-1])
+    return (node for node in program.nodes if last_name(node) == word and not is_stored(node))
+
+
+def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
+    """Yield the innermost statement around each place of an act or a call of its function."""
+    left, seen = list(_find(program, word)), set[str]()
+    for node in left:
+        around = (one for one in program.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
+        found = next(around, None)
+        if isinstance(found, kinds) and not _asks_ok(found):
+            yield found
+        elif isinstance(found, FUNCTIONS) and found.name not in seen:
+            seen.add(found.name)
+            left += program.calls(found.name)  # the loop goes on with them
+
+
+def _asks_ok(node: ast.AST) -> bool:
+    """Return whether a condition asks whether ROS still runs."""
+    test = getattr(node, 'test', None)
+    return isinstance(test, ast.Call) and last_name(test.func) == 'ok'

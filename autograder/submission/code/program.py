@@ -1,0 +1,222 @@
+"""
+Search the syntax tree of a program: calls, arguments, values of names, surrounding functions.
+
+As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import cached_property
+import operator
+
+from autograder.submission.code.learners_code import bodies_of_callbacks, last_name
+
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+_MOST = 3  # names of names, or nested operations: hostile code has thousands
+Scope = tuple[ast.AST | None, str]
+"""A function, None for the file, and a name in it; a dot before the names of all classes."""
+
+
+class Program:
+    """
+    The syntax tree of one file.
+
+    :param about: names, texts and numbers in question, such as the field of a message
+    :param lines: of the log calls in question
+    """
+
+    def __init__(self, tree: ast.Module, about: Sequence[str], lines: Collection[int]) -> None:
+        self.tree, self.about, self.lines = tree, about, lines
+        self.nodes = tuple(ast.walk(tree))
+
+    @cached_property
+    def values(self) -> Mapping[Scope, Sequence[ast.AST | None]]:
+        """Return what each name gets, by the function or class of the name; None if unknown."""
+        found: dict[Scope, list[ast.AST | None]] = {}
+        for node in self.nodes:
+            for target, value in _assigned(node):
+                found.setdefault(self._key(target, node), []).append(value)
+        return found
+
+    def _key(self, target: ast.AST, node: ast.AST) -> Scope:
+        if isinstance(target, ast.Attribute):
+            return None, ast.unparse(target)
+        scopes = (*FUNCTIONS, ast.ClassDef)
+        inner = next((one for one in self.around(node) if isinstance(one, scopes)), None)
+        name = target.arg if isinstance(target, ast.arg) else last_name(target)
+        return (None, f'.{name}') if isinstance(inner, ast.ClassDef) else (inner, name)
+
+    @cached_property
+    def parents(self) -> Mapping[ast.AST, ast.AST]:
+        """Return the parent of each node."""
+        return {child: node for node in self.nodes for child in ast.iter_child_nodes(node)}
+
+    @cached_property
+    def working(self) -> frozenset[ast.AST]:
+        """Return the functions and lambdas that callbacks reach."""
+        return frozenset(body for _, body in bodies_of_callbacks(self.tree))
+
+    @cached_property
+    def strings(self) -> Sequence[ast.AST]:
+        """Return the strings and f-strings, without docstrings."""
+        return [
+            node
+            for node in self.nodes
+            if (isinstance(node, ast.JoinedStr) or isinstance(getattr(node, 'value', None), str))
+            and not isinstance(self.parents.get(node), (ast.JoinedStr, ast.Expr))
+        ]
+
+    def around(self, node: ast.AST) -> Iterator[ast.AST]:
+        """Yield the nodes around a node, from the inside."""
+        while found := self.parents.get(node):
+            yield found
+            node = found
+
+    def function_around(self, *nodes: ast.AST) -> ast.FunctionDef | ast.AsyncFunctionDef | None:
+        """Return the innermost function around all nodes, None if there is none."""
+        each = [[one for one in self.around(node) if isinstance(one, FUNCTIONS)] for node in nodes]
+        common = (one for one in each[0] if all(one in others for others in each)) if each else ()
+        return next(iter(common), None)
+
+    def calls(self, *names: str) -> list[ast.Call]:
+        """Return the calls of functions."""
+        calls = (node for node in self.nodes if isinstance(node, ast.Call))
+        return [node for node in calls if last_name(node.func) in names]
+
+    def functions(self, *names: str) -> list[ast.AST]:
+        """Return the functions and methods with some names."""
+        return [one for one in self.nodes if isinstance(one, FUNCTIONS) and one.name in names]
+
+    def reached(self, bodies: Iterable[ast.AST]) -> set[ast.AST]:
+        """Return functions with all functions that they call, directly or not."""
+        found = set(bodies)
+        left = list(found)
+        while left:
+            inner = (one for one in ast.walk(left.pop()) if isinstance(one, ast.Call))
+            called = {last_name(one.func) for one in inner}
+            new = set(self.functions(*called)) - found
+            found |= new
+            left += new
+        return found
+
+    def arguments(self, name: str, place: int) -> Iterator[ast.AST]:
+        """Yield an argument of each call of a function."""
+        for call in self.calls(name):
+            if len(call.args) > place:
+                yield call.args[place]
+
+    def passed(self, name: str) -> Iterator[ast.AST]:
+        """Yield the functions and lambdas that are passed to a call."""
+        for call in self.calls(name):
+            for given in (*call.args, *(one.value for one in call.keywords)):
+                if isinstance(given, ast.Lambda):
+                    yield given
+                elif found := last_name(given):
+                    yield from self.functions(found)
+
+    def operations(self, kind: type[ast.AST]) -> Iterator[ast.AST]:
+        """Yield the operations and comparisons of a kind."""
+        for node in self.nodes:
+            ops = node.ops if isinstance(node, ast.Compare) else [getattr(node, 'op', None)]
+            if any(isinstance(one, kind) for one in ops):
+                yield node
+
+    def given(self, name: str) -> Iterator[ast.AST]:
+        """Yield the values of a keyword argument or of an attribute."""
+        for node in self.nodes:
+            if isinstance(node, ast.keyword) and node.arg == name:
+                yield node.value
+            if isinstance(node, ast.Assign):
+                for target in node.targets:
+                    if isinstance(target, ast.Attribute) and name in names_in(target):
+                        yield node.value
+
+    def origin(self, node: ast.AST) -> ast.AST:
+        """Return the value of a name that has only one, or the node itself."""
+        for _ in range(_MOST):
+            found = next(filter(None, map(self.values.get, self._keys(node))), [None])
+            if len(found) != 1 or found[0] is None:
+                break
+            node = found[0]
+        return node
+
+    def _keys(self, node: ast.AST) -> Iterator[Scope]:
+        """Yield where the value of a name may come from, the innermost place first."""
+        if isinstance(node, ast.Attribute):
+            yield None, ast.unparse(node)
+            yield None, f'.{node.attr}'  # of a class
+        if isinstance(node, ast.Name):
+            yield from ((one, node.id) for one in self.around(node) if isinstance(one, FUNCTIONS))
+            yield None, node.id
+
+    def is_near(self, node: ast.AST, due: float) -> bool:
+        """Return whether an expression is a number near another one."""
+        value = None if isinstance(node, (ast.Name, ast.Attribute)) else self.number(node)
+        return value is not None and abs(value - due) <= due / 50
+
+    def number(self, node: ast.AST, most: int = _MOST) -> float | None:
+        """
+        Return the value of a number or of simple arithmetic, None for anything else.
+
+        :param most: number of nested operations that are followed
+        """
+        node = self.origin(node)
+        with suppress(ArithmeticError):
+            if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
+                return float(node.value)
+            if isinstance(node, ast.BinOp) and most and (apply := _ARITHMETIC.get(type(node.op))):
+                left, right = (self.number(one, most - 1) for one in (node.left, node.right))
+                return None if left is None or right is None else apply(left, right)
+        return None
+
+
+def _assigned(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
+    """Yield the names that a node assigns, each with its value, None if it is unknown."""
+    if isinstance(node, ast.Assign):
+        for target in node.targets:
+            names, value = getattr(target, 'elts', [target]), node.value
+            values = getattr(value, 'elts', []) if isinstance(target, ast.Tuple) else [value]
+            known = len(names) == len(values)
+            yield from zip(names, values if known else [None] * len(names))
+    elif isinstance(node, ast.AnnAssign) and node.value:
+        yield node.target, node.value
+    elif isinstance(node, (ast.AugAssign, ast.For)):
+        yield node.target, None
+    elif isinstance(node, ast.arg):
+        yield node, None
+
+
+def line_of(node: ast.AST) -> int:
+    """Return the first line of a node, from 1."""
+    return int(getattr(node, 'lineno', 0))
+
+
+def end_of(node: ast.AST) -> int:
+    """Return the last line of a node."""
+    return int(getattr(node, 'end_lineno', 0))
+
+
+def is_stored(node: ast.AST) -> bool:
+    """Return whether a name is assigned and not used."""
+    return isinstance(getattr(node, 'ctx', None), ast.Store)
+
+
+def names_in(target: ast.AST) -> set[str]:
+    """Return all names of a dotted name."""
+    return {last_name(one) for one in ast.walk(target)}
+
+
+def argument(call: ast.Call, place: int, *names: str) -> ast.AST | None:
+    """Return an argument by its index or its name."""
+    named = {one.arg: one.value for one in call.keywords}
+    given = next((named[name] for name in names if name in named), None)
+    return given or (call.args[place] if len(call.args) > place else None)

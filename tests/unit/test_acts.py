@@ -1,0 +1,233 @@
+"""Where a program does what a cause speaks about: one line, else the function, else nothing."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from autograder.errors import ExamInvalid
+from autograder.judging.causes.text_table import FOLDER, rows_of
+from autograder.submission.code.acts import OPERATORS, place_of, STATEMENTS
+from autograder.submission.code.known_acts import ACTS
+from autograder.submission.code.learners_code import Code
+
+NODE = """\
+import rclpy
+from rclpy.node import Node
+PERIOD_S = 1.0 / 2
+TOPIC = '/hot'
+class Watch(Node):
+    def __init__(self, depth=3):
+        super().__init__('watch')
+        self.count, self.limit = 0, 30.0
+        self.publisher = self.create_publisher(String, TOPIC, 10)
+        self.create_timer(PERIOD_S, self.tick)
+        self.create_timer(2.0, self.tock)
+        self.create_subscription(Float64, 'heat', self.judge, QoSProfile(depth=1))
+        self.heard_at = round(self.limit)
+    def judge(self, message):
+        if not message.data:
+            return
+        self.heard_at = self.get_clock().now()
+        if int(message.data) > self.limit:
+            self.get_logger().warning('hot')
+    def tick(self):
+        self.count += 1
+        text = f'hello {self.count}'
+        if self.count != 5:
+            self.publisher.publish(String(data=text))
+    def tock(self):
+        self.get_logger().info('one')
+        self.told = True
+        self.get_logger().info('two')
+"""
+
+
+def place(acts, about=(), lines=(), code=NODE):
+    """Return the line and the function of an act, None if it has no single place."""
+    found = place_of(Code({'watch.py': code}), acts, about, lines)
+    return found and tuple(found)
+
+
+class TestPlace:
+    """The narrowest place that contains all of an act."""
+
+    @pytest.mark.parametrize(
+        ('acts', 'line'),
+        [
+            ('create_subscription()', 12),
+            ('create_publisher(1)', 4),  # where the name of the topic is
+            ('data=', 22),  # where the value of the field is
+            ('>', 18),
+            ('!=', 23),
+            ('if:publish()', 23),
+            ('if:warning()', 18),
+            ('int()@to:create_subscription()', 18),
+            ('round()@def:__init__', 13),
+            ('self_made() | publish()', 24),  # the first act that the program does
+        ],
+    )
+    def test_act_with_one_place_is_found_in_its_line(self, acts, line):
+        """The words of an act say what is looked for."""
+        assert place(acts) == (line, '')
+
+    @pytest.mark.parametrize(
+        ('acts', 'line', 'name'),
+        [
+            ('info()', 25, 'tock'),
+            ('create_timer()', 6, '__init__'),
+            ('def:publish()', 20, 'tick'),
+            ('def:tock', 25, 'tock'),
+            ('to:create_subscription()', 14, 'judge'),
+            ('info()+', 25, 'tock'),
+        ],
+    )
+    def test_act_with_several_places_is_found_in_their_function(self, acts, line, name):
+        """The line is that of its def."""
+        assert place(acts) == (line, name)
+
+    @pytest.mark.parametrize(
+        'acts', ['self.x()', 'publish()+', 'info() warning()', 'while', 'abs()']
+    )
+    def test_act_without_a_common_place_has_none(self, acts):
+        """No line is better than a wrong one."""
+        assert place(acts) is None
+
+    def test_callback_is_chosen_of_several_places(self):
+        """Line 13 rounds too, in __init__, which no message reaches."""
+        assert place('round() int()') == (18, '')
+
+    def test_what_a_callback_calls_belongs_to_it(self):
+        """Line 2 compares for the callback, and line 9 does not."""
+        code = (
+            'def hot(value):\n    return value > 30.0\ndef judge(message):\n'
+            '    if hot(message.data):\n        warn()\ndef warn():\n    log.warning(1)\n'
+            "node.create_subscription(Float64, 'heat', judge, 10)\nassert 3 > 2\n"
+        )
+
+        assert place('>@to:create_subscription()', code=code) == (2, '')
+        assert place('if:warning()', code=code) == (4, '')
+
+    def test_log_lines_of_the_run_choose_between_functions(self):
+        """The recording has the line of each log call."""
+        assert place('warning() info()', lines=[19]) == (19, '')
+        assert place('warning() info()', lines=[26]) == (25, 'tock')
+
+    def test_lines_of_several_files_would_be_ambiguous(self):
+        """So none is named."""
+        assert place_of(Code({'a.py': NODE, 'b.py': NODE}), 'publish()') is None
+        assert place_of(Code({'a.py': 'def ('}), 'publish()') is None
+
+    def test_unknown_statement_is_a_mistake_of_the_exam(self):
+        """The author of the exam is told what there is."""
+        with pytest.raises(ExamInvalid, match='Use one of: to, if, while'):
+            place('wenn:publish()')
+
+    def test_words_of_a_place_are_those_of_the_cell(self):
+        """The magic line comes before the file."""
+        code = Code({'watch.py': NODE})
+
+        assert place_of(code, 'publish()').words == 'Line 25: '
+        assert place_of(code, 'info()').words == 'Line 26, in tock(): '
+
+
+class TestKnownActs:
+    """Acts that need more than one word of code."""
+
+    @pytest.mark.parametrize(
+        ('act', 'about', 'line'),
+        [
+            ('period', ['0.5'], 3),
+            ('period', ['2.0'], 11),
+            ('slow_period', ['1.8'], 11),
+            ('text', ['/hot'], 4),
+            ('text', ['/lab/watch'], 7),
+            ('exact', ['/hot', 'hot'], 4),
+            ('endpoint', ['/lab/heat'], 12),
+            ('profile', ['hot'], 9),
+            ('use', ['RELIABLE', 'std_msgs/msg/Float64'], 12),
+            ('function', ['judge'], 14),
+            ('says', ['hello 7'], 22),
+            ('field', ['data'], 22),
+            ('count', [], 21),
+            ('depth', [], 12),
+            ('truth', [], 15),
+            ('early_return', [], 16),
+            ('stores_time', [], 17),
+            ('reset', [], 27),
+            ('limit', [], 18),
+            ('log', ['26'], 26),
+        ],
+    )
+    def test_act_is_found_by_what_the_run_shows(self, act, about, line):
+        """A number, a name or a text of the run chooses between several places."""
+        assert place(act, about)[0] == line
+
+    def test_innocent_timer_is_not_the_place_of_another_rhythm(self):
+        """Both timers are known, and neither has the period that was seen."""
+        assert place('period', ['0.7']) is None
+
+    @pytest.mark.parametrize(
+        ('act', 'line'),
+        [
+            ('own_arguments', 'rclpy.init(args=[])'),
+            ('own_arguments', 'rclpy.init(args=args or None)'),
+            ('wall_clock', 'stamp = datetime.datetime.now()'),
+            ('list', 'LOUD = {5, 10, 15}'),
+            ('joined', "value = float(f'{whole}.{rest}')"),
+            ('few_threads', 'executor = MultiThreadedExecutor(num_threads=1)'),
+            ('conversion', 'celsius = (value - 32) * 0.5556'),
+            ('slice', 'text = data[:100]'),
+        ],
+    )
+    def test_act_is_found_in_one_statement(self, act, line):
+        """Another statement before it does not do it."""
+        assert place(act, code=f'rclpy.init(args=args)\n{line}\n') == (2, '')
+
+    @pytest.mark.parametrize('act', sorted(ACTS))
+    def test_hostile_code_takes_no_time(self, act):
+        """Names of names, and sums of sums, are followed only a little."""
+        names = '\n'.join(f'a{n} = a{n + 1} + a{n + 1}' for n in range(60))
+        deep = f'create_timer({"+".join(["1"] * 500)}, f)\ncreate_timer({10**400}, a0)\n'
+
+        place(act, ['0.5'], code=f'{names}\na60 = 1\n{deep}x{".y" * 500} = 1\n')
+
+
+class TestTable:
+    """The table of causes and their acts."""
+
+    def test_cause_has_one_row(self):
+        """A second row would be ignored."""
+        causes = [one for causes, _ in rows_of('places.txt') for one in causes.split()]
+
+        assert len(causes) == len(set(causes))
+
+    def test_cause_of_the_table_exists(self):
+        """A misspelled cause would never be looked up."""
+        root = FOLDER.parent.parent
+        text = '\n'.join(
+            path.read_text(encoding='utf-8')
+            for path in root.rglob('*')
+            if path.suffix in ('.py', '.txt') and path.name != 'places.txt'
+        )
+        known = set(re.findall(r"^(\w+)|'(\w+)'", text, re.MULTILINE))
+        names = {name for pair in known for name in pair}
+        policies = {
+            f'qos_{one}' for one in ('deadline', 'durability', 'liveliness', 'reliability')
+        }
+
+        causes = {one for causes, _ in rows_of('places.txt') for one in causes.split()}
+        assert causes - names - policies - {'qos_lifespan'} == set()
+
+    def test_act_of_the_table_is_a_word_that_is_known(self):
+        """A misspelled act would be taken for a name that no code uses."""
+        shapes = re.compile(
+            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|nan|inf|\w+Group'
+        )
+        words = {word for _, acts in rows_of('places.txt') for word in acts.split() if word != '|'}
+        parts = {part.removesuffix('+') for word in words for part in word.split('@')}
+
+        unknown = {one for one in parts - set(ACTS) - set(OPERATORS) - set(STATEMENTS)}
+        assert {one for one in unknown if not shapes.fullmatch(one)} == set()
+        assert {one.partition(':')[0] for one in unknown if ':' in one} <= {'to', *STATEMENTS}
