@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
+import math
 from typing import Any, NamedTuple
 
+from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Cause, Rule, Slip
 
 TICK_S = 0.1
@@ -56,6 +58,8 @@ def joining(
     for_good: bool = False,
     timer: bool = True,
     same_is_new: bool = True,
+    queue: bool = False,
+    forgets: bool = False,
 ) -> Rule:
     """
     Return the rule of a node that combines topics; with the default values, the correct one.
@@ -68,6 +72,8 @@ def joining(
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
     :param same_is_new: whether a value that equals the one before renews the age of its topic
+    :param queue: whether the first message after an input still has the value before
+    :param forgets: whether the node forgets all values when it stops
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -77,13 +83,18 @@ def joining(
         for topic, number, lasts_s in inputs:
             if same_is_new or heard[topic][-1:] != [number]:
                 came_s[topic] = now_s
+            before = [list(one) for one in heard]
             heard[topic].append(number)
             row = []
             for tick in range(round(lasts_s / TICK_S) if timer else 1):
                 ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
                 if ready(heard):
                     stopped = old(ages) or (for_good and stopped)
-                    row.append(stop(latest(heard), ages) if stopped else value(heard))
+                    late = queue and not tick and ready(before)
+                    used = value(before if late else heard)
+                    row.append(stop(latest(heard), ages) if stopped else used)
+                if stopped and forgets:
+                    heard, stopped = [[] for _ in heard], False
             now_s += lasts_s
             found.append(tuple(one for one, _ in groupby(row) if one is not None))
         return found
@@ -107,6 +118,22 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
     def half(now: Sequence[float], ages: Sequence[float]) -> tuple[float, ...]:
         return tuple(0.0 if age > old_s else one for one, age in zip(now, ages))
 
+    def changed(change: Change, *which: int) -> Rule:
+        def value(heard: Heard) -> tuple[float, ...]:
+            return tuple(
+                change(one) if place in which else one for place, one in enumerate(latest(heard))
+            )
+
+        return rule(value=value)
+
+    def only(which: int) -> Rule:
+        return rule(
+            stop=lambda now, ages: tuple(
+                0.0 if place == which else one for place, one in enumerate(now)
+            )
+        )
+
+    all_topics = range(topics)
     own_times = 'Keep the time of the latest message of each topic, and compare each age'
     return (
         Slip.of(BEGINS_EARLY, rule(ready=any)),
@@ -126,13 +153,20 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             'one_age_only',
             'The age of one topic counts, and the age of another one does not.',
             f'{own_times} with {old_s:g} s.',
-            *(rule(old=lambda ages, which=which: ages[which] > old_s) for which in range(topics)),
+            *(rule(old=lambda ages, which=which: ages[which] > old_s) for which in all_topics),
         ),
         Slip(
             'half_a_stop',
-            'Only the value that is old becomes 0.0, and the others are still published.',
+            'If a value is old, one field becomes 0.0, and the other still has its value.',
             'If one value is old, publish 0.0 in all fields: an empty message.',
             rule(stop=half),
+            *map(only, all_topics),
+        ),
+        Slip(
+            'forgets_values',
+            'After a stop, your node waits until all inputs have come again.',
+            'Keep the values when one of them is old: the timer publishes 0.0 until it is fresh.',
+            rule(forgets=True),
         ),
         Slip(
             'silent_when_old',
@@ -151,6 +185,12 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             f'A value counts as old at a greater age than {old_s:g} s.',
             f'Compare each age with {old_s:g} s: one second has 1_000_000_000 nanoseconds.',
             rule(old=lambda ages: max(ages) > 2 * old_s),
+        ),
+        Slip(
+            'whole_seconds',
+            f'The age is cut to whole seconds: a value counts as old from {old_s + 1:g} s on.',
+            f'Compare each age with {old_s:g} s unchanged, without // and int().',
+            rule(old=lambda ages: math.floor(max(ages)) > old_s),
         ),
         Slip(
             'same_is_old',
@@ -182,5 +222,15 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             'Only store values in the callbacks of the subscriptions. Publish in the callback of '
             'the timer.',
             rule(timer=False),
+        ),
+        Slip(
+            'oldest_first',
+            'The first message after a new value still has the value before it.',
+            'Keep only the latest value of each topic, in an attribute, and no queue.',
+            rule(queue=True),
+        ),
+        *changing(
+            lambda change: changed(change, *all_topics),
+            *(lambda change, which=which: changed(change, which) for which in all_topics),
         ),
     )

@@ -56,6 +56,15 @@ def range_slips(
             lambda value: lowest <= value < math.inf,
         ),
         slip(
+            'decimals_cut',
+            f'A value just outside {lowest} to {highest} is accepted: its decimals are cut off.',
+            *(
+                lambda value, cut=cut: math.isfinite(value) and lowest <= cut(value) <= highest
+                for cut in (math.trunc, round)
+            ),
+            try_this='Compare the value unchanged, without int() and round().',
+        ),
+        slip(
             'ends_refused',
             f'{lowest} or {highest} itself is refused, and both are allowed.',
             lambda value: lowest < value < highest,
