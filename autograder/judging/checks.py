@@ -76,7 +76,8 @@ def _own_namespace(code: Code) -> tuple[int | None, str]:
                 return call.lineno, f'Remove {one.arg}=.'
     for call in code.calls.get('init', ()):
         given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
-        if given and isinstance(given[0], (ast.List, ast.Tuple, ast.Call)):
+        replaced = (ast.List, ast.Tuple, ast.Call)
+        if given and any(isinstance(part, replaced) for part in ast.walk(given[0])):
             return call.lineno, 'Write rclpy.init(args=args) in main(args=None).'
     return None, 'Give the node a plain name.'
 
