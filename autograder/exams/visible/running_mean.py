@@ -16,6 +16,7 @@ from statistics import fmean
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
+from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes
@@ -109,6 +110,17 @@ def forms(answer: Callable[[int, list[float]], float], *numbers: int) -> list[Ru
     return [averaging(partial(answer, number)) for number in numbers]
 
 
+def kept(change: Change) -> Rule:
+    """Return the rule of a program that computes each mean from the last one, changed."""
+
+    def answer(seen: list[float]) -> float:
+        return reduce(
+            lambda mean, one: change((mean * one[0] + one[1]) / (one[0] + 1)), enumerate(seen), 0.0
+        )
+
+    return averaging(answer)
+
+
 ANSWERS_NAN = Cause(
     'answers_nan',
     'Your node publishes a message for NaN, but should ignore NaN.',
@@ -145,18 +157,10 @@ SLIPS = (
         averaging(lambda seen: fmean(seen[:-1] or seen)),
         averaging(lambda seen: fmean(seen[:-1] or [0.0])),
     ),
-    Slip(
-        'cut_off',
-        'Your code cuts off the decimals.',
-        'Divide with /, not with //, and leave out int().',
-        averaging(lambda seen: float(math.floor(fmean(seen)))),
-        averaging(lambda seen: float(math.trunc(fmean(seen)))),
-    ),
-    Slip(
-        'rounded',
-        'The mean is rounded.',
-        'Publish it as it is, without round().',
-        *forms(lambda digits, seen: round(fmean(seen), digits), *range(6)),
+    *changing(
+        lambda change: averaging(lambda seen: change(fmean(seen))),
+        kept,
+        digits=range(1, 6),
     ),
     Slip(
         'wrong_count',
@@ -176,7 +180,7 @@ SLIPS = (
         'last_few',
         'Your node publishes the mean of only the last numbers.',
         'Keep the sum and the count of all numbers.',
-        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10),
+        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50),
     ),
     Slip(
         'each_once',

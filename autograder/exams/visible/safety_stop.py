@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.slips import changing
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.checks import require_messages, SECOND
 from autograder.judging.claims import node, passes
@@ -121,7 +122,6 @@ SLIPS = (
     Slip('forward_only', 'Only the speed forward is limited, not the speed backward.', CLAMP,
          guarding(lambda one: (min(one.speed, LIMIT), one.turn))),
     Slip('sign_lost', 'The robot drives forward although the command says backward.', CLAMP,
-         guarding(lambda one: (min(abs(one.speed), LIMIT), one.turn)),
          _fast(lambda one: (LIMIT, one.turn))),
     Slip('other_limit', 'The speed is limited to 1.0 instead of 0.5.', CLAMP,
          guarding(lambda one: (limited(one.speed, 1.0), one.turn))),
@@ -131,6 +131,9 @@ SLIPS = (
     Slip('turn_limited', 'The turn is limited too.', ALONE,
          guarding(lambda one: (limited(one.speed), limited(one.turn)))),
     Slip('turn_lost', 'The turn is lost.', ALONE, guarding(lambda one: (limited(one.speed), 0.0))),
+    *changing(
+        lambda change: guarding(lambda one: (change(limited(one.speed)), one.turn)),
+        lambda change: guarding(lambda one: (limited(one.speed), change(one.turn)))),
     Slip('no_stop', 'Nothing is published when the commands end.',
          'A timer that each command resets ticks only in a silence: publish Twist() then.',
          guarding(stops=lambda one, silence: [])),
@@ -140,7 +143,7 @@ SLIPS = (
     Slip('repeats_last', 'In a silence, the last command is published again.', ZEROS,
          guarding(stops=lambda one, silence: [right_pair(one)])),
     Slip('stops_once', 'Only the first silence causes a stop.',
-         'Reset the timer with each command, also after a stop.',
+         'Call self.silence.reset() for each command: then the cancelled timer runs again.',
          guarding(stops=lambda one, silence: [STOP] if silence == 1 else [])),
     Slip('stops_for_good', 'After the first stop, commands are not passed on any more.',
          'Pass each command on, without a flag that stays set.',
