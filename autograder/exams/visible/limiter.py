@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Call, feeds, Scenario, set_parameter
+from autograder.exam.slips import changing
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of
@@ -80,12 +81,7 @@ SLIPS = (
         'A negative speed also has a limit: max(-most, ...).',
         limited(min),
     ),
-    Slip(
-        'sign_lost',
-        'The node publishes positive speeds only.',
-        'Keep the sign: max(-most, min(speed, most)), without abs().',
-        limited(lambda speed, most: min(abs(speed), most)),
-    ),
+    *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
     Slip(
         'stops',
         'A speed above the limit becomes 0.0.',
@@ -236,7 +232,10 @@ def build(
     )
     exam.check(points=2, static=True)(declares_its_dependencies)
     exam.check(points=3, read='Part 2: Build and run')(
-        node(name, sentence='The package builds, and ros2 run starts its node limiter.')
+        node(
+            name,
+            sentence='The package builds, and ros2 run starts its node limiter.',
+        )
     )
     exam.check(points=3, needs=['starts_its_node'])(
         passes(

@@ -16,13 +16,13 @@ from itertools import groupby
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
-from autograder.exam.slips import leaving_out, MISSES_SOME
+from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, in_order, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rows import endpoints_at, rows, seconds_after_join
+from autograder.judging.rows import endpoints_at, rows, seconds_after_join, why_other_answer
 from autograder.recording import Event
 from autograder.submission.code.learners_code import Code
 
@@ -81,6 +81,12 @@ LIFESPAN = Cause(
 )
 REPEATS = Cause(
     'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
+)
+REPEATS_FOR_NEW = Cause(
+    'repeats_for_new',
+    'Your node publishes the map again when a subscription connects.',
+    'Publish once per survey: a late subscription gets the last map from the durability '
+    'TRANSIENT_LOCAL.',
 )
 TEXT_CHANGED = Cause(
     'text_changed',
@@ -234,9 +240,11 @@ def _why_other_maps(run: Run) -> Cause | None:
         said = own_words(run, others[0][:40], 'What is published')
         text = f'{said} is not the text of a survey.'
         return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
-    if any(len(row or ()) > len(asked.row(place)) for place, row in enumerate(found)):
-        return REPEATS
-    return MISSES_SOME if len(found[-1] or ()) < asked.burst else None
+    joined = [one['clock_ns'] for one in run.recording.of('joined', listener='late')]
+    at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
+    if at_join and asked.wrong(found) == [len(found) - 1]:
+        return REPEATS_FOR_NEW
+    return why_other_answer(asked, found, asked.wrong(found)[0]) if asked.wrong(found) else None
 
 
 def _bare(text: str) -> str:
