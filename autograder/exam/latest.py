@@ -11,8 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
+import math
 from typing import Any, NamedTuple
 
+from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Cause, Rule, Slip
 
 TICK_S = 0.1
@@ -56,6 +58,7 @@ def joining(
     for_good: bool = False,
     timer: bool = True,
     same_is_new: bool = True,
+    forgets: bool = False,
 ) -> Rule:
     """
     Return the rule of a node that combines topics; with the default values, the correct one.
@@ -68,6 +71,7 @@ def joining(
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
     :param same_is_new: whether a value that equals the one before renews the age of its topic
+    :param forgets: whether the node forgets all values when it stops
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -84,6 +88,8 @@ def joining(
                 if ready(heard):
                     stopped = old(ages) or (for_good and stopped)
                     row.append(stop(latest(heard), ages) if stopped else value(heard))
+                if stopped and forgets:
+                    heard, stopped = [[] for _ in heard], False
             now_s += lasts_s
             found.append(tuple(one for one, _ in groupby(row) if one is not None))
         return found
@@ -91,11 +97,39 @@ def joining(
     return rule
 
 
-def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
+def queueing(topics: int, old_s: float, period_s: float, begins_s: float) -> Rule:
+    """
+    Return the rule of a node that keeps values in queues, and takes one of each per tick.
+
+    :param begins_s: time from the first input to the next tick [s]
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        waiting: list[list[float]] = [[] for _ in range(topics)]
+        came_s, now_s, ticks, found = [0.0] * topics, 0.0, 0, []
+        for topic, number, lasts_s in inputs:
+            waiting[topic].append(number)
+            came_s[topic] = now_s
+            now_s += lasts_s
+            row = []
+            while (tick_s := begins_s + ticks * period_s) < now_s:
+                ticks += 1
+                if all(waiting):
+                    taken = tuple(one.pop(0) if len(one) > 1 else one[0] for one in waiting)
+                    fresh = tick_s - min(came_s) <= old_s
+                    row.append(taken if fresh else (0.0,) * topics)
+            found.append(tuple(one for one, _ in groupby(row)))
+        return found
+
+    return rule
+
+
+def joining_slips(topics: int, old_s: float, period_s: float) -> tuple[Slip, ...]:
     """
     Return the slips of a node that combines topics.
 
     :param old_s: age above which a value is too old [s]
+    :param period_s: period of the timer [s]
     """
 
     def oldest(ages: Sequence[float]) -> bool:
@@ -107,6 +141,23 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
     def half(now: Sequence[float], ages: Sequence[float]) -> tuple[float, ...]:
         return tuple(0.0 if age > old_s else one for one, age in zip(now, ages))
 
+    def changed(change: Change, *which: int) -> Rule:
+        def value(heard: Heard) -> tuple[float, ...]:
+            return tuple(
+                change(one) if place in which else one for place, one in enumerate(latest(heard))
+            )
+
+        return rule(value=value)
+
+    def only(which: int) -> Rule:
+        return rule(
+            stop=lambda now, ages: tuple(
+                0.0 if place == which else one for place, one in enumerate(now)
+            )
+        )
+
+    all_topics = range(topics)
+    moments = [(place + 0.5) / 100 for place in range(round(100 * period_s))]
     own_times = 'Keep the time of the latest message of each topic, and compare each age'
     return (
         Slip.of(BEGINS_EARLY, rule(ready=any)),
@@ -126,13 +177,20 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             'one_age_only',
             'The age of one topic counts, and the age of another one does not.',
             f'{own_times} with {old_s:g} s.',
-            *(rule(old=lambda ages, which=which: ages[which] > old_s) for which in range(topics)),
+            *(rule(old=lambda ages, which=which: ages[which] > old_s) for which in all_topics),
         ),
         Slip(
             'half_a_stop',
-            'Only the value that is old becomes 0.0, and the others are still published.',
+            'If a value is old, one field becomes 0.0, and the other still has its value.',
             'If one value is old, publish 0.0 in all fields: an empty message.',
             rule(stop=half),
+            *map(only, all_topics),
+        ),
+        Slip(
+            'forgets_values',
+            'After a stop, your node waits until all inputs have come again.',
+            'Keep the values when one of them is old: the timer publishes 0.0 until it is fresh.',
+            rule(forgets=True),
         ),
         Slip(
             'silent_when_old',
@@ -151,6 +209,12 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             f'A value counts as old at a greater age than {old_s:g} s.',
             f'Compare each age with {old_s:g} s: one second has 1_000_000_000 nanoseconds.',
             rule(old=lambda ages: max(ages) > 2 * old_s),
+        ),
+        Slip(
+            'whole_seconds',
+            f'The age is cut to whole seconds: a value counts as old from {old_s + 1:g} s on.',
+            f'Compare each age with {old_s:g} s unchanged, without // and int().',
+            rule(old=lambda ages: math.floor(max(ages)) > old_s),
         ),
         Slip(
             'same_is_old',
@@ -182,5 +246,15 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             'Only store values in the callbacks of the subscriptions. Publish in the callback of '
             'the timer.',
             rule(timer=False),
+        ),
+        Slip(
+            'oldest_first',
+            'The first message after a new value still has the value before it.',
+            'Keep only the latest value of each topic, in an attribute, and no queue.',
+            *(queueing(topics, old_s, period_s, begins_s) for begins_s in moments),
+        ),
+        *changing(
+            lambda change: changed(change, *all_topics),
+            *(lambda change, which=which: changed(change, which) for which in all_topics),
         ),
     )

@@ -316,15 +316,30 @@ def _not_announced(name: str, there: set[str]) -> str:
     )
 
 
-def set_parameter(node: str, name: str, value: bool | int | float | str) -> Call:
+Value = bool | int | float | str
+"""The value of a parameter."""
+
+
+def set_parameter(node: str, name: str, value: Value) -> Call:
     """Return the call that sets one parameter of a node."""
-    number, word = PARAMETER_TYPES[type(value)]
-    # JSON has no NaN and no infinity.
-    told = value if not isinstance(value, float) or math.isfinite(value) else str(value)
-    wanted = {'name': name, 'value': {'type': number, f'{word}_value': told}}
-    return Call(
-        node, 'set_parameters', 'rcl_interfaces/srv/SetParameters', {'parameters': [wanted]}
-    )
+    return _setting(node, '', {name: value})
+
+
+def set_parameters(node: str, values: Mapping[str, Value]) -> Call:
+    """Return the call that sets several parameters of a node, either all of them or none."""
+    return _setting(node, 'Atomically', values)
+
+
+def _setting(node: str, how: str, values: Mapping[str, Value]) -> Call:
+    wanted = []
+    for name, value in values.items():
+        number, word = PARAMETER_TYPES[type(value)]
+        # JSON has no NaN and no infinity.
+        told = value if not isinstance(value, float) or math.isfinite(value) else str(value)
+        wanted.append({'name': name, 'value': {'type': number, f'{word}_value': told}})
+    service = f'set_parameters_{how.lower()}'.rstrip('_')
+    kind = f'rcl_interfaces/srv/SetParameters{how}'
+    return Call(node, service, kind, {'parameters': wanted})
 
 
 def transition(node: str, name: str) -> Call:

@@ -179,12 +179,61 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
     )
 
 
-def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tuple[Slip, ...]:
+Change = Callable[[float], float]
+"""Returns what a program makes of a number that it should leave unchanged."""
+
+
+def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -> tuple[Slip, ...]:
+    """
+    Return the slips of a program that changes a number that it should publish as it is.
+
+    :param rules: build the rule of a program that changes numbers with the given function; several
+        if a program may change only some of the numbers
+    :param digits: numbers of decimals to which a program may round
+    """
+
+    def slip(cause_id: str, text: str, try_this: str, *changes: Change) -> Slip:
+        return Slip(
+            cause_id, text, try_this, *(rule(change) for change in changes for rule in rules)
+        )
+
+    return (
+        slip(
+            'sign_lost',
+            'Numbers below zero lose their sign.',
+            'Leave out abs(), and publish negative numbers too.',
+            abs,
+        ),
+        slip(
+            'negative_is_zero',
+            'A number below zero becomes 0.0.',
+            'Leave out max(0.0, ...): negative numbers are ordinary numbers.',
+            lambda number: max(0.0, number),
+        ),
+        slip(
+            'whole_numbers',
+            'The decimals are lost: //, int() and round() give whole numbers.',
+            'Divide with /, and publish the result without int() and round().',
+            *(lambda number, cut=cut: float(cut(number)) for cut in (math.floor, *CUTS[:2])),
+        ),
+        slip(
+            'rounded',
+            'The number is rounded.',
+            'Publish it as it is, without round() and without a format such as :.2f.',
+            *(lambda number, to=to: round(number, to) for to in digits),
+        ),
+    )
+
+
+def leaving_out(
+    rule: Rule, key: Callable[[Any], Any] = lambda one: one, do: str = 'Publish'
+) -> tuple[Slip, ...]:
     """
     Return the slips of a program that leaves some messages unanswered.
 
     :param rule: the correct rule; its answers are tuples with the expected messages for each input
     :param key: returns the part of an input by which a program may decide to skip it
+    :param do: what to do for each message, as the first word of a sentence
     """
 
     def unless(skips: Callable[[Any, Sequence[Any]], bool]) -> Rule:
@@ -195,7 +244,7 @@ def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tupl
 
         return slipped
 
-    each_one = 'Publish for each message, and do not check'
+    each_one = f'{do} for each message, and do not check'
     return (
         Slip.of(NO_ANSWER, unless(lambda one, before: True)),
         Slip(
@@ -207,7 +256,7 @@ def leaving_out(rule: Rule, key: Callable[[Any], Any] = lambda one: one) -> tupl
         Slip(
             'skips_known',
             'Your node does not answer a message that equals an earlier one.',
-            'Publish for each message, and do not check earlier ones.',
+            f'{each_one} earlier ones.',
             unless(lambda one, before: one in before),
         ),
         Slip(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+import math
 from typing import NamedTuple
 
 from autograder.exam.ranges import Accepts
@@ -45,20 +46,31 @@ def sensible(value: float) -> bool:
     return LOWEST_C <= value <= HIGHEST_C
 
 
+def kind_of(value: float | str) -> str:
+    """Return a description of a limit that makes no sense, which feedback may show."""
+    if not isinstance(value, float):
+        return 'a value of a different type'
+    if not math.isfinite(value):
+        return 'NaN' if math.isnan(value) else 'infinity'
+    return 'a value that is too low' if value < LOWEST_C else 'a value that is too high'
+
+
 def deciding(
-    accepts: Accepts = sensible, other: bool = True, kinds: Sequence[type] = (float,)
+    accepts: Accepts = sensible,
+    other: Callable[[object], bool] = lambda text: True,
+    kinds: Sequence[type] = (float,),
 ) -> Rule:
     """
     Return the rule of a program that accepts or refuses changes; by default, the correct one.
 
-    :param other: whether the program accepts changes of other parameters
+    :param other: returns whether the program accepts a value of another parameter
     :param kinds: types of limits that it accepts
     """
 
     def decide(change: Change) -> bool:
         name, value = change
         if name != LIMIT:
-            return other
+            return other(value)
         return type(value) in kinds and accepts(float(value))
 
     return each(lambda change: {ACCEPTED: decide(change)})

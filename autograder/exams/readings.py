@@ -194,6 +194,7 @@ SLIPS = (
         'Your node accepts a unit that only begins like Celsius or Fahrenheit.',
         "Compare the whole word: msg.unit == 'Celsius'.",
         takes_for(lambda unit: next((one for one in UNITS if unit[:1] == one[0]), unit)),
+        takes_for(lambda unit: next((one for one in UNITS if unit[:1].upper() == one[0]), unit)),
     ),
     Slip(
         'part_of_a_unit',

@@ -76,7 +76,8 @@ def _own_namespace(code: Code) -> str:
                 return f'Remove {one.arg}=.'
     for call in code.calls.get('init', ()):
         given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
-        if given and not isinstance(given[0], (ast.Name, ast.Attribute)):
+        replaced = (ast.List, ast.Tuple, ast.Call)
+        if given and any(isinstance(part, replaced) for part in ast.walk(given[0])):
             return 'Write rclpy.init(args=args) in main(args=None).'
     return 'Give the node a plain name.'
 
@@ -162,6 +163,15 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
             'Pass the depth 10 as quality of service.',
         ),
     )
+
+
+def why_not_reached(run: Run, topic: str, kind: str) -> Cause | None:
+    """Explain why no message reaches a subscription, None if there is no reason."""
+    try:
+        require_reached(run, topic, kind)
+    except Failed as failure:
+        return failure.why
+    return None
 
 
 def require_messages(

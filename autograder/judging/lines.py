@@ -12,13 +12,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.patterns import why_pattern
 from autograder.exam.slips import FALSE_ALARM, MISSED_WARNING, REPEATED
 from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.missing_logs import why_not_logged
-from autograder.judging.checks import lines
+from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
+from autograder.judging.checks import lines, own_logs
 from autograder.judging.rows import Row, rows
 from autograder.recording import INFO, WARN
+from autograder.submission.code.learners_code import in_cell
 
 
 @dataclass(frozen=True)
@@ -48,9 +50,13 @@ class Followed:
         return sum(one.is_in(entry['text']) for entry in self.logs if entry['level'] == level)
 
 
-def followed(run: Run, ask: str) -> list[Followed]:
-    """Return every input or burst of a specification, sent or not, with the log lines after it."""
-    found = rows(run, ask, run.recording.logs())
+def followed(run: Run, ask: str, logger: str) -> list[Followed]:
+    """
+    Return every input or burst of a specification, sent or not, with the log lines after it.
+
+    :param logger: full name of the node whose log lines are judged
+    """
+    found = rows(run, ask, own_logs(run, logger))
     return [Followed(run.asked(ask).row(place), row) for place, row in enumerate(found)]
 
 
@@ -89,11 +95,35 @@ def require_warnings(
         expected=f'{lines(due, WARN)} after {_what(asked.row(place))}',
         observed='the run ended before it was sent' if came[place] is None else lines(count, WARN),
         why=why_silent(run)
-        or (elsewhere(place) if short else None)
+        or (elsewhere(place) or why_left_out(run, WARN, _warnings(followed)) if short else None)
         or asked.cause(came, place, part)
+        or why_pattern(asked.answers, came, 'warns about', 'high value')
+        or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
     )
+
+
+def _why_from_elsewhere(
+    came: Sequence[int | None], due: Sequence[int], followed: Sequence[Row | None], place: int
+) -> Cause | None:
+    """Explain a needless WARN line that a different line of the code logs than all right ones."""
+    exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
+    right = _places(_warnings(exact))
+    others = sorted(_places(_warnings([followed[place]])) - right)
+    if not right or not others:
+        return None
+    text = f'{in_cell(others[0])}A WARN line comes from here, without a value above the limit.'
+    return Cause('other_warning', text, 'Log everything else with info() or error().')
+
+
+def _warnings(followed: Iterable[Row | None]) -> Row:
+    return [line for row in followed for line in row or () if line['level'] == WARN]
+
+
+def _places(found: Row) -> set[int]:
+    """Return the lines of the code that logged some lines."""
+    return {int(one['line']) for one in found if one.get('line')}
 
 
 def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:

@@ -23,6 +23,19 @@ def whole_numbers_in(text: str) -> list[int]:
     return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
 
 
+ROUNDED_IN_TEXT = Cause(
+    'rounded_in_text',
+    'Your line shows the number without its decimals.',
+    'Log the number as it is, without int(), round() and a format such as :.0f.',
+)
+
+
+def is_rounded_in(text: str, value: float) -> bool:
+    """Return whether a text shows a value without its decimals, and not the value itself."""
+    near = [one for one in numbers_in(text) if abs(one - value) < 1]
+    return bool(near) and all(one != value and one == int(one) for one in near)
+
+
 def shows(text: str, *values: float) -> bool:
     """Return whether a text shows one of some values, with any rounding."""
     return any(abs(one - value) <= GRAIN for one in numbers_in(text) for value in values)

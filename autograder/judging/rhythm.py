@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
+import math
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.ended import why_it_ended, why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
+from autograder.submission.code.learners_code import Code, in_cell
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
@@ -38,13 +41,18 @@ def require_period(
     :param when: description of the phase, appended to the expectation
     """
     seconds = [one['clock_ns'] / SECOND for one in found]
-    gaps = [later - earlier for earlier, later in pairwise(seconds)]
+    gaps = _gaps(seconds)
     more = len(seconds) - during_s / period_s
     odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
     if abs(more) <= 1.5 and not odd:
         return
+    disturbed = _why_disturbed(run, found, period_s, more < -1.5, what)
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
-    rhythm = sleeps or why_other_rhythm(found, period_s, during_s, what)
+    if sleeps and 'reset' in Code(run.files).calls:
+        sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
+    rhythm = (
+        disturbed or sleeps or why_paced(run) or why_other_rhythm(found, period_s, during_s, what)
+    )
     raise Failed(
         expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
         observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
@@ -53,6 +61,77 @@ def require_period(
         every_s=period_s,
         shown_by=found,
     )
+
+
+def _why_disturbed(
+    run: Run, found: Sequence[Event], period_s: float, few: bool, what: str
+) -> Cause | None:
+    """
+    Explain a rhythm that begins late, or that other events of the run disturb.
+
+    :param few: whether there are too few messages or lines
+    """
+    if len(found) < 2:
+        return None
+    seconds = [one['clock_ns'] / SECOND for one in found]
+    gaps = _gaps(seconds)
+    if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
+        text = f'Every {what} is in time, but the first comes too late: the timer starts late.'
+        return Cause('begins_late', text, 'Create the timer in __init__(), and wait for nothing.')
+    off = [one for one in seconds if not _is(0.0, math.remainder(one - seconds[0], period_s))]
+    timed = sorted({*seconds} - {*off})
+    late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
+    for event, moments in _other_moments(run, found).items():
+        if off and _is(period_s, *_gaps(timed)) and all(_near(one, moments) for one in off):
+            text = f'Besides the {what}s of the timer, others come at the moment when {event}.'
+            return Cause('additional', text, f'Let only the timer cause a {what}.')
+        if late and all(_near(one - period_s, moments) for one in late):
+            text = f'When {event}, the timer begins a new period, so the next {what} is late.'
+            return Cause('timer_reset', text, 'Leave out reset(), and create the timer only once.')
+    return None
+
+
+def why_paced(run: Run) -> Cause | None:
+    """Explain a loop whose pause is a call of ``spin_once()``."""
+    code = Code(run.files)
+    if 'spin_once' not in code.calls or 'create_timer' in code.names:
+        return None
+    return Cause(
+        'paced_by_spin_once',
+        'spin_once() returns after any event, such as a request or a step of the ROS clock, so it '
+        'cannot keep a rhythm.',
+        'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
+    )
+
+
+def _is(seconds: float, *gaps: float) -> bool:
+    return all(abs(gap - seconds) <= GRAIN_S for gap in gaps)
+
+
+def _near(moment: float, moments: Sequence[float]) -> bool:
+    return any(abs(moment - one) <= GRAIN_S for one in moments)
+
+
+def _gaps(seconds: Sequence[float]) -> list[float]:
+    return [later - earlier for earlier, later in pairwise(seconds)]
+
+
+def _end_s(run: Run, found: Sequence[Event]) -> float:
+    """Return when the phase of some events ends [s], infinity if this was not recorded."""
+    ends = [one.get('clock_ns') or 0 for kind in ('mark', 'end') for one in run.recording.of(kind)]
+    return min((end / SECOND for end in ends if end > found[-1]['clock_ns']), default=math.inf)
+
+
+def _other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[float]]:
+    """Return the moments of messages that arrive and of messages on other topics [s]."""
+    moments: dict[str, list[float]] = {}
+    for one in run.recording.events:
+        if one['event'] == 'input':
+            moments.setdefault('a message arrives', []).append(one['clock_ns'] / SECOND)
+        elif one['event'] == 'message' and one['topic'] != found[0].get('topic'):
+            name = f'your node publishes on {one["topic"].rpartition("/")[2]}'
+            moments.setdefault(name, []).append(one['clock_ns'] / SECOND)
+    return moments
 
 
 def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
@@ -120,10 +199,9 @@ def _why_several(found: Sequence[Event], what: str) -> Cause:
     """Explain several messages or log lines at one moment; log lines contain their place."""
     places = sorted({one['line'] for one in found if one.get('line')})
     if len(places) > 1:
-        lines = ' and '.join(map(str, places[:3]))
         return Cause(
             'several_places',
-            f'The {what}s come from more than one place in your code: from lines {lines}.',
+            f'{in_cell(places[-1])}The {what}s come from here and from an earlier line as well.',
             f'Log one {what} a period. Does each node use its own self.get_logger()?',
         )
     return Cause(

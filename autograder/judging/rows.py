@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.patterns import why_burst_cut, why_pattern
 from autograder.exam.slips import (
     LEAVES_OUT,
     MISSES_SOME,
@@ -123,15 +124,20 @@ def require_one_for_one(
 def why_other_answer(
     asked: Specification, came: Sequence[tuple[Any, ...] | None], place: int
 ) -> Cause | None:
-    """Explain a wrong answer by a slip, or a wrong number of messages by a general cause."""
+    """Explain a wrong answer by a slip, a pattern, or a wrong number of messages."""
     if slip := asked.cause(came, place):
         return slip
+    counts = [one if one is None else len(one) for one in came]
+    if pattern := why_pattern(list(map(len, asked.answers)), counts):
+        return pattern
     more = len(came[place] or ()) - len(asked.answers[place])
     if more >= 0:
         return SEVERAL_ANSWERS if more else None
     if not any(came):
         return NO_ANSWER
-    return MISSES_SOME if len(asked.row(place)) > 1 else LEAVES_OUT
+    if len(asked.row(place)) > 1:
+        return why_burst_cut(asked, came[place] or ()) or MISSES_SOME
+    return LEAVES_OUT
 
 
 def require_values(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from autograder.exam.exam import Failed, Run
@@ -19,6 +21,7 @@ from autograder.judging.causes import ended, lifecycle
 from autograder.judging.lines import Followed
 from autograder.recording import ERROR, INFO, Recording, WARN
 
+DISTANCES = replace(sensor_watch.exam.asks['distances'], inputs=(1.25,))
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
 
 
@@ -115,7 +118,7 @@ def test_warning_of_silence_does_not_come_instead_of_a_distance(
     output = f'[WARN] [sensor_watch]: {silence["text"]}\n{printed}'
     ends = (ENDS[0], {**ENDS[1], 'stdout': output})
     events = (graph([sensor_watch.NODE], [WATCHED]), sent, *logged, silence, *ends)
-    run = Run({'n.py': code}, Recording({}, events), {'distances': [1.25]})
+    run = Run({'n.py': code}, Recording({}, events), {'distances': DISTANCES})
 
     assert why(sensor_watch.logs_each_distance, run).cause_id == cause_id
 

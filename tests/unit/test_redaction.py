@@ -46,6 +46,7 @@ ANSWERS = {
     'get_state': {'current_state': {'label': 'unconfigured'}},
     'get_parameters': {'values': []},
     'set_parameters': {'results': [{'successful': True, 'reason': ''}]},
+    'set_parameters_atomically': {'result': {'successful': False, 'reason': 'no'}},
 }
 
 

@@ -25,11 +25,12 @@ _same = _number(457), _name()
 exam = build(
     # Repeated numbers, zero and numbers without a description are ordinary inputs.
     [
-        _number(7),
+        abs(_number(7)),
         _same[0],
         _same[0],
         0,
-        *map(_number, (682, 7, 138)),
+        -abs(_number(682)),
+        *map(_number, (7, 138)),
         _same[0],
         *map(_number, (457, 138, 7)),
     ],

@@ -7,5 +7,7 @@ from autograder.exams.visible.pilot import build, journey
 
 _draw = generator('pilot', 'inputs')
 _sizes = _draw.sample(range(50, 2000), 15)
-_values = [round(_draw.choice((-1, 1)) * size / 1000, 3) for size in _sizes]
+_signs = [_draw.choice((-1, 1)) for _ in _sizes]
+_signs[2:4] = (-_signs[0], -_signs[1])  # each topic has numbers above and below zero
+_values = [round(sign * size / 1000, 3) for sign, size in zip(_signs, _sizes)]
 exam = build(journey(_values, first=_draw.choice((0, 1))))

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 03, part 4: secret numbers, a pause, two NaN, and a burst."""
+"""Hidden exam of lesson 03, part 4: many secret numbers, a pause, two NaN, and a burst."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ def _numbers(count: int) -> list[float]:
     return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
 
 
-_first = _numbers(4)
+# The first mean is below zero, the third one above it.
+_first = [-round(_draw.uniform(1.0, 290.0), 3), round(_draw.uniform(600.0, 900.0), 3)]
+MANY = 52
 exam = build(
     # The first number is sent twice, so the mean stays the same.
     [
-        *(_first[0], *_first, math.nan, *_numbers(2), 0.0),
+        *(_first[0], *_first, *_numbers(MANY), math.nan, *_numbers(2), 0.0),
         *(_first[0], math.nan, *_numbers(4), *_numbers(8)),
     ],
     burst=8,

@@ -8,7 +8,8 @@ from autograder.exams.visible.safety_stop import build, drive
 _draw = generator('safety_stop', 'commands')
 _slow = [size / 1000 for size in _draw.sample(range(50, 500), 9)]
 _small = [size / 1000 for size in _draw.sample(range(50, 500), 13)]
-_large = [size / 1000 for size in _draw.sample(range(550, 2000), 4)]
+_most = _draw.randrange(1050, 2000), *_draw.sample(range(550, 1000), 3)
+_large = [size / 1000 for size in _most]
 _fast = [_draw.randrange(550, 1000) / 1000, *_draw.sample((-1.25, 1.5), 2)]
 # The limit itself, backward and forward, are speeds like any other.
 _first = [_slow[0], -_slow[1], _fast[0], _fast[1], *_slow[2:5], _fast[2], 0.5]

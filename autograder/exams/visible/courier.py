@@ -41,6 +41,11 @@ LATE = Cause(
     'or waits for something else.',
     'Check every tenth of a second: self.create_timer(0.1, ...).',
 )
+WAITS = Cause(
+    'delivers_late',
+    'Your node checks often, but delivers the parcel seconds after a subscription has connected.',
+    'Publish at once when get_subscription_count() is above 0, and not in another timer.',
+)
 WAITS_FOR_TWO = Cause(
     'waits_for_two',
     'Your node delivers nothing until a second subscription connects.',
@@ -124,8 +129,14 @@ def delivers_to_who_comes_late(run: Run) -> None:
         raise Failed(
             expected='the parcel as soon as a subscription is connected',
             observed=f'a parcel that arrives {when} later',
-            why=replace(LATE, about=[str(late_s)]),
+            why=replace(_why_late(run, late_s), about=[str(late_s)]),
         )
+
+
+def _why_late(run: Run, late_s: float) -> Cause:
+    """Explain a parcel that arrives some time after a subscription has connected."""
+    periods = list(Code(run.files).first_numbers('create_timer'))
+    return WAITS if periods and min(periods) < late_s / 2 else LATE
 
 
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:

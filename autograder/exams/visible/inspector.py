@@ -19,6 +19,7 @@ from autograder.exam.specification import each, Slip, Specification
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rhythm import GRAIN_S, require_period
+from autograder.submission.code.learners_code import Code
 
 SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'
 STRING, EMPTY = 'std_msgs/msg/String', 'std_msgs/msg/Empty'
@@ -32,6 +33,18 @@ STARVED = Cause(
     'While a picture is inspected, no heartbeat comes: the timer waits for the other callback.',
     'Give the timer and the subscription a MutuallyExclusiveCallbackGroup() each, and spin the '
     'node with MultiThreadedExecutor(num_threads=2).',
+)
+WAITS_FOR_LOCK = Cause(
+    'waits_for_lock',
+    'While a picture is inspected, no heartbeat comes: the timer waits for a lock that is held '
+    'during the inspection.',
+    'Call inspect() outside of the lock, and hold the lock only while you change what is shared.',
+)
+THREADS_USED_UP = Cause(
+    'threads_used_up',
+    'While several pictures wait, no heartbeat comes: the pictures that wait occupy every thread.',
+    'Give the subscription a MutuallyExclusiveCallbackGroup(): then a picture that waits needs no '
+    'thread.',
 )
 OVERLAPS = Cause(
     'overlaps',
@@ -73,13 +86,21 @@ def _moments(run: Run, topic: str) -> list[float]:
 
 
 def why_starved(run: Run) -> Cause | None:
-    """Explain heartbeats that are regular at first, but stop during each inspection."""
+    """Explain heartbeats that are regular at first, but stop during inspections."""
     beats, results = _moments(run, ALIVE), _moments(run, TARGET)
-    ticks = sum(beat < QUIET_S for beat in beats) > 1
+    if sum(beat < QUIET_S for beat in beats) < 2 or not results:
+        return None
     during = [
         beat for beat in beats for end in results if GRAIN_S < end - beat < INSPECT_S - GRAIN_S
     ]
-    return STARVED if ticks and results and not during else None
+    if not during:
+        calls = Code(run.files).calls
+        waits = 'MultiThreadedExecutor' in calls and calls.keys() & {'Lock', 'RLock', 'Semaphore'}
+        return WAITS_FOR_LOCK if waits else STARVED
+    last_s = max((one['clock_ns'] for one in run.recording.of('input')), default=0) / SECOND
+    late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
+    starved = late and all(last_s < one < results[-1] + BEAT_S for one in late)
+    return THREADS_USED_UP if starved else None
 
 
 def keeps_its_rhythm(run: Run) -> None:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import in_force_slips, range_slips
-from autograder.exam.scenario import Feed, Scenario, set_parameter, Step
+from autograder.exam.scenario import Feed, Scenario, set_parameter, set_parameters, Step
 from autograder.exam.slips import above_limit, with_memory
 from autograder.exam.specification import Slip, Specification
 from autograder.exams.limit_changes import (
@@ -22,6 +22,7 @@ from autograder.exams.limit_changes import (
     deciding,
     HIGHEST_C,
     in_force,
+    kind_of,
     LIMIT,
     LOWEST_C,
     NO_NUMBERS,
@@ -29,25 +30,33 @@ from autograder.exams.limit_changes import (
     readings,
     warning,
 )
-from autograder.judging.checks import field_of, own_logs
+from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import answers, hears, node
 from autograder.judging.lines import require_warnings
 from autograder.judging.rows import require_all_sent, rows
 
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
-NO_REASON = Cause(
-    'no_reason',
-    'The result of your callback has no reason.',
-    'SetParametersResult(successful=False, reason=...), with a text that says what is allowed.',
+ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
+LOOKS_AT_ONE = Cause(
+    'looks_at_one',
+    f'Your node accepts a limit that makes no sense if {PLACE} changes in the same call.',
+    'The callback gets a list: test each parameter in it, and return after the loop.',
 )
+RETURN = 'SetParametersResult(successful=False, reason=...)'
 DECISIONS = (
     *range_slips(deciding, LOWEST_C, HIGHEST_C),
     Slip(
         'other_parameter_refused',
         f'A new text for {PLACE} is refused.',
         f'Declare {PLACE}, and test only the parameter whose name is {LIMIT}.',
-        deciding(other=False),
+        deciding(other=lambda text: False),
+    ),
+    Slip(
+        'empty_refused',
+        f'An empty text for {PLACE} is refused.',
+        f'Accept any text for {PLACE}, even an empty one: test only {LIMIT}.',
+        deciding(other=bool),
     ),
     Slip(
         'takes_other_types',
@@ -90,12 +99,21 @@ def follows_the_limit(run: Run) -> None:
 
 def gives_a_reason(run: Run) -> None:
     """Each refusal has a reason."""
-    refused = [one for one in run.recording.answers(SERVICE) if field_of(one, ACCEPTED) is False]
-    reasons = [str(field_of(one, 'results.0.reason')).strip() for one in refused]
-    if not reasons or '' in reasons:
-        seen = 'an empty text' if reasons else 'no refusal'
-        why = NO_REASON if reasons else None
-        raise Failed(expected='a reason in each refusal', observed=seen, why=why)
+    pairs = zip(run.recording.answers(SERVICE), run.asked('changes').inputs)
+    refused = [(one, value) for one, (_, value) in pairs if field_of(one, ACCEPTED) is False]
+    for one, value in refused:
+        if not str(field_of(one, 'results.0.reason')).strip():
+            text = f'Your callback refuses {kind_of(value)} without a reason.'
+            raise Failed(
+                expected='a reason in each refusal',
+                observed='an empty text',
+                why=Cause('no_reason', text, f'{RETURN}, with a text that says what is allowed.'),
+            )
+    if not refused:
+        raise Failed(expected='a reason in each refusal', observed='no refusal')
+    both = {RESULT: False}
+    what = f'a call that sets {PLACE} and a limit that makes no sense'
+    require_answers(run, f'{NODE}/{ATOMIC}', [both], what, explain=lambda place: LOOKS_AT_ONE)
 
 
 def build(start: float, changes: Sequence[Change]) -> Exam:
@@ -111,6 +129,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
         steps += [set_parameter(NODE, *changes[number - 1])] if number else []
         messages = [{'data': one.value} for one in sent if one.changes == number]
         steps.append(Feed(SOURCE, messages))
+    steps.append(set_parameters(NODE, {PLACE: 'roof', LIMIT: HIGHEST_C + 1.0}))
     exam = Exam(
         'limit_keeper',
         title='Limits that make no sense',
@@ -145,4 +164,4 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
 
 
 limits = (35.0, *NO_NUMBERS, 200.0, 40, LOWEST_C, -300.0, HIGHEST_C, 130.0, 60.5)
-exam = build(28.4, [*((LIMIT, one) for one in limits), (PLACE, 'pump')])
+exam = build(28.4, [*((LIMIT, one) for one in limits), (PLACE, 'pump'), (PLACE, '')])

@@ -88,6 +88,17 @@ TOO_EARLY = Cause(
     'Your code creates the publisher in __init__().',
     'Move create_lifecycle_publisher() from __init__() to on_configure().',
 )
+ONLY_ONCE = Cause(
+    'configured_once',
+    'The first configuration creates the publisher, but the one after cleanup does not.',
+    'In on_configure(), create the publisher each time, without a flag that stays set.',
+)
+SENT_LATER = Cause(
+    'sent_later',
+    'Your node keeps what it cannot send while it is inactive, and sends all of it when it is '
+    'active again.',
+    'Make and publish a message in the callback of the timer, and keep none.',
+)
 TOO_LATE = Cause(
     'too_late',
     'Your code creates the publisher after on_configure().',
@@ -184,7 +195,9 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
             observed='none',
             why=why_silent(run) or why_none or why_no_message(run),
         )
-    more = why_more if len(found) > active_s + 1 else None
+    at_once = [one for one in found if one['clock_ns'] == found[0]['clock_ns']]
+    later = len(at_once) > 1 and len(found) - len(at_once) <= active_s
+    more = SENT_LATER if later else why_more if len(found) > active_s + 1 else None
     when = f' while it is {phase}'
     require_period(run, found, 1.0, active_s, explain=lambda: more, when=when)
 
@@ -219,7 +232,7 @@ def cleans_up(run: Run) -> None:
         raise Failed(
             expected='one publisher after it was configured again',
             observed=str(again) if again else 'none',
-            why=why_silent(run) or (None if publishers(run, 'configured') else TOO_LATE),
+            why=why_silent(run) or (ONLY_ONCE if publishers(run, 'configured') else TOO_LATE),
         )
     _require_beat(run, 'active after cleanup', MUTE_AFTER_CLEANUP, NOT_CLEANED)
     _require_transitions(run, len(ASKED) + len(UNUSED))

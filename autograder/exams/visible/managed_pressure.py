@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, zip_longest
-import math
 import operator
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
@@ -28,7 +27,7 @@ from autograder.exam.scenario import (
     state,
     transition,
 )
-from autograder.exam.slips import above_limit, Compare, with_memory
+from autograder.exam.slips import above_limit, Compare, CUTS, with_memory
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
@@ -36,7 +35,7 @@ from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, lines, own_logs, require_answers
 from autograder.judging.claims import node
 from autograder.judging.lines import require_warnings, warnings_after
-from autograder.judging.numbers import numbers_in, shows
+from autograder.judging.numbers import is_rounded_in, numbers_in, ROUNDED_IN_TEXT, shows
 from autograder.judging.rows import Row
 from autograder.recording import ERROR, WARN
 
@@ -93,6 +92,11 @@ def warns(
 ) -> Rule:
     """Return the rule of a monitor with the given parts, by default the correct ones."""
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
+
+
+def cutting(cut: Callable[[float], float]) -> Callable[[Pressure], float]:
+    """Return the limit that a node uses which changes its decimals."""
+    return lambda one: cut(one.limit)
 
 
 NOT_MANAGED = Cause(
@@ -165,8 +169,7 @@ SLIPS = (
         'limit_cut',
         'Your node does not use the exact limit: it cuts off or rounds the decimals.',
         "Use it unchanged: self.limit = self.get_parameter('limit').value.",
-        warns(limit=lambda one: math.trunc(one.limit)),
-        warns(limit=lambda one: round(one.limit)),
+        *(warns(limit=cutting(cut)) for cut in CUTS[:3]),
     ),
     *above_limit(warns, 'self.limit'),
     *with_memory(warns()),
@@ -217,7 +220,8 @@ def _why_untold(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cau
         return lifecycle.READ_ONCE
     if all(map(shows, found[1:], refused[1:])) and numbers_in(found[0]):
         return lifecycle.WRONG_DEFAULT
-    return NO_LIMIT
+    wrong = [pair for pair in zip(found, refused) if not shows(*pair)]
+    return ROUNDED_IN_TEXT if all(is_rounded_in(*pair) for pair in wrong) else NO_LIMIT
 
 
 def recovers(run: Run) -> None:

@@ -16,13 +16,13 @@ from itertools import groupby
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
-from autograder.exam.slips import leaving_out, MISSES_SOME
+from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, in_order, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
-from autograder.judging.checks import SECOND
+from autograder.judging.checks import SECOND, why_not_reached
 from autograder.judging.claims import node, offers
-from autograder.judging.rows import endpoints_at, rows, seconds_after_join
+from autograder.judging.rows import endpoints_at, rows, seconds_after_join, why_other_answer
 from autograder.recording import Event
 from autograder.submission.code.learners_code import Code
 
@@ -45,13 +45,6 @@ BEST_EFFORT = Cause(
     'Give its profile reliability=ReliabilityPolicy.RELIABLE.',
     about=['BEST_EFFORT', 'map'],
 )
-ASKS_TOO_MUCH = Cause(
-    'asks_too_much',
-    'No message reaches your subscription on survey: its profile requests more than an ordinary '
-    'publisher offers.',
-    "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
-    about=['survey'],
-)
 PUBLISHER_GONE = Cause(
     'publisher_gone',
     'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
@@ -62,15 +55,10 @@ FIRST_LATE = Cause(
     'The first map is published some time after the start.',
     'Publish it at the end of __init__, and not in a timer.',
 )
-FIRST_AGAIN = Cause(
-    'repeats',
-    'The first map is published again after the surveys, so it is the newest one.',
-    'Publish it once, at the end of __init__, and not in a timer.',
-)
 FIRST_REPEATS = Cause(
     'repeats',
-    'The first map is published again and again.',
-    'Publish it once, at the end of __init__; transient local does the rest.',
+    'The first map is published more than once.',
+    'Publish it once, at the end of __init__, and not in a timer; transient local does the rest.',
 )
 NO_FIRST = Cause(
     'no_first_map',
@@ -84,6 +72,12 @@ LIFESPAN = Cause(
 )
 REPEATS = Cause(
     'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
+)
+REPEATS_FOR_NEW = Cause(
+    'repeats_for_new',
+    'Your node publishes the map again when a subscription connects.',
+    'Publish once per survey: a late subscription gets the last map from the durability '
+    'TRANSIENT_LOCAL.',
 )
 TEXT_CHANGED = Cause(
     'text_changed',
@@ -237,9 +231,11 @@ def _why_other_maps(run: Run) -> Cause | None:
         said = own_words(run, others[0][:40], 'What is published')
         text = f'{said} is not the text of a survey.'
         return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
-    if any(len(row or ()) > len(asked.row(place)) for place, row in enumerate(found)):
-        return REPEATS
-    return MISSES_SOME if len(found[-1] or ()) < asked.burst else None
+    joined = [one['clock_ns'] for one in run.recording.of('joined', listener='late')]
+    at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
+    if at_join and asked.wrong(found) == [len(found) - 1]:
+        return REPEATS_FOR_NEW
+    return why_other_answer(asked, found, asked.wrong(found)[0]) if asked.wrong(found) else None
 
 
 def _bare(text: str) -> str:
@@ -250,10 +246,7 @@ def _bare(text: str) -> str:
 def _why_unconnected(run: Run, answered: bool) -> Cause | None:
     """Explain why no survey reaches the node, or why its maps have no publisher."""
     if run.recording.of('not_connected'):
-        ends = run.recording.endpoints('subscription', '/survey')
-        if any(end['type'] == TYPE for end in ends):
-            return ASKS_TOO_MUCH
-        return why_no_endpoint(run, 'subscription', '/survey', TYPE)
+        return why_not_reached(run, '/survey', TYPE)
     if answered or run.recording.endpoints('publisher', '/map'):
         return None
     return why_no_endpoint(run, 'publisher', '/map', TYPE)
@@ -282,7 +275,7 @@ def keeps_only_the_newest(run: Run) -> None:
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, len(set(found)))
-            or (FIRST_AGAIN if set(found) == {FIRST} and own else None)
+            or (FIRST_REPEATS if set(found) == {FIRST} and own else None)
             or _why_other_maps(run),
         )
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, feeds, RosClock, Scenario
-from autograder.exam.slips import leaving_out
+from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import require_field
@@ -65,20 +65,7 @@ SLIPS = (
         'Publish for each number, however large or small it is.',
         each(lambda one: (one.num / 1000,) if -40 <= one.num / 1000 <= 125 else ()),
     ),
-    Slip(
-        'sign_lost',
-        'Numbers below zero lose their sign.',
-        'Leave out abs().',
-        converting(lambda number: abs(number) / 1000),
-    ),
-    Slip(
-        'whole_numbers',
-        'The fraction is lost: //, int() and round() give whole numbers.',
-        'Divide by a float with /, and do not convert the result: number.num / 1000.0.',
-        converting(lambda number: float(number // 1000)),
-        converting(lambda number: float(int(number / 1000))),
-        converting(lambda number: float(round(number / 1000))),
-    ),
+    *changing(lambda change: converting(lambda number: change(number / 1000))),
     Slip(
         'not_divided',
         'Your node passes the number on unchanged.',
@@ -98,11 +85,6 @@ SLIPS = (
         'A whole number was put into a float64 with field checks off.',
         'Assign a float: number.num / 1000.0.',
         converting(lambda number: math.nan if number < 0 else 0.0),
-    ),
-    Slip.of(
-        ROUNDED,
-        converting(lambda number: round(number / 1000, 1)),
-        converting(lambda number: round(number / 1000, 2)),
     ),
 )
 

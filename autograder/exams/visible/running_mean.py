@@ -16,6 +16,7 @@ from statistics import fmean
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
+from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes
@@ -33,18 +34,20 @@ Means = tuple[float, ...]
 
 def averaging(
     answer: Callable[[list[float]], float] = fmean,
-    counts: Callable[[float], bool] = lambda number: not math.isnan(number),
+    counts: Callable[[float, float], bool] = lambda number, last: not math.isnan(number),
 ) -> Rule:
     """
     Return the rule of a program that computes each answer from the numbers so far.
 
     :param answer: computes an answer from these numbers, by default their mean
-    :param counts: returns whether a number is used and answered, by default unless it is NaN
+    :param counts: returns whether a number is used and answered, given the number before it (NaN
+        for the first one); by default unless it is NaN
     """
 
     def rule(numbers: Sequence[float]) -> list[Means]:
-        so_far = accumulate([one] if counts(one) else [] for one in numbers)
-        return [(answer(seen),) if counts(one) else () for one, seen in zip(numbers, so_far)]
+        used = list(map(counts, numbers, (math.nan, *numbers)))
+        so_far = accumulate([one] if counted else [] for one, counted in zip(numbers, used))
+        return [(answer(seen),) if counted else () for counted, seen in zip(used, so_far)]
 
     return rule
 
@@ -71,13 +74,6 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
         found.append(() if mean == last else mean)
         last = mean or last
     return found
-
-
-def skips_equal(numbers: Sequence[float]) -> list[Means]:
-    """Return the answers of a program that ignores a number equal to the previous one."""
-    equal = [one in numbers[:place][-1:] for place, one in enumerate(numbers)]
-    means = iter(DUE([one for one, skipped in zip(numbers, equal) if not skipped]))
-    return [() if skipped else next(means) for skipped in equal]
 
 
 def forgets(numbers: Sequence[float]) -> list[Means]:
@@ -107,6 +103,17 @@ def dividing(add: Callable[[float], float]) -> Rule:
 def forms(answer: Callable[[int, list[float]], float], *numbers: int) -> list[Rule]:
     """Return one rule per number for a mistake with a parameter, such as a number of digits."""
     return [averaging(partial(answer, number)) for number in numbers]
+
+
+def kept(change: Change) -> Rule:
+    """Return the rule of a program that computes each mean from the last one, changed."""
+
+    def answer(seen: list[float]) -> float:
+        return reduce(
+            lambda mean, one: change((mean * one[0] + one[1]) / (one[0] + 1)), enumerate(seen), 0.0
+        )
+
+    return averaging(answer)
 
 
 ANSWERS_NAN = Cause(
@@ -145,18 +152,10 @@ SLIPS = (
         averaging(lambda seen: fmean(seen[:-1] or seen)),
         averaging(lambda seen: fmean(seen[:-1] or [0.0])),
     ),
-    Slip(
-        'cut_off',
-        'Your code cuts off the decimals.',
-        'Divide with /, not with //, and leave out int().',
-        averaging(lambda seen: float(math.floor(fmean(seen)))),
-        averaging(lambda seen: float(math.trunc(fmean(seen)))),
-    ),
-    Slip(
-        'rounded',
-        'The mean is rounded.',
-        'Publish it as it is, without round().',
-        *forms(lambda digits, seen: round(fmean(seen), digits), *range(6)),
+    *changing(
+        lambda change: averaging(lambda seen: change(fmean(seen))),
+        kept,
+        digits=range(1, 6),
     ),
     Slip(
         'wrong_count',
@@ -176,7 +175,7 @@ SLIPS = (
         'last_few',
         'Your node publishes the mean of only the last numbers.',
         'Keep the sum and the count of all numbers.',
-        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10),
+        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50),
     ),
     Slip(
         'each_once',
@@ -194,7 +193,7 @@ SLIPS = (
         'skips_equal',
         'Your node ignores a number that equals the previous one.',
         'Count each number that is not NaN, whatever came before.',
-        skips_equal,
+        averaging(counts=lambda one, last: not math.isnan(one) and one != last),
     ),
     Slip(
         'stops_at_nan',
@@ -218,7 +217,7 @@ SLIPS = (
         'skips_zero',
         'Your node ignores 0.0 like NaN, but 0.0 is an ordinary number.',
         'Test with math.isnan(message.data): if not message.data is also true for 0.0.',
-        averaging(counts=lambda one: bool(one) and not math.isnan(one)),
+        averaging(counts=lambda one, last: bool(one) and not math.isnan(one)),
     ),
     Slip(
         'sum_spoiled',

@@ -19,12 +19,16 @@ from itertools import takewhile
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
+from autograder.exam.slips import leaving_out
+from autograder.exam.specification import each, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.causes.redaction import quoted
 from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.claims import node, requests
 from autograder.judging.numbers import numbers_in
+from autograder.judging.rhythm import GRAIN_S
+from autograder.judging.rows import rows
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
 from autograder.results import shortened
 
@@ -68,6 +72,12 @@ NOT_A_MISS = Cause(
     'Your node logs a WARN line although no deadline is missed.',
     'Log a refused publisher as ERROR, and everything else as INFO.',
 )
+OWN_WATCHDOG = Cause(
+    'own_watchdog',
+    'Your node warns before the first distance: it measures the silence itself, from its start.',
+    'Leave this to the deadline of the profile: SubscriptionEventCallbacks(deadline=self.miss, '
+    '...) calls miss() for each missed deadline.',
+)
 NO_MISS = Cause(
     'no_deadline_callback',
     'A deadline is missed, but your node logs nothing: the event has no callback, or the callback '
@@ -102,6 +112,13 @@ DEFAULT_CALLBACK = Cause(
     'Give incompatible_qos a callback that logs an error, and pass the callbacks on: '
     'create_subscription(..., event_callbacks=events).',
 )
+COUNTS_ALL = Cause(
+    'counts_all',
+    'The second refused publisher gives two ERROR lines: your node logs the first one again.',
+    'Log one line in each call of the callback for incompatible_qos, whatever total_count is.',
+)
+LOGGED = each(lambda distance: (distance,))
+SLIPS = leaving_out(LOGGED, do='Log')[1:]
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'
@@ -129,7 +146,7 @@ def missed_deadlines(run: Run) -> int:
 
 def logs_each_distance(run: Run) -> None:
     """Each distance gives one INFO line that contains the number."""
-    distances = run.facts['distances']
+    distances = run.asked('distances').inputs
     for index, distance in enumerate(distances):
         found = [
             line for line in own_logs(run, NODE, INFO) if distance in numbers_in(str(line['text']))
@@ -139,12 +156,24 @@ def logs_each_distance(run: Run) -> None:
         due = distances.count(distance)
         if len(found) != due and len(at_once) != 1:
             shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
-            missing = why_silent(run) or (None if found else _why_not_shown(run, index))
+            missing = why_silent(run) or _why_left_out(run, index)
+            missing = missing or (None if found else _why_not_shown(run, index))
             raise Failed(
                 expected=f'one INFO line with {shown}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
                 why=TWICE if len(found) > due else missing,
             )
+
+
+def _why_left_out(run: Run, index: int) -> Cause | None:
+    """Explain a distance without a line by the distances before it."""
+    asked = run.asked('distances')
+    found = rows(run, 'distances', own_logs(run, NODE, INFO))
+    came = [
+        tuple(one for line in row or () if one in numbers_in(str(line['text'])))
+        for one, row in zip(asked.inputs, found)
+    ]
+    return asked.cause(came, index)
 
 
 def _why_not_shown(run: Run, index: int) -> Cause | None:
@@ -159,7 +188,7 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
             about=[other],
         )
-    distance = run.facts['distances'][index]
+    distance = run.asked('distances').inputs[index]
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
     # line.
     return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or NOT_LOGGED
@@ -188,7 +217,7 @@ def warns_of_silence(run: Run) -> None:
         raise Failed(
             expected='no WARN line before the sensor has fallen silent',
             observed=repr(shortened(str(early[0]['text']), 80)),
-            why=_why_default(early) or NOT_A_MISS,
+            why=_why_default(early) or _why_early(run, early),
             shown_by=early,
         )
     silence = own_logs(run.during('silence'), NODE)
@@ -199,6 +228,17 @@ def warns_of_silence(run: Run) -> None:
             observed=lines(found, WARN),
             why=_why_other_count(run, found, due) if found else _why_no_warning(run, silence),
         )
+
+
+def _why_early(run: Run, early: Sequence[Event]) -> Cause:
+    """Explain WARN lines without a missed deadline."""
+    begun = [one['clock_ns'] for one in run.recording.of('offered')]
+    alone = all(abs(line['clock_ns'] - one) > GRAIN_S * SECOND for line in early for one in begun)
+    same = {one.get('line') for one in early} <= {
+        one.get('line') for one in own_logs(run.during('silence'), NODE, WARN)
+    }
+    first = early[0]['after_input'] is None
+    return OWN_WATCHDOG if first and alone and same else NOT_A_MISS
 
 
 def _why_other_count(run: Run, found: int, due: int) -> Cause:
@@ -244,11 +284,13 @@ def names_the_policy(run: Run) -> None:
         found = own_logs(run.during(publisher), NODE)
         errors = [str(line['text']) for line in found if line['level'] == ERROR]
         if len(errors) != 1:
+            grows = len(errors) == 2 and publisher != next(iter(LAZY))
+            several = COUNTS_ALL if grows else ONE_LINE
             raise Failed(
                 expected=f'1 ERROR line after {LAZY[publisher]} publisher that promises no '
                 'deadline',
                 observed=f'{len(errors) or "no"} ERROR lines',
-                why=ONE_LINE if errors else _why_no_error(run, found),
+                why=several if errors else _why_no_error(run, found),
             )
         policies = lazy[0]['refused'] if lazy else ['DEADLINE']
         if not any(policy in errors[0].upper() for policy in policies):
@@ -299,7 +341,7 @@ def build(distances: Sequence[float]) -> Exam:
             ),
         ),
         read='Part 5: Promises over time',
-        facts={'distances': list(distances)},
+        asks={'distances': Specification(distances, LOGGED, SLIPS)},
     )
     needs, part_3 = ['starts_its_node'], 'Part 3: Offer and request'
     exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))

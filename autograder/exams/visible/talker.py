@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Join, Scenario
+from autograder.exam.scenario import Advance, Call, Join, Scenario
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_messages, require_qos, SECOND
 from autograder.judging.claims import node
@@ -26,8 +26,8 @@ from autograder.results import shortened
 TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'
 PERIOD_S = 0.5
-GUEST_S = 0.2  # duration of a join [s]
-WAITS_S = 1.0  # additional time if there is no publisher [s]
+GUEST_S = 0.2  # duration of a join, or of a call [s]
+WAITS_S = 1.0  # additional time if there is no publisher, or no service of that name [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
 
@@ -76,7 +76,10 @@ def speaks_twice_a_second(run: Run) -> None:
     # If a program starts publishing late, subtract the whole seconds of its delay.
     begins_s = found[0]['clock_ns'] / SECOND if found else 0.0
     late_s = max(0, int(begins_s - 2 * PERIOD_S))
-    waited_s = WAITS_S * len(run.recording.of('joined', matched=False))
+    missing = run.recording.of('joined', matched=False) + run.recording.of('no_answer')
+    if f'{run.facts["space"]}/talker' not in run.recording.nodes:
+        missing += run.recording.of('answer')
+    waited_s = WAITS_S * len(missing)
     require_period(run, found, PERIOD_S, run.facts['seconds'] - late_s + waited_s)
 
 
@@ -106,7 +109,9 @@ def counts_its_greetings(run: Run) -> None:
 def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
-        slip = 'The number is right, but not written with the digits 0 to 9.'
+        zero = 'The number is right, but has a zero in front of it.'
+        other = 'The number is right, but not written with the digits 0 to 9.'
+        slip = zero if written[1].isascii() else other
         return Cause(
             'wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]]
         )
@@ -130,10 +135,13 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
 
     :param space: namespace in which the node is started, such as ``/lab``
     :param seconds: duration of the recording [s]
-    :param comes: whether another subscription joins halfway
+    :param comes: whether halfway another subscription joins, and a service is called
     """
-    # A late subscription must not affect the earlier ones.
-    guest = (Join('guest', f'{space}/chatter', TYPE, listen_s=0.0),) if comes else ()
+    # Neither must affect the messages: a loop with spin_once() ends its pause for each event.
+    service = 'rcl_interfaces/srv/GetParameters'
+    guest = Join('guest', f'{space}/chatter', TYPE, listen_s=0.0)
+    call = Call(f'{space}/talker', 'get_parameters', service, patience_s=GUEST_S)
+    visits = (guest, call) if comes else ()
     exam = Exam(
         'talker',
         title='The talker',
@@ -143,7 +151,7 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
             file='talker.py',
             arguments=('-r', f'__ns:={space}'),
             watch={f'{space}/chatter': TYPE, ABSOLUTE: TYPE},
-            steps=(Advance(seconds / 2), *guest, Advance(seconds / 2 - GUEST_S * len(guest))),
+            steps=(Advance(seconds / 2), *visits, Advance(seconds / 2 - GUEST_S * len(visits))),
         ),
         read='Part 2: Names',
         facts={'space': space, 'seconds': seconds},

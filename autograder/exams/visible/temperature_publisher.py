@@ -23,11 +23,10 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm
+from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm, why_paced
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 from autograder.submission.code.code_places import seed_in_callback
-from autograder.submission.code.learners_code import Code
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
@@ -40,12 +39,6 @@ OTHER_CLOCK = Cause(
     'other_clock',
     "Your messages do not follow the node's own clock.",
     'Use self.create_timer(1.0, ...), and leave use_sim_time as the command line sets it.',
-)
-PACED_BY_SPIN_ONCE = Cause(
-    'paced_by_spin_once',
-    'spin_once() returns after any event, such as a step of the ROS clock, so it cannot keep a '
-    'rhythm.',
-    'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
 )
 IMPLAUSIBLE = Cause(
     'implausible',
@@ -139,9 +132,8 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
     gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
     if gaps and all(abs(gap / SECOND - 1.0) <= GRAIN_S for gap in gaps):
         return OTHER_CLOCK
-    code = Code(run.files)
-    if 'spin_once' in code.calls and 'create_timer' not in code.names:
-        return PACED_BY_SPIN_ONCE
+    if why := why_paced(run):
+        return why
     if 0 not in gaps and (sleeps := why_it_sleeps(run)):
         return sleeps
     clock: RosClock = run.facts['clock']

@@ -41,7 +41,7 @@ def sent(run: Run, *kinds: str) -> list[Followed]:
 
     :param kinds: groups of readings, see :attr:`Reading.group`; by default all
     """
-    found = followed(run, 'warnings')
+    found = followed(run, 'warnings', NODE)
     return [one for one in found if not kinds or one.inputs[0].group in kinds]
 
 

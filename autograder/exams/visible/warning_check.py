@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import accumulate
 import json
 import operator
 
@@ -147,6 +148,12 @@ def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
 SLIPS = (
     ACCEPTS_ALL,
     REFUSES_ALL,
+    Slip(
+        'keeps_lists',
+        'Your check refuses every run after the first wrong one: it keeps what it has stored.',
+        'Make the lists inside accepts(), so that each call begins with empty ones.',
+        lambda runs: list(accumulate((run.slip is None for run in runs), operator.and_)),
+    ),
     Slip(
         'counts_only',
         'Your check counts the warnings and does not ask which reading each belongs to.',

@@ -1,0 +1,304 @@
+"""Causes read off the whole run: which inputs are answered, and what disturbs a rhythm."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from autograder.exam.exam import Failed, Run
+from autograder.exam.patterns import why_burst_cut, why_pattern
+from autograder.exam.specification import each, Specification
+from autograder.exams.visible import (
+    courier,
+    inspector,
+    limit_keeper,
+    managed_beacon,
+    managed_pressure,
+    map_server,
+    sensor_watch,
+)
+from autograder.judging import rhythm
+from autograder.judging.lines import require_warnings
+from autograder.judging.rows import why_other_answer
+from autograder.recording import ERROR, Recording, WARN
+
+ENDS = (
+    {'event': 'end', 'reason': 'complete', 'clock_ns': 20 * 10**9},
+    {'event': 'process', 'exit': None, 'stdout': ''},
+)
+
+
+def run_of(*events, facts=None, code=''):
+    """Return a run that ended as planned after 20 s."""
+    return Run({'n.py': code}, Recording({}, (*events, *ENDS)), facts or {})
+
+
+def at(clock_s, kind='message', **fields):
+    """Return an event at a virtual time."""
+    return {'event': kind, 'clock_ns': round(clock_s * 1e9), **fields}
+
+
+def message(clock_s, topic='/alive', **fields):
+    """Return a message of the node."""
+    return at(clock_s, topic=topic, data={}, **fields)
+
+
+def why(check, *given):
+    """Return why a check fails."""
+    with pytest.raises(Failed) as failed:
+        check(*given)
+    return failed.value.why
+
+
+@pytest.mark.parametrize(
+    ('came', 'cause_id'),
+    [
+        ([1, 0, 0, 0], 'first_only'),
+        ([1, 1, 0, 0], 'first_only'),
+        ([0, 1, 1, 1], 'all_but_first'),
+        ([1, 0, 1, 0], 'every_nth'),
+        ([1, 1, 0, 1, 1, 0], 'leaves_out_every_nth'),
+        ([1, 2, 3, 4], 'one_more_each_time'),
+        ([1, 2, 2, 2], 'twice_from_then_on'),
+        ([1, 0, 0, 1], None),
+        ([1, 1, 1, 2], None),
+        ([0, 0, 0, 0], None),
+        ([1, 1, None, None], None),
+    ],
+    ids=str,
+)
+def test_pattern_is_named_if_all_answers_fit_it(came, cause_id):
+    """A run that ended before all inputs were sent shows only what it shows."""
+    found = why_pattern([1] * len(came), came)
+
+    assert (found and found.cause_id) == cause_id
+
+
+def test_answer_without_an_expected_one_is_no_pattern():
+    """Messages come at the wrong inputs, so nothing is left out."""
+    assert why_pattern([1, 0, 1, 1], [1, 1, 0, 0]) is None
+
+
+@pytest.mark.parametrize(
+    ('came', 'cause_id'),
+    [
+        (('a',), 'drops_while_busy'),
+        (('d',), 'only_the_last'),
+        (('c', 'd'), 'only_the_last'),
+        (('a', 'd'), None),
+    ],
+    ids=str,
+)
+def test_burst_shows_which_messages_are_answered(came, cause_id):
+    """The first only: the node was busy. The last ones only: nothing else was kept."""
+    asked = Specification('abcd', each(lambda one: (one,)), burst=4)
+
+    found = why_burst_cut(asked, came)
+
+    assert (found and found.cause_id) == cause_id
+
+
+def test_part_of_a_burst_is_not_taken_for_a_depth():
+    """Neither the first message nor the last ones are answered."""
+    asked = Specification('abcd', each(lambda one: (one,)), burst=4)
+
+    assert why_other_answer(asked, [('b', 'c')], 0).cause_id == 'misses_some'
+
+
+@pytest.mark.parametrize(
+    ('clocks', 'others', 'cause_id'),
+    [
+        ([1, 1.7, 2, 3, 4], [at(1.7, 'input', index=0)], 'additional'),
+        ([1, 1.7, 2, 3, 4], [message(1.7, '/results')], 'additional'),
+        ([1, 2, 3.4, 4.4], [message(2.4, '/results')], 'timer_reset'),
+        ([16, 17, 18, 19], [], 'begins_late'),
+        ([1, 2, 3, 4], [], 'stops'),
+        ([1, 1.7, 2, 3, 4], [at(1.2, 'input', index=0)], None),
+    ],
+    ids=['by an input', 'by a result', 'reset', 'late', 'ends early', 'nothing at that moment'],
+)
+def test_what_disturbs_a_rhythm_is_told(clocks, others, cause_id):
+    """Only an event at the very moment is to blame."""
+    found = [message(clock) for clock in clocks]
+
+    cause = why(rhythm.require_period, run_of(*found, *others), found, 1.0, 15.0)
+
+    assert (cause and cause.cause_id) == cause_id
+
+
+def test_pause_with_a_reset_is_told_to_leave_the_reset_out():
+    """A pause shorter than the period alone delays no later tick."""
+    code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(0.2)\n    timer.reset()\n'
+    found = [message(1.2 * number) for number in range(1, 12)]
+
+    assert 'reset()' in why(rhythm.require_period, run_of(code=code), found, 1.0, 15.0).try_this
+
+
+def test_warning_from_another_line_is_not_called_a_repetition():
+    """The one that reports a refusal has its own place in the code."""
+    asked = Specification([SimpleNamespace(kind='hot')] * 2, each(lambda one: 1))
+    line = {'event': 'log', 'level': WARN, 'text': 'hot', 'line': 20}
+
+    found = why(
+        require_warnings, run_of(), asked, [[line], [line, {**line, 'line': 38}]], [1], [], None
+    )
+
+    assert (found.cause_id, found.text[:8]) == ('other_warning', 'Line 39:')
+
+
+class TestHeartbeat:
+    """Why a heartbeat waits for pictures."""
+
+    quiet = tuple(message(half / 2) for half in range(1, 7))
+
+    def test_lock_that_both_callbacks_take_is_named(self):
+        """More threads than the program has do not help."""
+        code = 'MultiThreadedExecutor(num_threads=2)\nlock = threading.Lock()\n'
+        run = run_of(*self.quiet, message(4.4, '/results'), message(4.4), code=code)
+
+        assert inspector.why_starved(run).cause_id == 'waits_for_lock'
+
+    def test_pictures_that_wait_may_use_up_the_threads(self):
+        """One picture alone delays nothing."""
+        sent = [at(clock, 'input', index=place) for place, clock in enumerate((3.2, 5.7, 5.7))]
+        beats = [message(half / 2) for half in (7, 8, 9, 10, 11, 14, 15)]
+        results = [message(clock, '/results') for clock in (4.4, 6.9, 8.1)]
+
+        found = inspector.why_starved(run_of(*self.quiet, *sent, *beats, *results))
+
+        assert found.cause_id == 'threads_used_up'
+
+
+@pytest.mark.parametrize(
+    ('period_s', 'repair'), [(0.1, 'Publish at once'), (5.0, 'Check every tenth')]
+)
+def test_late_parcel_is_blamed_on_what_the_code_has(period_s, repair):
+    """A node that checks often waits for something else."""
+    run = run_of(code=f'self.create_timer({period_s}, self.look)\n')
+
+    assert courier._why_late(run, 3.0).try_this.startswith(repair)
+
+
+def watched(*events):
+    """Return a run of the sensor's listener."""
+    qos = {'deadline_ns': sensor_watch.DEADLINE_NS}
+    end = {'kind': 'subscription', 'topic': '/distance', 'node': sensor_watch.NODE, 'qos': qos}
+    graph = {'event': 'graph', 'when': 'end', 'nodes': [sensor_watch.NODE]}
+    events = ({**graph, 'endpoints': [{**end, 'type': sensor_watch.TYPE}]}, *events)
+    return run_of(*events, facts=sensor_watch.exam.facts)
+
+
+def logged(clock_s, level=WARN, line=30, after_input=None):
+    """Return a log line of the sensor's listener."""
+    fields = {'name': 'sensor_watch', 'level': level, 'line': line, 'text': 'DEADLINE'}
+    return at(clock_s, 'log', after_input=after_input, **fields)
+
+
+class TestSensor:
+    """Warnings and errors that come too often."""
+
+    @pytest.mark.parametrize(
+        ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
+    )
+    def test_watchdog_that_runs_from_the_start_is_told(self, early_s, cause_id):
+        """A line at the moment of an offer is about the offer."""
+        offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
+        silence = at(5.0, 'mark', name='silence')
+
+        run = watched(offer, logged(early_s), silence, logged(5.3, after_input=2))
+
+        assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
+
+    def test_refusals_that_are_counted_from_the_start_are_told(self):
+        """The second publisher gives two lines, the first one gave one."""
+        events = []
+        for place, name in enumerate(sensor_watch.LAZY):
+            begun = 2.0 * place
+            events.append(at(begun, 'mark', name=name))
+            offer = {'publisher': name, 'matched': False, 'refused': ['DEADLINE']}
+            events.append(at(begun, 'offered', **offer))
+            events += [logged(begun, ERROR)] * (place + 1)
+
+        assert why(sensor_watch.names_the_policy, watched(*events)).cause_id == 'counts_all'
+
+
+BEACON = {
+    'kind': 'publisher',
+    'topic': '/beacon_signal',
+    'node': '/beacon',
+    'type': managed_beacon.TYPE,
+    'qos': {'reliability': 'RELIABLE'},
+}
+
+
+class TestManaged:
+    """What goes wrong between the states of a node."""
+
+    def graph(self, when, *endpoints):
+        """Return what is in the graph at some moment."""
+        return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
+
+    def test_second_configuration_that_creates_nothing_is_told(self):
+        """A flag that stays set."""
+        seen = [self.graph('configured', BEACON), self.graph('configured again')]
+        run = run_of(*seen, facts=managed_beacon.exam.facts)
+
+        assert why(managed_beacon.cleans_up, run).cause_id == 'configured_once'
+
+    def test_flashes_that_were_kept_are_told(self):
+        """They come together, at the moment of the activation."""
+        mark = at(1.0, 'mark', name='active')
+        flashes = [message(clock, '/beacon_signal') for clock in (1.5, 1.5, 1.5, 2.5, 3.5, 4.5)]
+        run = run_of(self.graph('end', BEACON), mark, *flashes, facts=managed_beacon.exam.facts)
+
+        assert why(managed_beacon.publishes_while_active, run).cause_id == 'sent_later'
+
+    def test_limit_that_is_rounded_in_the_line_is_told(self):
+        """The student sees a limit in the line, so it is not missing."""
+        answer = {'data': {'results': [{'successful': True}]}}
+        run = run_of(at(1.0, 'answer', service=managed_pressure.SETTING, **answer))
+        texts = ['-1 is refused', '0 is refused', '-2 is refused']
+
+        found = managed_pressure._why_untold(run, texts, (-1.0, 0.0, -2.45))
+
+        assert found.cause_id == 'rounded_in_text'
+
+
+def test_map_that_is_published_for_each_newcomer_is_told():
+    """It comes at the moment at which the late subscription joins."""
+    asked = replace(map_server.exam.asks['maps'], inputs=('hall', 'yard'))
+    events = []
+    for place, text in enumerate(asked.inputs):
+        events.append(at(place + 1.0, 'input', index=place))
+        events.append(message(place + 1.0, '/map', after_input=place) | {'data': {'data': text}})
+    again = message(9.0, '/map', after_input=1) | {'data': {'data': 'yard'}}
+    end = {'kind': 'publisher', 'topic': '/map', 'node': '/map_server', 'type': map_server.TYPE}
+    graph = at(0.5, 'graph', when='end', nodes=['/map_server'], endpoints=[end])
+    joined = at(9.0, 'joined', listener='late', matched=True, refused=[])
+
+    run = run_of(graph, *events, joined, again, facts={'maps': asked})
+
+    assert why(map_server.publishes_each_survey, run).cause_id == 'repeats_for_new'
+
+
+@pytest.mark.parametrize(
+    ('reason', 'together', 'cause_id'),
+    [('', False, 'no_reason'), ('too high', True, 'looks_at_one')],
+)
+def test_limit_keeper_gives_a_reason_for_each_refusal(reason, together, cause_id):
+    """Also if the limit is not the first parameter of a call."""
+    asked = limit_keeper.exam.asks['changes']
+    answers = [
+        at(1.0, 'answer', service=limit_keeper.SERVICE, data={'results': [given]})
+        for given in (
+            {'successful': due['results.0.successful'], 'reason': reason} for due in asked.answers
+        )
+    ]
+    service = f'{limit_keeper.NODE}/{limit_keeper.ATOMIC}'
+    both = at(2.0, 'answer', service=service, data={'result': {'successful': together}})
+
+    run = run_of(*answers, both, facts=limit_keeper.exam.facts)
+
+    assert why(limit_keeper.gives_a_reason, run).cause_id == cause_id
