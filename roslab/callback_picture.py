@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from drawing import svg
-from roslab.callbacks import Call, MAX_CALLS, Watch
+from roslab.callbacks import Call, Watch
 from roslab.timeline_picture import draw_rows, Place, Row
 
 _COLOURS = (svg.BLUE, svg.ORANGE, svg.GREEN, svg.RED)
@@ -76,16 +76,19 @@ class Callbacks(Watch):
         rows = self._rows()
         if not rows:
             return None
-        end = max(row.end for row in rows)
-        title = f'Callbacks in {end:.2f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}'
+        begin = min(time for row in rows for call in row.calls for time in call.times)
+        axis = max(begin, 0.0), rows[0].end  # a message may have waited since long before
+        title = (
+            f'Callbacks in {axis[1] - axis[0]:.2f} seconds, '
+            f'{len(rows)} row{"s" * (len(rows) != 1)}'
+        )
         described = '. '.join(f'{row.more}, {row.label}: {row.amount}' for row in rows)
-        return draw_rows(rows, (0.0, end), title, described, self._table(), _content, _LEGEND)
+        return draw_rows(rows, axis, title, described, self._table(), _content, _LEGEND)
 
     def _rows(self) -> list[CallRow]:
         """Return one row per timer, subscription or service; rows of a group are neighbours."""
         events = self.events
-        ends = (one for call in events for one in (call.came, call.began, call.ended))
-        end = max((one for one in ends if one is not None), default=0.0)
+        end = max((time for call in events for time in call.times), default=0.0)
         # A callback that has not ended is drawn until the end of the watch.
         if any(call.began is not None and call.ended is None for call in events):
             end = self.end or end
@@ -112,8 +115,8 @@ class Callbacks(Watch):
         rows = [_cells(call) for call in events[: svg.MAX_ROWS]]
         if len(events) > len(rows):
             rows.append((f'{len(events) - len(rows)} more', *[''] * (len(_HEAD) - 1)))
-        if len(events) >= MAX_CALLS:
-            rows.append((f'only the first {MAX_CALLS}', *[''] * (len(_HEAD) - 1)))
+        if self.full:
+            rows.append(('later ones are not recorded', *[''] * (len(_HEAD) - 1)))
         return [_HEAD, *rows]
 
 

@@ -68,6 +68,11 @@ class Call:
     thread: int = 0
     lost: bool = False
 
+    @property
+    def times(self) -> list[float]:
+        """The known times [s]."""
+        return [time for time in (self.came, self.began, self.ended) if time is not None]
+
 
 class Watch:
     """
@@ -106,6 +111,11 @@ class Watch:
     def lost(self) -> list[Call]:
         """The messages and ticks that got no callback; complete after the watch."""
         return [call for call in self.events if call.lost]
+
+    @property
+    def full(self) -> bool:
+        """Whether the record has reached its limit."""
+        return len(self._found) >= MAX_CALLS
 
     @property
     def events(self) -> list[Call]:
