@@ -11,7 +11,7 @@ from roslab.timeline_picture import draw_rows, Place, Row
 
 _COLOURS = (svg.BLUE, svg.ORANGE, svg.GREEN, svg.RED)
 _LEGEND = (
-    'tick: a message came, or a timer was due · box: the callback, with the number of its thread'
+    'line: a message came, or a timer was due · box: the callback, with the number of its thread'
     ' · cross: no callback'
 )
 _HEAD = ('node', 'callback of', 'group', 'thread', 'came [s]', 'began [s]', 'ended [s]')

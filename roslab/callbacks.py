@@ -140,7 +140,10 @@ class Watch:
 
     def take(self, node: Node, take: Callable[[Any], Any], entity: Any) -> Any:
         """Take what is ready, as ``take`` does, and return the callback's coroutine function."""
-        source = self._source(node, entity) if self.end is None else None
+        try:
+            source = self._source(node, entity) if self.end is None else None
+        except rclpy_implementation.InvalidHandle:  # destroyed since it was ready
+            source = None
         if source is None:
             return take(entity)
         came: float | None = None

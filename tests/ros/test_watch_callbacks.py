@@ -271,6 +271,18 @@ def test_picture_has_words_a_legend_and_its_data(context):
     assert '/notes look' in table
 
 
+def test_node_that_is_destroyed_while_it_is_ready_is_left_to_rclpy(context):
+    """Its own code expects this, and takes nothing."""
+    node = Node('mayfly', context=context)
+    timer = node.create_timer(0.005, lambda: None)
+    node.destroy_node()
+    with watch_callbacks() as seen:
+        taken = seen.take(node, lambda entity: entity, timer)
+
+    assert taken is timer
+    assert not seen.events
+
+
 def test_empty_record_is_a_table_without_rows():
     """Nothing was spun, so there is nothing to draw."""
     with watch_callbacks() as seen:
