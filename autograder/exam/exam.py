@@ -47,7 +47,7 @@ class Failed(Exception):
     :param share: fraction of the check's points that the learner still gets, 0 to 1
     :param blocks: whether the checks that need this one are then NOT_RUN
     :param at: virtual time of the first deviation [ns], if no single event shows it
-    :param every_s: period of the expected messages on the program's clock [s], only drawn
+    :param every_s: period of the expected messages [s], only used to draw the picture
     """
 
     expected: str

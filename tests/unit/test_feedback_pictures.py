@@ -206,7 +206,7 @@ class TestTimeline:
 
     def test_times_are_those_of_the_ros_clock_that_the_program_follows(self):
         """A message every 0.8 s is one per ROS second, if ROS time is faster by a quarter."""
-        failure = Failed(**RATE, at=round(2.4 * SECOND), every_s=1.0)
+        failure = Failed(**RATE, at=round(2.4 * SECOND), every_s=0.8)
         came = (said(one) for one in (0.8, 1.6, 2.8))
         picture = drawn(recorded(*came), failure, ros_clock=RosClock(rate=1.25))
 

@@ -100,7 +100,7 @@ def publishes_once_per_second(run: Run) -> None:
         observed=f'{many} messages; first difference in second {right + 1}',
         why=_why_wrong_rhythm(run, found),
         at=wrong_ns,
-        every_s=1.0,
+        every_s=1.0 / run.facts['clock'].rate,
     )
 
 
