@@ -78,7 +78,7 @@ class Watch:
     """
     A record of callbacks.
 
-    :param nodes: nodes or their names; if empty, all nodes that are not hidden
+    :param nodes: nodes, their names or full names; if empty, all nodes that are not hidden
     :raises RoslabError: if something else is given
     """
 
@@ -89,8 +89,7 @@ class Watch:
                     f'watch_callbacks() expected nodes or their names, got {node!r}. '
                     'Try: watch_callbacks() for all nodes.'
                 )
-        names = (node if isinstance(node, str) else node.get_name() for node in nodes)
-        self._names = {name.rpartition('/')[2] for name in names}
+        self._nodes = nodes
         self._zero_ns = time.time_ns()
         self._sources: dict[int, tuple[Any, Source]] = {}
         self._groups: list[Any] = []
@@ -125,10 +124,11 @@ class Watch:
     def close(self) -> None:
         """End the record, and add the messages that got no callback."""
         self.end = self._seconds(time.time_ns())
-        for key, (entity, source) in self._sources.items():
+        for key, (entity, source) in tuple(self._sources.items()):
             if isinstance(entity, Subscription):
                 self._add_unheard(source, self._taken[key])
-        self._sources.clear()  # the entities keep their nodes alive
+        self._nodes = ()  # the record keeps no node alive, and no entity
+        self._sources.clear()
         self._groups.clear()
 
     def publish(self, original: Callable[..., None], publisher: Publisher, msg: Any) -> None:
@@ -203,7 +203,9 @@ class Watch:
         if id(entity) in self._sources:
             return self._sources[id(entity)][1]
         name = node.get_name()
-        watched = name in self._names if self._names else not name.startswith('_')
+        names = name, node.get_fully_qualified_name()
+        watched = any(one is node or one in names for one in self._nodes)
+        watched = watched if self._nodes else not name.startswith('_')
         callback = getattr(entity, 'callback', None)
         if not watched or callback is None:
             return None

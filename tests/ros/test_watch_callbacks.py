@@ -188,15 +188,18 @@ def test_messages_wait_until_the_node_is_spun_and_the_queue_loses_the_oldest(con
 
 
 def test_messages_of_a_node_that_is_not_named_are_ignored(context):
-    """A name, with or without a slash, chooses a node as the node itself does."""
+    """A name or a full name chooses a node as the node itself does."""
     nodes = [Node(name, context=context) for name in ('one', 'two')]
+    nodes.append(Node('one', namespace='other', context=context))
     for node in nodes:
         node.create_timer(0.005, lambda: None)
     executor = executor_of(*nodes)
-    for choice in (nodes[0], 'one', '/one'):
+    for choice, sources in ((nodes[0], 1), ('/one', 1), ('one', 2)):
         with watch_callbacks(choice) as seen:
             spin(executor, lambda: len(seen.calls) > 3)
+            spin(executor, lambda: len({id(call.source) for call in seen.calls}) == sources)  # noqa: B023
         assert {call.source.node for call in seen.calls} == {'one'}
+        assert len({id(call.source) for call in seen.calls}) == sources
 
 
 def test_timer_in_simulated_time_has_no_due_time(context):
