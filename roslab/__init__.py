@@ -27,6 +27,7 @@ from roslab.api import (
     timeline,
     topics,
     wait_until,
+    watch_callbacks,
 )
 from roslab.checking import check
 from roslab.errors import NameRefusedError, NotHereError, RoslabError
@@ -83,6 +84,7 @@ __all__ = [
     'timeline',
     'topics',
     'wait_until',
+    'watch_callbacks',
 ]
 
 

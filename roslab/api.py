@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, TYPE_CHECKING, TypeVar
 
@@ -10,6 +11,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from autograder.simulated import Simulation, TopicRecord
+from roslab.callback_picture import Callbacks
+from roslab.callbacks import watching
 from roslab.graph_picture import Graph, graph_now
 from roslab.introspection import print_info, print_messages, print_rate, print_topics
 from roslab.listening import Listener
@@ -125,6 +128,21 @@ def timeline(
     :param seconds: show only this much time before the newest event [s]
     """
     return make_timeline(sources, marks, seconds)
+
+
+def watch_callbacks(*nodes: Node | str) -> AbstractContextManager[Callbacks]:
+    """
+    Record the callbacks that executors of this notebook run until the end of a ``with`` block.
+
+    The record shows a picture as the last line of a cell, and a plain-text table with ``str()``.
+    It knows lost messages only of publishers in this notebook, and late or skipped ticks only of
+    timers on a real clock.
+
+    :param nodes: nodes or their names; none for all nodes that are not hidden
+    :returns: a context manager that gives the record, whose ``calls`` are the callbacks so far
+    :raises RoslabError: if something else is given
+    """
+    return watching(Callbacks(nodes))
 
 
 def plot(

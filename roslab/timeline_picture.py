@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar, TypeVar
 
 from drawing import svg
 from drawing.slider import cursor, with_slider
@@ -13,7 +13,6 @@ from roslab.errors import RoslabError
 from roslab.silence import type_name
 
 _WIDTH = 760.0
-_ROW = 30.0
 _MARGIN = 10.0
 _MOST_TIMES = 12
 _MOST_LETTERS = 60
@@ -38,6 +37,13 @@ class Row:
     mark: bool = False
     more: str = ''
     texts: tuple[str, ...] = ()
+    middle: ClassVar[float] = 15.0
+    """Distance of the row's line from its top."""
+
+    @property
+    def height(self) -> float:
+        """Height of the row in the picture."""
+        return 2 * self.middle
 
     @property
     def rate(self) -> float | None:
@@ -52,6 +58,10 @@ class Row:
         thing = 'mark' if self.mark else 'message'
         words = f'{len(self.times)} {thing}{"s" * (len(self.times) != 1)}'
         return words if self.rate is None else f'{words}, {self.rate:.1f} Hz'
+
+
+RowT = TypeVar('RowT', bound=Row)
+Place = Callable[[float], float]
 
 
 class Timeline:
@@ -168,55 +178,83 @@ def _row_of_mark(label: str, times: Iterable[float]) -> Row:
 
 def _draw(line: Timeline) -> str:
     rows = line.rows
+    described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
+    data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
+    span = max(line.end - line.begin, 1e-6)
+    title = f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}'
+    table = [('row', 'type', 'amount', 'times [s]'), *data]
+    return draw_rows(rows, (line.begin, line.end), title, described, table, _row)
+
+
+def draw_rows(
+    rows: Sequence[RowT],
+    axis: tuple[float, float],
+    title: str,
+    described: str,
+    table: svg.Table,
+    row_content: Callable[[RowT, float, Place, int], str],
+    legend: str = '',
+) -> str:
+    """
+    Return a picture with labelled rows above a time axis.
+
+    :param axis: begin and end of the axis [s]
+    :param described: the contents of the picture as text
+    :param row_content: returns the drawing of a row, from the row, the place of its line, a
+        function from seconds to the place on the axis, and the number of rows of marks above it
+    :param legend: explains the symbols
+    """
+    begin, end = axis
     left = _MARGIN + max(
         max(svg.text_width(row.label, 13), svg.text_width(row.more, 10)) for row in rows
     )
     right = _WIDTH - _MARGIN - max(svg.text_width(row.amount, 11) for row in rows)
-    span = max(line.end - line.begin, 1e-6)
-    pad = 12.0
+    span, pad = max(end - begin, 1e-6), 12.0
 
     def place(seconds: float) -> float:
-        return left + pad + (seconds - line.begin) / span * (right - left - 2 * pad)
+        return left + pad + (seconds - begin) / span * (right - left - 2 * pad)
 
-    bottom = _MARGIN + _ROW * len(rows)
+    bottom = _MARGIN + sum(row.height for row in rows)
     parts = []
-    for tick in svg.ticks(line.begin, line.end):
+    for tick in svg.ticks(begin, end):
         x = place(tick)
         parts.append(svg.line(x, _MARGIN, x, bottom + 4, faint=True))
         parts.append(svg.text(x, bottom + 17, f'{tick:g}', anchor='middle', size=11))
     parts.append(svg.text(right + 4, bottom + 17, 'seconds', size=11, faint=True))
-    marks = 0
-    for index, row in enumerate(rows):
-        y = _MARGIN + _ROW * (index + 0.5)
-        parts.append(_row(row, y, left, right, [place(time) for time in row.times], marks))
+    parts.append(svg.text(_MARGIN, bottom + 34, legend, size=11) if legend else '')
+    marks, top = 0, _MARGIN
+    for row in rows:
+        y = top + row.middle
+        parts.append(_labels(row, y, left, right))
+        parts.append(row_content(row, y, place, marks))
         marks += row.mark
-    described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
-    data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
+        top += row.height
     moments = [(place(time), words) for time, words in _moments(rows)]
     if moments:
         parts.append(cursor(moments[-1][0], _MARGIN, bottom + 4))
-    title = f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}'
-    drawn = svg.picture(
-        _WIDTH,
-        bottom + 28,
-        title,
-        described,
-        parts,
-        [('row', 'type', 'amount', 'times [s]'), *data],
-    )
+    height = bottom + (46 if legend else 28)
+    drawn = svg.picture(_WIDTH, height, title, described, parts, table)
     return with_slider(drawn, title, moments) if moments else drawn
 
 
-def _row(row: Row, y: float, left: float, right: float, xs: list[float], marks: int) -> str:
+def _labels(row: Row, y: float, left: float, right: float) -> str:
     label_y = y if row.more else y + 4
-    parts = [
-        svg.text(left, label_y, row.label, anchor='end', bold=not row.mark, italic=row.mark),
-        svg.text(left, y + 12, row.more, anchor='end', size=10, faint=True) if row.more else '',
-        svg.line(left + 6, y, right - 6, y, faint=True),
-        svg.text(right + 4, y + 4, row.amount, size=11),
-    ]
+    return ''.join(
+        (
+            svg.text(left, label_y, row.label, anchor='end', bold=not row.mark, italic=row.mark),
+            svg.text(left, y + 12, row.more, anchor='end', size=10, faint=True)
+            if row.more
+            else '',
+            svg.line(left + 6, y, right - 6, y, faint=True),
+            svg.text(right + 4, y + 4, row.amount, size=11),
+        )
+    )
+
+
+def _row(row: Row, y: float, place: Place, marks: int) -> str:
     # Draw only one tick per half pixel, to limit the size of the picture.
-    for x in sorted({round(x * 2) / 2 for x in xs}):
+    parts = []
+    for x in sorted({round(place(time) * 2) / 2 for time in row.times}):
         if row.mark:
             kind = _MARK_SHAPES[marks % len(_MARK_SHAPES)]
             parts.append(svg.shape(kind, x, y, 5, _MARK_COLOURS[marks % len(_MARK_COLOURS)]))

@@ -207,9 +207,15 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
     if not rows or end <= begin:
         return None
     at = _first_difference(check, run, failure, unit)
-    if failure.every_s:
-        begin, end = _window(begin, end, failure.every_s, at)
-        rows.insert(0, _due(failure.every_s, rows, end))
+    every_s = failure.every_s
+    if unit == 'seconds' and exam.scenario.ros_clock:  # the program's clock, as in the exercise
+        unit, rate = 'ros_seconds', exam.scenario.ros_clock.rate
+        rows = [{**row, 'times': [round(rate * time, 3) for time in row['times']]} for row in rows]
+        begin, end, at = rate * begin, rate * end, None if at is None else round(rate * at, 3)
+        every_s = every_s and round(rate * every_s, 3)
+    if every_s:
+        begin, end = _window(begin, end, every_s, at)
+        rows.insert(0, _due(every_s, rows, end))
     return {
         'kind': 'timeline',
         'unit': unit,

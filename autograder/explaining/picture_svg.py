@@ -28,6 +28,7 @@ _LINE = 14.0
 _BOX = 34.0
 AXES = {
     'seconds': 'seconds',
+    'ros_seconds': 'ROS seconds',
     'input': 'message sent',
 }
 

@@ -172,6 +172,9 @@ def test_laboratory_shows_a_table_with_headers_and_a_timeline(
     timeline = picture(page, r'Timeline of .* pulse: 8 messages.* deadline missed: \d+ marks')
     expect(timeline).to_be_visible()
     timeline.screenshot(path=shots / 'timeline.png')
+    queue = picture(page, r'Callbacks in .* /stream: 6 called, \d+ not')
+    expect(queue).to_be_visible()
+    queue.screenshot(path=shots / 'queue.png')
     assert page.evaluate(WITHOUT_WORDS) == []
     assert page.errors == []
 

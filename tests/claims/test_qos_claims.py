@@ -11,6 +11,7 @@ from rclpy.event_handler import (
     SubscriptionEventCallbacks,
     UnsupportedEventTypeError,
 )
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import (
     DurabilityPolicy,
@@ -264,6 +265,41 @@ def test_old_messages_expire(world):
     world.spin_until(lambda: heard, what='the other')
 
     assert heard == [2]
+
+
+@claim('Q14')
+def test_messages_in_a_queue_expire_by_the_lifespan_of_the_subscription(world):
+    """The lifespan of the publisher alone leaves them in the queue."""
+    node, sleeper = world.node(), Node('sleeper', context=world.context)
+    world.nodes.append(sleeper)
+    mortal, immortal = QoSProfile(depth=10, lifespan=Duration(seconds=0.1)), QoSProfile(depth=10)
+    heard = {'publisher': [], 'subscription': [], 'both': []}
+    publishers = []
+    for topic, (offer, request) in {
+        'publisher': (mortal, immortal),
+        'subscription': (immortal, mortal),
+        'both': (mortal, mortal),
+    }.items():
+        take = heard[topic].append
+        sleeper.create_subscription(Int32, topic, lambda m, take=take: take(m.data), request)
+        publishers.append(node.create_publisher(Int32, topic, offer))
+        publishers[-1].publish(Int32(data=1))
+    ticks = []
+    node.create_timer(0.3, lambda: ticks.append(1))
+    world.spin_until(lambda: ticks, what='three lifespans')
+    world.executor.add_node(sleeper)
+    for publisher, got in zip(publishers, heard.values()):
+        # Again and again, because on a busy machine this one may expire too.
+        world.spin_until(
+            lambda: publisher.publish(Int32(data=2)) or 2 in got,  # noqa: B023 - used at once
+            what='a new message',
+        )
+
+    assert {topic: 1 in got for topic, got in heard.items()} == {
+        'publisher': True,
+        'subscription': False,
+        'both': False,
+    }
 
 
 @claim('Q15')

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, FeedTopic, Join, Offer, Qos, Scenario
+from autograder.exam.scenario import Advance, Feed, FeedTopic, Join, Offer, Qos, RosClock, Scenario
 from autograder.explaining import picture_data
 from autograder.explaining.feedback_html import exam_html
 from autograder.explaining.picture_data import MOST_TIMES, pictures
@@ -203,6 +203,17 @@ class TestTimeline:
         assert (picture['unit'], picture['deviation']) == ('seconds', 3.0)
         assert (due['what'], due['times'][:3]) == ('expected', [0.1, 1.1, 2.1])
         assert (came['label'], came['times'], came['count']) == (TOPIC, [1.1, 2.1, 4.1], 3)
+
+    def test_times_are_those_of_the_ros_clock_that_the_program_follows(self):
+        """A message every 0.8 s is one per ROS second, if ROS time is faster by a quarter."""
+        failure = Failed(**RATE, at=round(2.4 * SECOND), every_s=0.8)
+        came = (said(one) for one in (0.8, 1.6, 2.8))
+        picture = drawn(recorded(*came), failure, ros_clock=RosClock(rate=1.25))
+
+        assert (picture['unit'], picture['deviation']) == ('ros_seconds', 3.0)
+        assert [row['times'][:3] for row in picture['rows']] == [[1.0, 2.0, 3.0], [1.0, 2.0, 3.5]]
+        assert 'one every 1 s' in picture_html(picture)
+        assert 'ROS seconds' in picture_html(picture)
 
     def test_words_tell_the_part_that_is_shown_from_the_whole(self):
         """A hundred messages of which few are in the picture are not a hundred in its seconds."""

@@ -1,0 +1,299 @@
+"""
+Watch what executors of this process do: when each callback was due, began and ended.
+
+The watch replaces two functions of rclpy while it lasts: the one that makes an executor's handler
+of a ready entity, and the one that publishes.  It works with every executor of this process, also
+with those that were created before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import count
+import threading
+import time
+from typing import Any, TypeVar
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import await_or_execute, Executor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+
+from roslab.errors import RoslabError
+
+MAX_CALLS = 300
+"""Callbacks that a watch records; it ignores those that begin later."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """
+    A timer, subscription, service or event whose callback an executor calls.
+
+    :param node: name of the node
+    :param name: a topic, a service or a period
+    :param function: name of the callback, empty for a lambda
+    :param group: the callback group, empty for the default one of the node
+    """
+
+    node: str
+    name: str
+    function: str
+    group: str
+
+
+@dataclass(frozen=True)
+class Call:
+    """
+    One callback, or an event that got none; times begin with the watch [s].
+
+    :param source: what the callback belongs to
+    :param came: when its message came, or when its timer was due; None if that is not known
+    :param began: None if no callback began during the watch
+    :param ended: None if it did not end during the watch
+    :param thread: number of the thread, beginning with 1; 0 without a callback
+    :param lost: True for a message that a later one overtook, and for a skipped tick
+    """
+
+    source: Source
+    came: float | None
+    began: float | None = None
+    ended: float | None = None
+    thread: int = 0
+    lost: bool = False
+
+    @property
+    def times(self) -> list[float]:
+        """The known times [s]."""
+        return [time for time in (self.came, self.began, self.ended) if time is not None]
+
+
+class Watch:
+    """
+    A record of callbacks.
+
+    :param nodes: nodes, their names or full names; if empty, all nodes that are not hidden
+    :raises RoslabError: if something else is given
+    """
+
+    def __init__(self, nodes: tuple[Node | str, ...]) -> None:
+        for node in nodes:
+            if not isinstance(node, (Node, str)):
+                raise RoslabError(
+                    f'watch_callbacks() expected nodes or their names, got {node!r}. '
+                    'Try: watch_callbacks() for all nodes.'
+                )
+        self._nodes = nodes
+        self._zero_ns = time.time_ns()
+        self._sources: dict[int, tuple[Any, Source]] = {}
+        self._groups: list[Any] = []
+        self._threads: list[int] = []
+        self._published: list[tuple[str, int, int]] = []
+        self._taken: dict[int, list[int]] = {}
+        self._found: dict[int, Call] = {}
+        self._numbers = count(1)
+        self.end: float | None = None
+        """When the watch ended [s], None before."""
+
+    @property
+    def calls(self) -> list[Call]:
+        """The callbacks that have ended, in the order in which they began."""
+        return [call for call in self.events if call.ended is not None]
+
+    @property
+    def lost(self) -> list[Call]:
+        """The messages and ticks that got no callback; complete after the watch."""
+        return [call for call in self.events if call.lost]
+
+    @property
+    def full(self) -> bool:
+        """Whether the record has reached its limit."""
+        return len(self._found) >= MAX_CALLS
+
+    @property
+    def events(self) -> list[Call]:
+        """All that is known, callbacks first."""
+        return sorted(self._found.values(), key=lambda call: (call.began is None, call.began or 0))
+
+    def close(self) -> None:
+        """End the record, and add the messages that got no callback."""
+        self.end = self._seconds(time.time_ns())
+        for key, (entity, source) in tuple(self._sources.items()):
+            if isinstance(entity, Subscription):
+                self._add_unheard(source, self._taken[key])
+        self._nodes = ()  # the record keeps no node alive, and no entity
+        self._sources.clear()
+        self._groups.clear()
+
+    def publish(self, original: Callable[..., None], publisher: Publisher, msg: Any) -> None:
+        """Publish a message, and record when."""
+        topic, began_ns = publisher.topic_name, time.time_ns()
+        original(publisher, msg)
+        if len(self._published) < MAX_CALLS:
+            self._published.append((topic, began_ns, time.time_ns()))
+
+    def take(self, node: Node, take: Callable[[Any], Any], entity: Any) -> Any:
+        """Take what is ready, as ``take`` does, and return the callback's coroutine function."""
+        try:
+            source = self._source(node, entity) if self.end is None else None
+        except rclpy_implementation.InvalidHandle:  # destroyed since it was ready
+            source = None
+        if source is None:
+            return take(entity)
+        came: float | None = None
+        if isinstance(entity, Subscription):
+            run, stamps = _take_message(entity)
+            if run is not None:
+                self._taken[id(entity)].append(stamps['source_timestamp'])
+                came = self._seconds(stamps['received_timestamp'])
+        elif isinstance(entity, Timer):
+            run, due, skipped = _take_timer(entity, take)
+            for tick in skipped:
+                self._add(Call(source, self._seconds(tick), lost=True))
+            came = None if due is None else self._seconds(due)
+        else:
+            run = take(entity)
+        return run and self._noted(source, came, run)
+
+    def _noted(self, source: Source, came: float | None, run: Callable[[], Any]) -> Any:
+        """Return the coroutine function of a callback that notes its begin and end."""
+
+        async def noted() -> None:
+            thread = threading.get_ident()
+            if thread not in self._threads:
+                self._threads.append(thread)
+            began = self._seconds(time.time_ns())
+            call = Call(source, came, began, thread=self._threads.index(thread) + 1)
+            number = self._add(call)
+            try:
+                await run()
+            finally:
+                if number and self.end is None:
+                    self._found[number] = replace(call, ended=self._seconds(time.time_ns()))
+
+        return noted
+
+    def _add(self, call: Call) -> int:
+        """Record a call; return its number, 0 if the watch is over or full."""
+        number = next(self._numbers)  # atomic, unlike the length of a dict
+        if self.end is not None or number > MAX_CALLS:
+            return 0
+        self._found[number] = call
+        return number
+
+    def _add_unheard(self, source: Source, taken: list[int]) -> None:
+        """Record the messages of a topic that a subscription did not take."""
+        last = max(taken, default=0)
+        for topic, began, ended in self._published:
+            if topic == source.name and not any(began <= one <= ended for one in taken):
+                number = next(self._numbers)
+                self._found[number] = Call(source, self._seconds(began), lost=ended < last)
+
+    def _seconds(self, stamp_ns: int) -> float:
+        return (stamp_ns - self._zero_ns) / 1e9
+
+    def _source(self, node: Node, entity: Any) -> Source | None:
+        """Return the description of an entity, None if it is not watched or has no callback."""
+        if id(entity) in self._sources:
+            return self._sources[id(entity)][1]
+        name = node.get_name()
+        names = name, node.get_fully_qualified_name()
+        watched = any(one is node or one in names for one in self._nodes)
+        watched = watched if self._nodes else not name.startswith('_')
+        callback = getattr(entity, 'callback', None)
+        if not watched or callback is None:
+            return None
+        function = getattr(getattr(callback, 'func', callback), '__name__', '')
+        source = Source(
+            name, _name(entity), function.replace('<lambda>', ''), self._group(node, entity)
+        )
+        self._sources[id(entity)] = entity, source
+        self._taken[id(entity)] = []
+        return source
+
+    def _group(self, node: Node, entity: Any) -> str:
+        group = entity.callback_group
+        if group is node.default_callback_group:
+            return ''
+        if group not in self._groups:
+            self._groups.append(group)
+        kind = 'reentrant ' * isinstance(group, ReentrantCallbackGroup)
+        return f'{kind}group {self._groups.index(group) + 1}'
+
+
+WatchT = TypeVar('WatchT', bound=Watch)
+
+
+@contextmanager
+def watching(watch: WatchT) -> Iterator[WatchT]:
+    """
+    Record callbacks until the end of the block.
+
+    :param watch: what records them
+    """
+    make, publish = Executor._make_handler, Publisher.publish
+
+    def make_handler(self: Executor, entity: Any, node: Node, take: Any) -> Any:
+        return make(self, entity, node, partial(watch.take, node, take))
+
+    def publish_noted(self: Publisher, msg: Any) -> None:
+        watch.publish(publish, self, msg)
+
+    Executor._make_handler = make_handler  # type: ignore[method-assign]
+    Publisher.publish = publish_noted  # type: ignore[method-assign]
+    try:
+        yield watch
+    finally:
+        Executor._make_handler, Publisher.publish = make, publish  # type: ignore[method-assign]
+        watch.close()
+
+
+def _name(entity: Any) -> str:
+    if isinstance(entity, Timer):
+        return f'timer {entity.timer_period_ns / 1e9:g} s'
+    return getattr(entity, 'topic_name', getattr(entity, 'srv_name', 'event'))
+
+
+def _take_message(entity: Subscription) -> tuple[Callable[[], Any] | None, dict[str, int]]:
+    """Take a message as rclpy does; return what calls the callback, and the message's times."""
+    try:
+        with entity.handle:
+            taken = entity.handle.take_message(entity.msg_type, entity.raw)
+    except rclpy_implementation.InvalidHandle:  # destroyed since it was ready
+        return None, {}
+    if taken is None:
+        return None, {}
+    alone = entity._callback_type is Subscription.CallbackType.MessageOnly
+    return partial(await_or_execute, entity.callback, *taken[: 1 if alone else 2]), taken[1]
+
+
+def _take_timer(
+    timer: Timer, take: Callable[[Any], Any]
+) -> tuple[Callable[[], Any] | None, int | None, list[int]]:
+    """Call a timer; return its callback, when it was due, and the ticks that it skips [ns]."""
+    # A simulated clock does not say when a tick was due in the time of the picture.
+    if getattr(timer.clock, 'ros_time_is_active', False):
+        return take(timer), None, []
+    try:
+        due = _next_ns(timer)
+        run = take(timer)
+        following = _next_ns(timer)
+    except rclpy_implementation.InvalidHandle:
+        return None, None, []
+    if due is None or following is None:  # cancelled
+        return run, due, []
+    period = timer.timer_period_ns
+    skipped = round((following - due) / period) - 1 if period else 0
+    return run, due, [due + period * number for number in range(1, skipped + 1)]
+
+
+def _next_ns(timer: Timer) -> int | None:
+    """Return the system time of the next tick [ns], None if the timer is cancelled."""
+    left = timer.time_until_next_call()
+    return None if left is None else time.time_ns() + left
