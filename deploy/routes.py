@@ -88,17 +88,20 @@ def of_sample_class(report: str) -> str:
     """
     Return the result of grading the sample class, from what ``make grade`` printed.
 
-    :raises RouteFailed: if submissions are missing, or isolation was not full
+    :raises RouteFailed: if submissions are missing, a right one lost points, or isolation was weak
     """
     graded = sum(map(int, re.findall(r'^(\d+) submissions in ', report, re.M)))
     sample = re.search(r'so the (\d+) example submissions', report)
     modes = set(re.findall(r'isolation\s+(\S+?)[.;]', report))
-    points = sum(int(points) for points in re.findall(r'│ +(\d+) of +\d+ │', report))
+    right = re.findall(r'^│ (pass__\S+) +│ +([\d.]+) of +(\d+) │', report, re.M)
+    wrong = [name for name, points, of in right if float(points) < int(of)]
     if not sample or graded != int(sample[1]):
         raise RouteFailed(f'expected the sample class, graded {graded} submissions')
+    if wrong or not right:
+        raise RouteFailed(f'expected full points for {wrong[0] if wrong else "pass__..."}')
     if len(modes) != 1 or not modes < {'bwrap-user', 'bwrap-root'}:
         raise RouteFailed(f'expected full isolation, got {", ".join(sorted(modes)) or "none"}')
-    return f'{graded} submissions, {points} points, `{modes.pop()}`'
+    return f'{graded} submissions, `{modes.pop()}`'
 
 
 # -- routes --------------------------------------------------------------------------------

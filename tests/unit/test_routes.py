@@ -79,20 +79,21 @@ def test_an_unknown_route_is_refused(files, capsys):
     assert 'moon: no such route. Try one of: this-machine, plain-user' in capsys.readouterr().err
 
 
-def test_of_sample_class_counts_submissions_and_points():
-    """A submission for review has no points."""
-    assert routes.of_sample_class(REPORT) == '3 submissions, 29 points, `bwrap-user`'
+def test_of_sample_class_counts_submissions():
+    """A submission for review counts too."""
+    assert routes.of_sample_class(REPORT) == '3 submissions, `bwrap-user`'
 
 
 @pytest.mark.parametrize(
     ('old', 'new', 'words'),
     [
         ('the 3 example', 'the 4 example', 'graded 3 submissions'),
+        ('18 of 18', '17.5 of 18', 'expected full points for pass__one'),
         ('isolation bwrap-user.', 'isolation landlock.', 'bwrap-user, landlock'),
         ('bwrap-user', 'landlock', 'expected full isolation, got landlock'),
     ],
 )
 def test_of_sample_class_refuses_less(old, new, words):
-    """Missing submissions or weak isolation mean that the route does not lead to full grading."""
+    """With missing submissions, lost points or weak isolation, a route does not count."""
     with pytest.raises(routes.RouteFailed, match=words):
         routes.of_sample_class(REPORT.replace(old, new))
