@@ -135,8 +135,8 @@ def find(program: Program, word: str) -> list[ast.AST]:
 
 
 def _find(program: Program, word: str) -> Iterable[ast.AST]:
-    if find := ACTS.get(word):
-        return find(program)
+    if known := ACTS.get(word):
+        return known(program)
     if word in OPERATORS:
         return program.operations(OPERATORS[word])
     if word in STATEMENTS:
@@ -145,8 +145,8 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
     if kind == 'to':
         return program.passed(name.removesuffix('()'))
     if kind and kind not in STATEMENTS:
-        known = ', '.join(('to', *STATEMENTS))
-        raise ExamInvalid(f'The act {word!r} begins with {kind!r}.', f'Use one of: {known}.')
+        kinds = ', '.join(('to', *STATEMENTS))
+        raise ExamInvalid(f'The act {word!r} begins with {kind!r}.', f'Use one of: {kinds}.')
     if kind:
         inner = name.endswith('()') or name in ACTS
         return _around(program, name, STATEMENTS[kind]) if inner else program.functions(name)
