@@ -24,6 +24,7 @@ def files(tmp_path, monkeypatch):
     """Give two rows and a page, in place of the project's."""
     row = {'route': 'r', 'system': 's', 'type': 't', 'date': '', 'result': 'no time'}
     rows = [{'name': 'see-it', **row}, {'name': '-', **row}]
+    monkeypatch.setattr(routes.tempfile, 'tempdir', str(tmp_path))
     monkeypatch.setattr(routes, 'ROWS', tmp_path / 'routes.json')
     monkeypatch.setattr(routes, 'PAGE', tmp_path / 'page.md')
     routes.ROWS.write_text(json.dumps(rows))
