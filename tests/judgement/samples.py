@@ -89,7 +89,7 @@ def _of_submission(path: Path, assignment: str, release: Notebook) -> Iterator[S
 
 BY_THE_ONLY_NODE = (
     *('night_watch', 'milli_reader', 'map_server', 'sensor_watch'),
-    *('managed_beacon', 'managed_pressure'),
+    *('managed_beacon', 'managed_pressure', 'limiter'),
 )
 """The exams in which a wrong name of the node costs its own check alone."""
 

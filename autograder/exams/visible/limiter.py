@@ -235,6 +235,7 @@ def build(
         node(
             name,
             sentence='The package builds, and ros2 run starts its node limiter.',
+            only_named=True,
         )
     )
     exam.check(points=3, needs=['starts_its_node'])(
