@@ -82,6 +82,64 @@ def range_slips(
     )
 
 
+Limit = Callable[[float, float], float | None]
+"""Returns what a program makes of a number and its limit; None if it publishes nothing."""
+
+
+def within(value: float, most: float) -> float:
+    """Return the nearest number that is not further from 0 than the limit."""
+    return max(-most, min(value, most))
+
+
+def limiting_slips(rule: Callable[[Limit], Rule], value: str, most: str) -> tuple[Slip, ...]:
+    """
+    Return the slips of a program that limits a number on both sides of 0.
+
+    :param rule: builds the rule of a program that limits numbers with the given function
+    :param value: the number in the learner's code
+    :param most: the limit in the learner's code
+    """
+    clamp = f'Publish max(-{most}, min({value}, {most})): the limit has two sides.'
+
+    def fast(change: Limit) -> Rule:
+        return rule(lambda value, most: change(value, most) if abs(value) > most else value)
+
+    return (
+        Slip(
+            'not_limited',
+            'Numbers above the limit are passed on as they came.',
+            clamp,
+            rule(lambda value, most: value),
+        ),
+        Slip('one_side', 'Backwards, the number is not limited.', clamp, rule(min)),
+        Slip(
+            'sign_lost',
+            'What should go backwards goes forwards.',
+            f'{clamp} Leave out abs().',
+            rule(lambda value, most: min(abs(value), most)),
+            fast(lambda value, most: most),
+        ),
+        Slip(
+            'becomes_zero',
+            'A number above the limit becomes 0.0.',
+            clamp,
+            fast(lambda value, most: 0.0),
+        ),
+        Slip(
+            'drops_fast',
+            'A number above the limit has no answer.',
+            clamp,
+            fast(lambda value, most: None),
+        ),
+        Slip(
+            'always_most',
+            'The limit itself is always published.',
+            clamp,
+            rule(lambda value, most: most),
+        ),
+    )
+
+
 def in_force_slips(
     rule: Callable[[Callable[[Any], float]], Rule], parameter: str, default: float
 ) -> tuple[Slip, ...]:

@@ -14,9 +14,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
 from autograder.exam.scenario import Call, feeds, Scenario, set_parameter
 from autograder.exam.slips import changing
-from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.specification import each, Rule, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of
 from autograder.judging.claims import node, one_for_one, passes
@@ -47,71 +48,28 @@ class Wanted(NamedTuple):
 
     speed: float
     most: float
-    first: float = IN_FILE
+    start: float = IN_FILE
 
 
-def within(speed: float, most: float) -> float:
-    """Return the speed, limited forwards and backwards."""
-    return max(-most, min(speed, most))
-
-
-def limited(cut: Callable[[float, float], float] = within) -> Rule:
+def limited(cut: Limit = within) -> Rule:
     """
     Return the rule of a program that limits each speed independently.
 
     :param cut: limits a speed; by default, the correct function
     """
-    return each(lambda one: (cut(one.speed, one.most),))
+    found = each(lambda one: cut(one.speed, one.most))
+    return lambda inputs: [() if one is None else (one,) for one in found(inputs)]
 
 
-def _only_within(inputs: Sequence[Wanted]) -> list[tuple[float, ...]]:
-    return [(one.speed,) if abs(one.speed) <= one.most else () for one in inputs]
+def _limited_to(most: Callable[[Wanted], float]) -> Rule:
+    return each(lambda one: (within(one.speed, most(one)),))
 
 
 SLIPS = (
-    Slip(
-        'not_limited',
-        'Each speed is passed on as it came.',
-        'Publish max(-most, min(speed, most)).',
-        limited(lambda speed, most: speed),
-    ),
-    Slip(
-        'one_side',
-        'Backwards, the speed is not limited.',
-        'A negative speed also has a limit: max(-most, ...).',
-        limited(min),
-    ),
+    *limiting_slips(limited, 'speed', 'most'),
     *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
-    Slip(
-        'stops',
-        'A speed above the limit becomes 0.0.',
-        'Publish the limit itself: max(-most, min(speed, most)).',
-        limited(lambda speed, most: speed if abs(speed) <= most else 0.0),
-    ),
-    Slip(
-        'always_most',
-        'The node always publishes the limit.',
-        'min() returns the smaller one: max(-most, min(speed, most)).',
-        limited(lambda speed, most: most),
-    ),
-    Slip(
-        'leaves_out',
-        'A speed above the limit has no answer.',
-        'Publish for each message, at most the limit.',
-        _only_within,
-    ),
-    Slip(
-        'read_once',
-        'A new value of max_speed has no effect.',
-        "Read it in the callback: self.get_parameter('max_speed').value.",
-        each(lambda one: (within(one.speed, one.first),)),
-    ),
-    Slip(
-        'number_in_the_code',
-        'The limit is always 1.0, whatever the parameter says.',
-        "Use self.get_parameter('max_speed').value in the callback.",
-        limited(lambda speed, most: within(speed, DEFAULT)),
-    ),
+    # Each value of the parameter is accepted, so no refused one can be kept.
+    *in_force_slips(_limited_to, 'max_speed', DEFAULT)[:2],
 )
 
 
@@ -166,7 +124,7 @@ def _require_speeds(run: Run, first: bool) -> None:
     _, value = parameter(run)
     if value is not None:  # a different check compares it with the file
         changed = [
-            one._replace(most=value if place < number else one.most, first=value)
+            one._replace(most=value if place < number else one.most, start=value)
             for place, one in enumerate(asked.inputs)
         ]
         asked = replace(asked, inputs=changed)

@@ -14,6 +14,7 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.ranges import Limit, limiting_slips, within
 from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.exam.slips import changing
 from autograder.exam.specification import Rule, Slip, Specification
@@ -68,14 +69,9 @@ class Command(NamedTuple):
     lasts_s: float
 
 
-def limited(value: float, limit: float = LIMIT) -> float:
-    """Return the nearest value that is not further from 0 than the limit."""
-    return max(-limit, min(value, limit))
-
-
 def right_pair(one: Command) -> Pair:
     """Return what a right node makes of a command: speed and turn."""
-    return limited(one.speed), one.turn
+    return within(one.speed, LIMIT), one.turn
 
 
 def guarding(
@@ -109,37 +105,40 @@ def guarding(
     return rule
 
 
-def _fast(change: Callable[[Command], Pair | None]) -> Rule:
-    return guarding(lambda one: change(one) if abs(one.speed) > LIMIT else right_pair(one))
-
-
-CLAMP = 'Limit linear.x on both sides: max(-0.5, min(command.linear.x, 0.5)).'
 ALONE = 'Change only linear.x, and publish the command that came.'
 ZEROS = 'In a silence, publish an empty Twist(): all of its fields are 0.0.'
+
+
+def limiting(cut: Limit) -> Rule:
+    """Return the rule of a safety stop that limits the speed with a function."""
+
+    def pair(one: Command) -> Pair | None:
+        speed = cut(one.speed, LIMIT)
+        return None if speed is None else (speed, one.turn)
+
+    return guarding(pair)
+
+
 SLIPS = (
-    Slip('not_limited', 'Fast commands are passed on as they came.', CLAMP,
-         guarding(lambda one: (one.speed, one.turn))),
-    Slip('forward_only', 'Only the speed forward is limited, not the speed backward.', CLAMP,
-         guarding(lambda one: (min(one.speed, LIMIT), one.turn))),
-    Slip('sign_lost', 'The robot drives forward although the command says backward.', CLAMP,
-         _fast(lambda one: (LIMIT, one.turn))),
-    Slip('other_limit', 'The speed is limited to 1.0 instead of 0.5.', CLAMP,
-         guarding(lambda one: (limited(one.speed, 1.0), one.turn))),
-    Slip('drops_fast', 'A fast command is not passed on at all.', CLAMP, _fast(lambda one: None)),
-    Slip('stops_fast', 'A fast command becomes a stop.', CLAMP,
-         _fast(lambda one: STOP), _fast(lambda one: (0.0, one.turn))),
+    *limiting_slips(limiting, 'command.linear.x', '0.5'),
+    Slip('other_limit', 'The speed is limited to 1.0 instead of 0.5.',
+         'Limit linear.x to 0.5: max(-0.5, min(command.linear.x, 0.5)).',
+         limiting(lambda speed, most: within(speed, 2 * most))),
+    Slip('stops_fast', 'A fast command becomes a stop.', ALONE,
+         guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))),
     Slip('turn_limited', 'The turn is limited too.', ALONE,
-         guarding(lambda one: (limited(one.speed), limited(one.turn)))),
-    Slip('turn_lost', 'The turn is lost.', ALONE, guarding(lambda one: (limited(one.speed), 0.0))),
+         guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, LIMIT)))),
+    Slip('turn_lost', 'The turn is lost.', ALONE,
+         guarding(lambda one: (right_pair(one)[0], 0.0))),
     *changing(
-        lambda change: guarding(lambda one: (change(limited(one.speed)), one.turn)),
-        lambda change: guarding(lambda one: (limited(one.speed), change(one.turn)))),
+        lambda change: guarding(lambda one: (change(within(one.speed, LIMIT)), one.turn)),
+        lambda change: guarding(lambda one: (within(one.speed, LIMIT), change(one.turn)))),
     Slip('no_stop', 'Nothing is published when the commands end.',
          'A timer that each command resets ticks only in a silence: publish Twist() then.',
          guarding(stops=lambda one, silence: [])),
     Slip('half_a_stop', 'In a silence, one of speed and turn is 0.0 and the other one is not.',
          ZEROS, guarding(stops=lambda one, silence: [(0.0, one.turn)]),
-         guarding(stops=lambda one, silence: [(limited(one.speed), 0.0)])),
+         guarding(stops=lambda one, silence: [(within(one.speed, LIMIT), 0.0)])),
     Slip('repeats_last', 'In a silence, the last command is published again.', ZEROS,
          guarding(stops=lambda one, silence: [right_pair(one)])),
     Slip('stops_once', 'Only the first silence causes a stop.',
