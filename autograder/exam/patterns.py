@@ -57,7 +57,7 @@ def _why_gaps(right: Sequence[bool], verb: str, what: str) -> Cause | None:
         some = what if count == 1 else f'{count} {what}s'
         return Cause('first_only', f'Your node {verb} only the first {some}.', EACH)
     if 1 < count < total and all(right[-count:]):
-        lost = what if total - count == 1 else f'{total - count} {what}s'
+        lost = 'one' if total - count == 1 else str(total - count)
         return Cause('all_but_first', f'Your node {verb} each {what} but the first {lost}.', EACH)
     for period in range(2, min(LONGEST, total // 2) + 1):
         for rest in range(period):

@@ -312,7 +312,7 @@ def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
     found = causes.why_it_ended(run(killed=limit))
 
     assert found.cause_id == limit
-    assert found.text.startswith('The program was ended: ')
+    assert found.text.startswith('The grader stopped your program: ')
     assert found.try_this.startswith('Look for ')
 
 

@@ -21,6 +21,7 @@ from autograder.exams.visible import (
 )
 from autograder.judging import rhythm
 from autograder.judging.lines import require_warnings
+from autograder.judging.rows import why_other_answer
 from autograder.recording import ERROR, Recording, WARN
 
 ENDS = (
@@ -97,6 +98,13 @@ def test_burst_shows_which_messages_are_answered(came, cause_id):
     found = why_burst_cut(asked, came)
 
     assert (found and found.cause_id) == cause_id
+
+
+def test_part_of_a_burst_is_not_taken_for_a_depth():
+    """Neither the first message nor the last ones are answered."""
+    asked = Specification('abcd', each(lambda one: (one,)), burst=4)
+
+    assert why_other_answer(asked, [('b', 'c')], 0).cause_id == 'misses_some'
 
 
 @pytest.mark.parametrize(

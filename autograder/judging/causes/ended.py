@@ -28,30 +28,30 @@ LONG_S = 50.0
 
 LIMITS = {
     'waits_outside': (
-        'it waited outside Python and ROS for something that never happened',
-        'a lock on a file, a system call by its number, or another program that never ends',
+        'it waited outside Python and ROS, and nothing could end this wait',
+        'a lock on a file, a low-level system call, or another program that does not end',
     ),
     'probe_broken': (
-        "it sent packets that are not valid in ROS, and stopped the grader's probe",
-        'code that writes into sockets',
+        "it sent packets that are not valid in ROS, which stopped the grader's probe",
+        'code that writes to sockets',
     ),
-    'cpu_limit': ('it used more than 20 s of processor time', 'a loop that never waits'),
+    'cpu_limit': ('it used more than 20 s of processor time', 'a loop without a pause'),
     'busy_before_node': (
-        'it computed for 3 s without a pause, and no node was seen',
-        'a loop that never waits: before the node is created, or one that publishes',
+        'it computed for 3 s without a pause, and no node appeared',
+        'a loop without a pause, before the node is created or around publish()',
     ),
-    'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without bound'),
-    'output_limit': ('it printed more than 8 MB', 'a print in a loop without a pause'),
-    'inode_limit': ('it made more than 20000 files', 'a loop that creates files'),
-    'disk_limit': ('it wrote more than 64 MB into files', 'a loop that writes into a file'),
-    'too_much_recorded': ('it sent more than 32 MB', 'a publish in a loop without a pause'),
+    'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without limit'),
+    'output_limit': ('it printed more than 8 MB', 'print() in a loop without a pause'),
+    'inode_limit': ('it created more than 20000 files', 'a loop that creates files'),
+    'disk_limit': ('it wrote more than 64 MB to files', 'a loop that writes to a file'),
+    'too_much_recorded': ('it sent more than 32 MB', 'publish() in a loop without a pause'),
     'too_many_events': (
         'it sent thousands of messages',
-        'a publish in a loop without a pause, or a create_timer() in a callback',
+        'publish() in a loop without a pause, or create_timer() in a callback',
     ),
 }
 CPU = {
-    'package': 'its build and the run used more than 50 s of processor time together',
+    'package': 'its build and its run used more than 50 s of processor time together',
     'build': 'it used more than 30 s of processor time, three times what it needs',
 }
 """Descriptions of the CPU limit for builds and packages, whose limits differ."""
@@ -89,7 +89,7 @@ def why_killed(limit: str, what: str) -> Cause:
     how, why = LIMITS[limit]
     how = CPU.get(what, how) if limit == 'cpu_limit' else how
     subject = 'build' if what == 'build' else 'program'
-    return Cause(limit, f'The {subject} was ended: {how}.', f'Look for {why}.')
+    return Cause(limit, f'The grader stopped your {subject}: {how}.', f'Look for {why}.')
 
 
 def died_in_vain(run: Run) -> bool:
