@@ -523,6 +523,16 @@ def test_what_nobody_can_explain_is_told_with_its_line():
     assert 'Start the node in a cell' in spun.try_this
 
 
+def test_raise_that_passes_an_exception_on_is_told():
+    """The program catches its own exception, so an except is not missing."""
+    code = 'try:\n    f()\nexcept UnknownUnit:\n    raise  # again\nraise UnknownUnit(unit)'
+
+    found = at(code, 'UnknownUnit: K')
+
+    assert found.cause_id == 'exception'
+    assert 'a raise alone passes it on' in found.try_this
+
+
 def test_paths_of_the_machine_are_cut():
     """An import error shows where a module lies."""
     error = "ImportError: cannot import name 'QosProfile' from 'rclpy.qos' (/usr/lib/qos.py)"

@@ -113,6 +113,8 @@ def _how_to_find(trace: Traceback) -> str:
     code = trace.code[:100]
     if trace.spun or not code:
         return 'Start the node in a cell: the traceback there shows the lines that led to it.'
+    if re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
+        return 'Your code catches it, and a raise alone passes it on: remove that line.'
     if code.startswith('raise'):
         return (
             f'Your own line raises it: {code}. An exception that leaves a callback ends the '
