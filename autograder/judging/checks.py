@@ -164,6 +164,15 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
     )
 
 
+def why_not_reached(run: Run, topic: str, kind: str) -> Cause | None:
+    """Explain why no message reaches a subscription, None if there is no reason."""
+    try:
+        require_reached(run, topic, kind)
+    except Failed as failure:
+        return failure.why
+    return None
+
+
 def require_messages(
     run: Run,
     found: Sequence[Event] | None = None,

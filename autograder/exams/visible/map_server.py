@@ -20,7 +20,7 @@ from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, in_order, Rule, Slip, Specification
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
-from autograder.judging.checks import SECOND
+from autograder.judging.checks import SECOND, why_not_reached
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import endpoints_at, rows, seconds_after_join, why_other_answer
 from autograder.recording import Event
@@ -43,12 +43,6 @@ BEST_EFFORT = Cause(
     'The publisher offers best effort, so reliable subscriptions do not connect to it.',
     'Give its profile reliability=ReliabilityPolicy.RELIABLE.',
 )
-ASKS_TOO_MUCH = Cause(
-    'asks_too_much',
-    'No message reaches your subscription on survey: its profile requests more than an ordinary '
-    'publisher offers.',
-    "Subscribe with the plain number: create_subscription(String, 'survey', self.take, 10).",
-)
 PUBLISHER_GONE = Cause(
     'publisher_gone',
     'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
@@ -59,15 +53,10 @@ FIRST_LATE = Cause(
     'The first map is published some time after the start.',
     'Publish it at the end of __init__, and not in a timer.',
 )
-FIRST_AGAIN = Cause(
-    'repeats',
-    'The first map is published again after the surveys, so it is the newest one.',
-    'Publish it once, at the end of __init__, and not in a timer.',
-)
 FIRST_REPEATS = Cause(
     'repeats',
-    'The first map is published again and again.',
-    'Publish it once, at the end of __init__; transient local does the rest.',
+    'The first map is published more than once.',
+    'Publish it once, at the end of __init__, and not in a timer; transient local does the rest.',
 )
 NO_FIRST = Cause(
     'no_first_map',
@@ -255,10 +244,7 @@ def _bare(text: str) -> str:
 def _why_unconnected(run: Run, answered: bool) -> Cause | None:
     """Explain why no survey reaches the node, or why its maps have no publisher."""
     if run.recording.of('not_connected'):
-        ends = run.recording.endpoints('subscription', '/survey')
-        if any(end['type'] == TYPE for end in ends):
-            return ASKS_TOO_MUCH
-        return why_no_endpoint(run, 'subscription', '/survey', TYPE)
+        return why_not_reached(run, '/survey', TYPE)
     if answered or run.recording.endpoints('publisher', '/map'):
         return None
     return why_no_endpoint(run, 'publisher', '/map', TYPE)
@@ -287,7 +273,7 @@ def keeps_only_the_newest(run: Run) -> None:
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, len(set(found)))
-            or (FIRST_AGAIN if set(found) == {FIRST} and own else None)
+            or (FIRST_REPEATS if set(found) == {FIRST} and own else None)
             or _why_other_maps(run),
         )
 
