@@ -49,7 +49,7 @@ def sensible(value: float) -> bool:
 def kind_of(value: float | str) -> str:
     """Return a description of a limit that makes no sense, which feedback may show."""
     if not isinstance(value, float):
-        return 'a value of another type'
+        return 'a value of a different type'
     if not math.isfinite(value):
         return 'NaN' if math.isnan(value) else 'infinity'
     return 'a value that is too low' if value < LOWEST_C else 'a value that is too high'

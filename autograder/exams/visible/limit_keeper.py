@@ -55,7 +55,7 @@ DECISIONS = (
     Slip(
         'empty_refused',
         f'An empty text for {PLACE} is refused.',
-        f'Accept any text for {PLACE}, also an empty one: test only {LIMIT}.',
+        f'Accept any text for {PLACE}, even an empty one: test only {LIMIT}.',
         deciding(other=bool),
     ),
     Slip(

@@ -34,18 +34,20 @@ Means = tuple[float, ...]
 
 def averaging(
     answer: Callable[[list[float]], float] = fmean,
-    counts: Callable[[float], bool] = lambda number: not math.isnan(number),
+    counts: Callable[[float, float], bool] = lambda number, last: not math.isnan(number),
 ) -> Rule:
     """
     Return the rule of a program that computes each answer from the numbers so far.
 
     :param answer: computes an answer from these numbers, by default their mean
-    :param counts: returns whether a number is used and answered, by default unless it is NaN
+    :param counts: returns whether a number is used and answered, given the number before it (NaN
+        for the first one); by default unless it is NaN
     """
 
     def rule(numbers: Sequence[float]) -> list[Means]:
-        so_far = accumulate([one] if counts(one) else [] for one in numbers)
-        return [(answer(seen),) if counts(one) else () for one, seen in zip(numbers, so_far)]
+        used = list(map(counts, numbers, (math.nan, *numbers)))
+        so_far = accumulate([one] if counted else [] for one, counted in zip(numbers, used))
+        return [(answer(seen),) if counted else () for counted, seen in zip(used, so_far)]
 
     return rule
 
@@ -72,13 +74,6 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
         found.append(() if mean == last else mean)
         last = mean or last
     return found
-
-
-def skips_equal(numbers: Sequence[float]) -> list[Means]:
-    """Return the answers of a program that ignores a number equal to the previous one."""
-    equal = [one in numbers[:place][-1:] for place, one in enumerate(numbers)]
-    means = iter(DUE([one for one, skipped in zip(numbers, equal) if not skipped]))
-    return [() if skipped else next(means) for skipped in equal]
 
 
 def forgets(numbers: Sequence[float]) -> list[Means]:
@@ -198,7 +193,7 @@ SLIPS = (
         'skips_equal',
         'Your node ignores a number that equals the previous one.',
         'Count each number that is not NaN, whatever came before.',
-        skips_equal,
+        averaging(counts=lambda one, last: not math.isnan(one) and one != last),
     ),
     Slip(
         'stops_at_nan',
@@ -222,7 +217,7 @@ SLIPS = (
         'skips_zero',
         'Your node ignores 0.0 like NaN, but 0.0 is an ordinary number.',
         'Test with math.isnan(message.data): if not message.data is also true for 0.0.',
-        averaging(counts=lambda one: bool(one) and not math.isnan(one)),
+        averaging(counts=lambda one, last: bool(one) and not math.isnan(one)),
     ),
     Slip(
         'sum_spoiled',
