@@ -58,7 +58,6 @@ def joining(
     for_good: bool = False,
     timer: bool = True,
     same_is_new: bool = True,
-    queue: bool = False,
     forgets: bool = False,
 ) -> Rule:
     """
@@ -72,7 +71,6 @@ def joining(
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
     :param same_is_new: whether a value that equals the one before renews the age of its topic
-    :param queue: whether the first message after an input still has the value before
     :param forgets: whether the node forgets all values when it stops
     """
 
@@ -83,16 +81,13 @@ def joining(
         for topic, number, lasts_s in inputs:
             if same_is_new or heard[topic][-1:] != [number]:
                 came_s[topic] = now_s
-            before = [list(one) for one in heard]
             heard[topic].append(number)
             row = []
             for tick in range(round(lasts_s / TICK_S) if timer else 1):
                 ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
                 if ready(heard):
                     stopped = old(ages) or (for_good and stopped)
-                    late = queue and not tick and ready(before)
-                    used = value(before if late else heard)
-                    row.append(stop(latest(heard), ages) if stopped else used)
+                    row.append(stop(latest(heard), ages) if stopped else value(heard))
                 if stopped and forgets:
                     heard, stopped = [[] for _ in heard], False
             now_s += lasts_s
@@ -102,11 +97,39 @@ def joining(
     return rule
 
 
-def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
+def queueing(topics: int, old_s: float, period_s: float, begins_s: float) -> Rule:
+    """
+    Return the rule of a node that keeps values in queues, and takes one of each per tick.
+
+    :param begins_s: time from the first input to the next tick [s]
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        waiting: list[list[float]] = [[] for _ in range(topics)]
+        came_s, now_s, ticks, found = [0.0] * topics, 0.0, 0, []
+        for topic, number, lasts_s in inputs:
+            waiting[topic].append(number)
+            came_s[topic] = now_s
+            now_s += lasts_s
+            row = []
+            while (tick_s := begins_s + ticks * period_s) < now_s:
+                ticks += 1
+                if all(waiting):
+                    taken = tuple(one.pop(0) if len(one) > 1 else one[0] for one in waiting)
+                    fresh = tick_s - min(came_s) <= old_s
+                    row.append(taken if fresh else (0.0,) * topics)
+            found.append(tuple(one for one, _ in groupby(row)))
+        return found
+
+    return rule
+
+
+def joining_slips(topics: int, old_s: float, period_s: float) -> tuple[Slip, ...]:
     """
     Return the slips of a node that combines topics.
 
     :param old_s: age above which a value is too old [s]
+    :param period_s: period of the timer [s]
     """
 
     def oldest(ages: Sequence[float]) -> bool:
@@ -134,6 +157,7 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
         )
 
     all_topics = range(topics)
+    moments = [(place + 0.5) / 100 for place in range(round(100 * period_s))]
     own_times = 'Keep the time of the latest message of each topic, and compare each age'
     return (
         Slip.of(BEGINS_EARLY, rule(ready=any)),
@@ -227,7 +251,7 @@ def joining_slips(topics: int, old_s: float) -> tuple[Slip, ...]:
             'oldest_first',
             'The first message after a new value still has the value before it.',
             'Keep only the latest value of each topic, in an attribute, and no queue.',
-            rule(queue=True),
+            *(queueing(topics, old_s, period_s, begins_s) for begins_s in moments),
         ),
         *changing(
             lambda change: changed(change, *all_topics),

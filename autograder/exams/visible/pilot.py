@@ -116,7 +116,9 @@ def build(inputs: Sequence[Told]) -> Exam:
             steps=(Advance(QUIET_S), *feeds),
         ),
         read='Exercise 2: the latest of two',
-        asks={'commands': Specification(inputs, right, joining_slips(len(SOURCES), OLD_S))},
+        asks={
+            'commands': Specification(inputs, right, joining_slips(len(SOURCES), OLD_S, PERIOD_S))
+        },
     )
     exam.check(points=1)(node('/pilot'))
     for source in SOURCES:
