@@ -12,7 +12,7 @@ from autograder.judging.causes.ended import why_it_ended, why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.learners_code import Code, in_cell
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
@@ -197,10 +197,9 @@ def _why_several(found: Sequence[Event], what: str) -> Cause:
     """Explain several messages or log lines at one moment; log lines contain their place."""
     places = sorted({one['line'] for one in found if one.get('line')})
     if len(places) > 1:
-        lines = ' and '.join(map(str, places[:3]))
         return Cause(
             'several_places',
-            f'The {what}s come from more than one place in your code: from lines {lines}.',
+            f'{in_cell(places[-1])}The {what}s come from here and from an earlier line as well.',
             f'Log one {what} a period. Does each node use its own self.get_logger()?',
         )
     return Cause(
