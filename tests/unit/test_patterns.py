@@ -155,7 +155,7 @@ class TestHeartbeat:
 
     def test_lock_that_both_callbacks_take_is_named(self):
         """More threads than the program has do not help."""
-        code = 'MultiThreadedExecutor(num_threads=2)\nlock = threading.Lock()\n'
+        code = 'MultiThreadedExecutor()\nReentrantCallbackGroup()\nlock = threading.Lock()\n'
         run = run_of(*self.quiet, message(4.4, '/results'), message(4.4), code=code)
 
         assert inspector.why_starved(run).cause_id == 'waits_for_lock'

@@ -95,8 +95,10 @@ def why_starved(run: Run) -> Cause | None:
     ]
     if not during:
         calls = Code(run.files).calls
-        waits = 'MultiThreadedExecutor' in calls and calls.keys() & {'Lock', 'RLock', 'Semaphore'}
-        return WAITS_FOR_LOCK if waits else STARVED
+        groups = len(calls.get('MutuallyExclusiveCallbackGroup', ())) > 1
+        apart = 'MultiThreadedExecutor' in calls and (groups or 'ReentrantCallbackGroup' in calls)
+        locks = calls.keys() & {'Lock', 'RLock', 'Semaphore'}
+        return WAITS_FOR_LOCK if apart and locks else STARVED
     last_s = max((one['clock_ns'] for one in run.recording.of('input')), default=0) / SECOND
     late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
     starved = late and all(last_s < one < results[-1] + BEAT_S for one in late)
