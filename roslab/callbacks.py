@@ -155,7 +155,8 @@ class Watch:
         elif isinstance(entity, Timer):
             run, due, skipped = _take_timer(entity, take)
             for tick in skipped:
-                self._add(Call(source, self._seconds(tick), lost=True))
+                if tick >= self._zero_ns:  # nobody may have spun the timer for minutes before
+                    self._add(Call(source, self._seconds(tick), lost=True))
             came = None if due is None else self._seconds(due)
         else:
             run = take(entity)

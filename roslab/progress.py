@@ -188,12 +188,14 @@ def _as_html(lessons: Sequence[Outline], results: Results) -> str:
     points, after = map(html.escape, headline(lessons, results))
     if found := next_part(lessons, results):
         after = _link(found[0].path, after, f'#{section_id(found[1].heading)}')
-    head = ''.join(f'<th scope="col">{name}</th>' for name in HEADER)
+    left = 'style="text-align: left"'
+    head = f'<th scope="col" {left}>{HEADER[0]}</th>'
+    head += ''.join(f'<th scope="col">{name}</th>' for name in HEADER[1:])
     body = ''
     for lesson in lessons:
         name, *others = map(html.escape, row_of(lesson, results))
         cells = ''.join(f'<td>{cell}</td>' for cell in others)
-        link = f'<th scope="row" style="text-align: left">{_link(lesson.path, name)}</th>'
+        link = f'<th scope="row" {left}>{_link(lesson.path, name)}</th>'
         body += f'<tr>{link}{cells}</tr>'
     return f'<p><strong>{points}; {after}</strong></p><table><tr>{head}</tr>{body}</table>'
 

@@ -13,7 +13,7 @@ from autograder.submission.notebook import marks_of, read_release
 
 FACTS = 'lesson'
 """Key of the lesson's own metadata in a notebook: ``needs`` and ``executed``."""
-_QUIZ = re.compile(r"""^quiz\(['"]([\w-]+)['"]\)""", re.MULTILINE)
+_QUIZ = re.compile(r"""\bquiz\(['"]([\w-]+)['"]\)""")
 _HEADING = re.compile(r'^(##?) (.+)$', re.MULTILINE)
 _MINUTES = re.compile(r'^\|.*\| *(\d+) *\|$', re.MULTILINE)
 _MINUTES_TITLE = re.compile(r'^\| *Part *\|.*\| *Minutes *\|$', re.MULTILINE)

@@ -106,6 +106,19 @@ def test_ticks_during_a_slow_callback_are_one_late_call_and_skipped_ones(context
     assert all(tick.began is None and tick.ended is None for tick in seen.lost)
 
 
+def test_ticks_that_were_skipped_before_the_watch_are_not_recorded(context):
+    """The first callback came late; the ticks since then would fill the record."""
+    node = Node('sleeper', context=context)
+    node.create_timer(0.001, lambda: None)
+    executor = executor_of(node)
+    threading.Event().wait(0.1)
+    with watch_callbacks() as seen:
+        spin(executor, lambda: seen.calls)
+
+    assert seen.calls[0].came < 0
+    assert all(tick.came >= 0 for tick in seen.lost)
+
+
 @pytest.mark.parametrize(
     ('groups', 'names'),
     [

@@ -28,7 +28,7 @@ def lesson(tmp_path):
         ('markdown', '# Topics\n\n```\n# not this\n## nor this\n```', {}),
         ('markdown', OBJECTIVES, {}),
         ('markdown', '## Part 1: A\n\n| Lesson | Minutes |\n|---|---|\n| x | 99 |', {}),
-        ('code', "quiz('03-a')", {}),
+        ('code', "display(quiz('03-a'), quiz('03-b'))", {}),
         ('markdown', '## Part 2: B\n\n### An exercise', {}),
         ('code', "check('talker')", {'nbgrader': CHECK}),
         ('code', 'x', {'nbgrader': WRITTEN}),
@@ -64,7 +64,7 @@ def test_exercises_belong_to_the_part_above_them(lesson):
     """A written answer has no visible check."""
     outline = read_outline(lesson)
 
-    assert outline.parts[2].quizzes == ['03-a']
+    assert outline.parts[2].quizzes == ['03-a', '03-b']
     assert outline.parts[3].checks == {'talker': 8}
     assert outline.points == 8
 
