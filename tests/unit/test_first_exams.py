@@ -342,6 +342,16 @@ class TestCourier:
             ('if p.get_subscription_count(): p.publish(m)', 'published_too_early'),
             ('create_timer(1.0, f); get_subscription_count(); p.publish(m)', 'looks_wrong'),
             ('create_timer(1.0, f); p.publish(m)', 'published_too_early'),
+            (
+                'create_timer(1.0, f); p.publish(m)\n'
+                'for _ in range(300): p.get_subscription_count()\n',
+                'gives_up',
+            ),
+            (
+                'create_timer(1.0, f); p.publish(m); get_subscription_count()\n'
+                'looks += 1\nif looks > 99: t.cancel()\n',
+                'gives_up',
+            ),
         ],
     )
     def test_silence_is_explained_by_the_text(self, code, cause_id):
