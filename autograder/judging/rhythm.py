@@ -12,7 +12,7 @@ from autograder.judging.causes.ended import why_it_ended, why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
-from autograder.submission.code.learners_code import Code, in_cell
+from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
@@ -173,7 +173,11 @@ def why_other_rhythm(
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
     if len(found) > due + 1.5 and 0.0 in gaps:
-        return _why_several(found, what)
+        return Cause(
+            'several_at_once',
+            f'Several {what}s come at the same moment.',
+            f'One timer causes one {what} each time it ticks. Use no second timer and no loop.',
+        )
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
@@ -203,22 +207,6 @@ def why_other_rhythm(
             'before it?',
         )
     return None
-
-
-def _why_several(found: Sequence[Event], what: str) -> Cause:
-    """Explain several messages or log lines at one moment; log lines contain their place."""
-    places = sorted({one['line'] for one in found if one.get('line')})
-    if len(places) > 1:
-        return Cause(
-            'several_places',
-            f'{in_cell(places[-1])}The {what}s come from here and from an earlier line as well.',
-            f'Log one {what} a period. Does each node use its own self.get_logger()?',
-        )
-    return Cause(
-        'several_at_once',
-        f'Several {what}s come at the same moment.',
-        f'One timer causes one {what} each time it ticks: no second timer for it, and no loop.',
-    )
 
 
 def is_flood(count: float, due: float) -> bool:
