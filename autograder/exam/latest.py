@@ -9,7 +9,7 @@ node created its timer.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from itertools import groupby
 import math
 from typing import Any, NamedTuple
@@ -57,7 +57,7 @@ def joining(
     stop: Callable[[Sequence[float], Sequence[float]], Any] = lambda now, ages: (0.0,) * len(now),
     for_good: bool = False,
     timer: bool = True,
-    same_is_new: bool = True,
+    same_is_old: Collection[int] = (),
     forgets: bool = False,
 ) -> Rule:
     """
@@ -70,7 +70,8 @@ def joining(
         None publishes nothing
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
-    :param same_is_new: whether a value that equals the one before renews the age of its topic
+    :param same_is_old: the topics on which a value that equals the one before does not renew the
+        age
     :param forgets: whether the node forgets all values when it stops
     """
 
@@ -79,7 +80,7 @@ def joining(
         came_s, now_s, stopped = [0.0] * topics, 0.0, False
         found = []
         for topic, number, lasts_s in inputs:
-            if same_is_new or heard[topic][-1:] != [number]:
+            if topic not in same_is_old or heard[topic][-1:] != [number]:
                 came_s[topic] = now_s
             heard[topic].append(number)
             row = []
@@ -220,7 +221,8 @@ def joining_slips(topics: int, old_s: float, period_s: float) -> tuple[Slip, ...
             'same_is_old',
             'A message with the same value as the one before does not count as a new one.',
             'Store the time of each message, whatever its value.',
-            rule(same_is_new=False),
+            rule(same_is_old=all_topics),
+            *(rule(same_is_old=[which]) for which in all_topics),
         ),
         Slip(
             'swapped',

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 
 from autograder.exam.specification import Cause, in_order, Specification
 
+QUEUE = 'Drop nothing: a list or a queue of your own has no largest size and is never full.'
+DEPTH = 'Give create_subscription() the depth 10, and store no message for later.'
 LONGEST = 5  # period of a pattern [inputs]
 EACH = 'Treat each message alike, without a counter, a flag and a list that grows.'
 BUSY = Cause(
@@ -77,15 +79,20 @@ def why_burst_cut(asked: Specification, came: tuple[object, ...]) -> Cause | Non
     :param came: the answers to the burst, sorted
     """
     due = list(asked.due(asked.inputs))[-asked.burst :]
-    parts = {count: in_order(part for one in due[-count:] for part in one) for count in (1, 2, 5)}
-    if asked.like(in_order(due[0]), came) and not asked.like(parts[1], came):
-        return BUSY
-    for depth, last in parts.items():
-        if depth < asked.burst and asked.like(last, came):
-            kept = 'message' if depth == 1 else f'{depth} messages'
-            return Cause(
-                'only_the_last',
-                f'If several messages arrive at once, your node answers only the last {kept}.',
-                'Give create_subscription() the depth 10, and store no message for later.',
-            )
+    for count in range(1, asked.burst):
+        first, last = (
+            asked.like(in_order(part for one in some for part in one), came)
+            for some in (due[:count], due[-count:])
+        )
+        if first and not last:
+            return BUSY if count == 1 else _dropping('the_rest_dropped', 'first', count, QUEUE)
+        if last:
+            return _dropping('only_the_last', 'last', count, DEPTH)
     return None
+
+
+def _dropping(cause_id: str, which: str, count: int, try_this: str) -> Cause:
+    """Return the cause for messages of a burst that have no answer, except some."""
+    some = 'message' if count == 1 else f'{count} messages'
+    text = f'If several messages arrive at once, your node answers only the {which} {some}.'
+    return Cause(cause_id, text, try_this)

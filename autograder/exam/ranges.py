@@ -7,7 +7,8 @@ mistaken part.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 import math
 from typing import Any
 
@@ -140,6 +141,10 @@ def limiting_slips(rule: Callable[[Limit], Rule], value: str, most: str) -> tupl
     )
 
 
+def _constant(value: float, _: Any) -> float:
+    return value
+
+
 def in_force_slips(
     rule: Callable[[Callable[[Any], float]], Rule], parameter: str, default: float
 ) -> tuple[Slip, ...]:
@@ -147,11 +152,16 @@ def in_force_slips(
     Return the slips of a program that uses a wrong value of a parameter.
 
     :param rule: builds the rule of a program that reads its value with the given function; its
-        inputs have ``start``, the value at the start, and ``tried``, the last requested value,
-        whether it was accepted or not
+        inputs have ``start``, the value at the start, ``limit``, the one in force, and ``tried``,
+        the last requested one, whether it was accepted or not
     :param default: the default value in the code
     """
     read_it = f"Read it where you need it: self.get_parameter('{parameter}').value."
+
+    def late(inputs: Sequence[Any]) -> list[Any]:
+        limits = [one.limit for one in (*inputs[:1], *inputs)]
+        return [rule(partial(_constant, limit))([one])[0] for limit, one in zip(limits, inputs)]
+
     return (
         Slip(
             'read_once',
@@ -170,5 +180,12 @@ def in_force_slips(
             f'A value of {parameter} that was refused is used.',
             f'Change nothing in the callback that validates. {read_it}',
             rule(lambda one: float(one.tried)),
+        ),
+        Slip(
+            'used_late',
+            f'After a change of {parameter}, your node uses the old value for a moment: it copies '
+            'the value from time to time.',
+            f'{read_it} Make no copy in a timer.',
+            late,
         ),
     )

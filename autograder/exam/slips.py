@@ -226,7 +226,10 @@ def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -
 
 
 def leaving_out(
-    rule: Rule, key: Callable[[Any], Any] = lambda one: one, do: str = 'Publish'
+    rule: Rule,
+    key: Callable[[Any], Any] = lambda one: one,
+    do: str = 'Publish',
+    numbers: bool = False,
 ) -> tuple[Slip, ...]:
     """
     Return the slips of a program that leaves some messages unanswered.
@@ -234,6 +237,7 @@ def leaving_out(
     :param rule: the correct rule; its answers are tuples with the expected messages for each input
     :param key: returns the part of an input by which a program may decide to skip it
     :param do: what to do for each message, as the first word of a sentence
+    :param numbers: whether the keys are numbers, of which a program may leave out some kinds
     """
 
     def unless(skips: Callable[[Any, Sequence[Any]], bool]) -> Rule:
@@ -245,6 +249,10 @@ def leaving_out(
         return slipped
 
     each_one = f'{do} for each message, and do not check'
+    kinds = (
+        ('skips_negative', 'a number below zero', lambda one, before: one < 0),
+        ('skips_not_positive', 'zero and numbers below zero', lambda one, before: one <= 0),
+    )
     return (
         Slip.of(NO_ANSWER, unless(lambda one, before: True)),
         Slip(
@@ -264,5 +272,9 @@ def leaving_out(
             'Your node does not answer an empty string or a zero, but they are ordinary messages.',
             f'{each_one} what is in it.',
             unless(lambda one, before: not one),
+        ),
+        *(
+            Slip(name, f'Your node does not answer {which}.', f'{each_one} what is in it.', skip)
+            for name, which, skip in ((*kind[:2], unless(kind[2])) for kind in kinds if numbers)
         ),
     )

@@ -169,7 +169,7 @@ def one_for_one(
 
     @claim(check, sentence or 'It publishes exactly what each input asks for, and nothing else.')
     def judge(run: Run) -> None:
-        require_one_for_one(run, run.asked(ask), topic, published(run, ask, topic), places)
+        require_one_for_one(run, ask, topic, published(run, ask, topic), places)
 
     return judge
 

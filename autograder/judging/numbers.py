@@ -41,13 +41,16 @@ def shows(text: str, *values: float) -> bool:
     return any(abs(one - value) <= GRAIN for one in numbers_in(text) for value in values)
 
 
-def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause | None:
+def why_not_numbered(
+    texts: Sequence[str], place: int, first: int = 1, when: str = ''
+) -> Cause | None:
     """
     Explain a text that lacks its number.
 
     :param texts: all texts, in order
     :param place: index of the first wrong text
     :param first: number of the first text; above 1 if earlier texts were lost
+    :param when: what else happened just before the wrong text, such as ``a message arrives``
     """
     text, due = texts[place], first + place
     if '{' in text and '}' in text:
@@ -64,7 +67,8 @@ def why_not_numbered(texts: Sequence[str], place: int, first: int = 1) -> Cause 
     if place:
         before = {number for one in texts[:place] for number in whole_numbers_in(one)}
         if before & set(numbers) and text != texts[place - 1]:
-            again = f'The count goes back after {place} texts.'
+            again = f'The count goes back after {place} texts: something sets it again.'
+            again = f'{again} Just then, {when}.' if when else again
             return Cause('begins_again', again, COUNT_IN)
         wrong = 'From one text to the next the number does not grow by 1.'
         return Cause('wrong_step', wrong, COUNT_IN)

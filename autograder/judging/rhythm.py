@@ -12,7 +12,7 @@ from autograder.judging.causes.ended import why_it_ended, why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
-from autograder.submission.code.learners_code import Code, in_cell
+from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
@@ -78,10 +78,11 @@ def _why_disturbed(
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
         text = f'Every {what} is in time, but the first comes too late: the timer starts late.'
         return Cause('begins_late', text, 'Create the timer in __init__(), and wait for nothing.')
-    off = [one for one in seconds if not _is(0.0, math.remainder(one - seconds[0], period_s))]
-    timed = sorted({*seconds} - {*off})
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
-    for event, moments in _other_moments(run, found).items():
+    for event, moments in other_moments(run, found).items():
+        first = next((one for one in seconds if not _near(one, moments)), seconds[0])
+        off = [one for one in seconds if not _is(0.0, math.remainder(one - first, period_s))]
+        timed = sorted({*seconds} - {*off})
         if off and _is(period_s, *_gaps(timed)) and all(_near(one, moments) for one in off):
             text = f'Besides the {what}s of the timer, others come at the moment when {event}.'
             return Cause('additional', text, f'Let only the timer cause a {what}.')
@@ -122,16 +123,25 @@ def _end_s(run: Run, found: Sequence[Event]) -> float:
     return min((end / SECOND for end in ends if end > found[-1]['clock_ns']), default=math.inf)
 
 
-def _other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[float]]:
-    """Return the moments of messages that arrive and of messages on other topics [s]."""
+def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[float]]:
+    """Return the moments of what else happens in a run, each with its description [s]."""
     moments: dict[str, list[float]] = {}
     for one in run.recording.events:
         if one['event'] == 'input':
             moments.setdefault('a message arrives', []).append(one['clock_ns'] / SECOND)
+        elif one['event'] == 'joined' and one['matched']:
+            moments.setdefault('a subscription connects', []).append(one['clock_ns'] / SECOND)
         elif one['event'] == 'message' and one['topic'] != found[0].get('topic'):
             name = f'your node publishes on {one["topic"].rpartition("/")[2]}'
             moments.setdefault(name, []).append(one['clock_ns'] / SECOND)
     return moments
+
+
+def just_before(run: Run, found: Sequence[Event], place: int) -> str:
+    """Return what else happened between a message and the one before, empty for nothing."""
+    begun, end = (found[one]['clock_ns'] / SECOND for one in (place - 1, place))
+    happened = other_moments(run, found).items()
+    return next((what for what, when in happened if any(begun < one < end for one in when)), '')
 
 
 def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
@@ -163,7 +173,11 @@ def why_other_rhythm(
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
     if len(found) > due + 1.5 and 0.0 in gaps:
-        return _why_several(found, what)
+        return Cause(
+            'several_at_once',
+            f'Several {what}s come at the same moment.',
+            f'One timer causes one {what} each time it ticks. Use no second timer and no loop.',
+        )
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
@@ -193,22 +207,6 @@ def why_other_rhythm(
             'before it?',
         )
     return None
-
-
-def _why_several(found: Sequence[Event], what: str) -> Cause:
-    """Explain several messages or log lines at one moment; log lines contain their place."""
-    places = sorted({one['line'] for one in found if one.get('line')})
-    if len(places) > 1:
-        return Cause(
-            'several_places',
-            f'{in_cell(places[-1])}The {what}s come from here and from an earlier line as well.',
-            f'Log one {what} a period. Does each node use its own self.get_logger()?',
-        )
-    return Cause(
-        'several_at_once',
-        f'Several {what}s come at the same moment.',
-        f'Make one timer only, with one {what} in its callback.',
-    )
 
 
 def is_flood(count: float, due: float) -> bool:

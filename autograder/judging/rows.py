@@ -8,6 +8,9 @@ a :class:`autograder.exam.specification.Specification`.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+import math
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
@@ -25,6 +28,14 @@ from autograder.judging.checks import count_of, field_of, require_endpoint, SECO
 from autograder.recording import Event
 
 Row = list[Event]
+LATE_S = 0.015  # a message that a callback publishes at once comes earlier [s]
+TIMER = 'create_timer()'
+PUBLISHES_LATER = Cause(
+    'publishes_later',
+    'Some time after the answer to a message, your node publishes again, although no other '
+    'message has arrived.',
+    'Publish once for each message, in its callback: no timer, loop or thread publishes it again.',
+)
 
 
 def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
@@ -85,6 +96,24 @@ def seconds_after_join(run: Run, topic: str, listener: str) -> float:
     return float(first['clock_ns'] - joined['clock_ns']) / SECOND
 
 
+def delays(run: Run, ask: str, topic: str) -> list[list[float]]:
+    """
+    Return how long after each input, or after a burst, each message on a topic came [s].
+
+    :returns: nothing for an exam with a slow callback, which delays messages by itself
+    """
+    sent, count = run.recording.of('input'), len(run.asked(ask).inputs)
+    if run.facts.get('slow_callback') or len(sent) < count:
+        return []
+    last = count - run.asked(ask).burst
+    begun = [one['clock_ns'] for one in (*sent[:last], *sent[-1:] * (last < count))]
+    found = rows(run, ask, run.recording.messages(topic))
+    return [
+        [(one['clock_ns'] - start) / SECOND for one in row or ()]
+        for start, row in zip(begun, found, strict=True)
+    ]
+
+
 def _value(message: Event, fields: Sequence[str]) -> Any:
     if len(fields) > 1:
         return tuple(field_of(message, one) for one in fields)
@@ -95,7 +124,7 @@ def _value(message: Event, fields: Sequence[str]) -> Any:
 
 def require_one_for_one(
     run: Run,
-    asked: Specification,
+    ask: str,
     topic: str,
     came: Sequence[tuple[Any, ...] | None],
     places: Collection[int] | None = None,
@@ -106,6 +135,7 @@ def require_one_for_one(
     :param came: see :func:`published`
     :param places: indices of the inputs to check, by default all
     """
+    asked = run.asked(ask)
     if run.recording.of('message', topic=topic, after_input=None):
         raise Failed(expected='nothing before the first input', observed='a message', why=UNASKED)
     if not any(came):
@@ -117,27 +147,47 @@ def require_one_for_one(
                 expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
                 f'after input {place + 1}',
                 observed=f'{count or "none"}',
-                why=why_silent(run) or why_other_answer(asked, came, place),
+                why=why_silent(run)
+                or why_other_answer(asked, came, place, delays(run, ask, topic)),
             )
 
 
 def why_other_answer(
-    asked: Specification, came: Sequence[tuple[Any, ...] | None], place: int
+    asked: Specification,
+    came: Sequence[tuple[Any, ...] | None],
+    place: int,
+    late_s: Sequence[Sequence[float]] = (),
 ) -> Cause | None:
-    """Explain a wrong answer by a slip, a pattern, or a wrong number of messages."""
+    """
+    Explain a wrong answer by a slip, a pattern, or a wrong number of messages.
+
+    :param late_s: see :func:`delays`; empty if unknown
+    """
     if slip := asked.cause(came, place):
         return slip
     counts = [one if one is None else len(one) for one in came]
     if pattern := why_pattern(list(map(len, asked.answers)), counts):
         return pattern
     more = len(came[place] or ()) - len(asked.answers[place])
-    if more >= 0:
-        return SEVERAL_ANSWERS if more else None
+    if more > 0:
+        again_s = [late - first for first, late in pairwise(late_s[place])] if late_s else [0.0]
+        return PUBLISHES_LATER if max(again_s, default=0.0) > LATE_S else SEVERAL_ANSWERS
+    if more == 0:
+        return None
     if not any(came):
         return NO_ANSWER
     if len(asked.row(place)) > 1:
-        return why_burst_cut(asked, came[place] or ()) or MISSES_SOME
+        cut = why_burst_cut(asked, came[place] or ())
+        in_a_timer = bool(late_s) and all(min(row, default=math.inf) > LATE_S for row in late_s)
+        return (_in_a_timer(cut) if cut and in_a_timer else cut) or MISSES_SOME
     return LEAVES_OUT
+
+
+def _in_a_timer(cut: Cause) -> Cause:
+    """Explain a burst that is not completely answered, and answers that all come late."""
+    text = f'{cut.text} It publishes some time after they arrive, like a timer.'
+    repair = 'Publish in the callback of the subscription, once per message, and not in a timer.'
+    return replace(cut, text=text, try_this=repair, act=TIMER)
 
 
 def require_values(

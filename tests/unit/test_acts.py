@@ -50,6 +50,41 @@ def place(acts, about=(), lines=(), code=NODE):
     return found and tuple(found)
 
 
+LATER = """\
+PROFILE = QoSProfile(depth=1)
+class Beacon(LifecycleNode):
+    def __init__(self):
+        self.ready = False
+        self.count = self.first = 0
+        self.create_publisher(String, 'map', PROFILE)
+        self.create_subscription(String, 'survey', self.take, PROFILE)
+    def on_configure(self, state):
+        self.first = self.first or self.read()
+        self.ready = True
+    def on_activate(self, state):
+        self.level = self.read()
+    def on_cleanup(self, state):
+        self.destroy_timer(self.timer)
+        self.timer = None
+        self.sender = None
+    def read(self):
+        return self.get_parameter('level').value
+    def inspect(self):
+        time.sleep(0.12)
+    def take(self, message):
+        if not (self.first and message.data):
+            self.count, self.name = 0, 'none'
+        self.count += 1
+        if self.count > 9:
+            self.last = message
+def show(text):
+    if text == 'old':
+        return
+if __name__ == '__main__':
+    show('new')
+"""
+
+
 class TestPlace:
     """The narrowest place that contains all of an act."""
 
@@ -71,6 +106,42 @@ class TestPlace:
     def test_act_with_one_place_is_found_in_its_line(self, acts, line):
         """The words of an act say what is looked for."""
         assert place(acts) == (line, '')
+
+    @pytest.mark.parametrize(
+        ('acts', 'line', 'about'),
+        [
+            ('recount', 23, ()),
+            ('compared_count', 25, ()),
+            ('kept_first', 9, ()),
+            ('stuck', 10, ()),
+            ('forgotten', 16, ()),
+            ('stored@def:on_activate', 12, ()),
+            ('short_pause@def:inspect', 20, ['1.2']),
+            ('truth', 22, ()),
+            ('==', 28, ()),  # not of the line that asks who runs the file
+            ('profile', 7, ['survey']),  # the publisher shares it, for which it is right
+            ('get_parameter()@def:on_activate', 12, ()),  # on_configure() shares the helper
+            ('get_parameter()', 18, ()),
+        ],
+    )
+    def test_statement_that_sets_something_is_found_by_what_it_does(self, acts, line, about):
+        """Of several that look alike, the one that does it."""
+        assert place(acts, about, code=LATER) == (line, '')
+
+    @pytest.mark.parametrize(
+        ('act', 'about'),
+        [
+            ('short_pause', ['0.1']),
+            ('if:show()', ()),
+            ('stored@def:on_cleanup', ['']),
+            ('recount@def:on_cleanup', ()),
+        ],
+    )
+    def test_what_only_looks_alike_is_no_place(self, act, about):
+        """A longer pause, who runs the file, and what counts nothing."""
+        found = place(act, about, code=LATER)
+
+        assert found is None or found[1]
 
     @pytest.mark.parametrize(
         ('acts', 'line', 'name'),

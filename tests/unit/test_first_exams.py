@@ -205,6 +205,7 @@ class TestHarbour:
             ((), 'create_timer(2.0, f)', 'silent'),
             ((4.0, 8.0, 12.0), '', 'wrong_rate'),
             ((2.1, 2.1, 4.1, 4.1, 6.1, 6.1, 8.1, 8.1), '', 'several_at_once'),
+            ((1.1, 2.1, 2.1, 3.1, 4.1, 4.1, 5.1, 6.1, 6.1, 7.1, 8.1, 8.1), '', 'other_node_logs'),
             ((3.1, 4.1, 6.1, 8.1), '', None),
         ],
     )
@@ -342,6 +343,16 @@ class TestCourier:
             ('if p.get_subscription_count(): p.publish(m)', 'published_too_early'),
             ('create_timer(1.0, f); get_subscription_count(); p.publish(m)', 'looks_wrong'),
             ('create_timer(1.0, f); p.publish(m)', 'published_too_early'),
+            (
+                'create_timer(1.0, f); p.publish(m)\n'
+                'for _ in range(300): p.get_subscription_count()\n',
+                'gives_up',
+            ),
+            (
+                'create_timer(1.0, f); p.publish(m); get_subscription_count()\n'
+                'looks += 1\nif looks > 99: t.cancel()\n',
+                'gives_up',
+            ),
         ],
     )
     def test_silence_is_explained_by_the_text(self, code, cause_id):

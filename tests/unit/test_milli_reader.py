@@ -47,6 +47,7 @@ def test_each_number_has_one_reading(indexes, cause):
             'event': 'message',
             'topic': TARGET,
             'after_input': index,
+            'clock_ns': 0,
             'data': {'temperature_value': (1.234, 5.678)[index or 0]},
         }
         for index in indexes

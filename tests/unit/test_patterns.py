@@ -21,7 +21,8 @@ from autograder.exams.visible import (
 )
 from autograder.judging import rhythm
 from autograder.judging.lines import require_warnings
-from autograder.judging.rows import why_other_answer
+from autograder.judging.numbers import why_not_numbered
+from autograder.judging.rows import delays, why_other_answer
 from autograder.recording import ERROR, Recording, WARN
 
 ENDS = (
@@ -86,13 +87,14 @@ def test_answer_without_an_expected_one_is_no_pattern():
     [
         (('a',), 'drops_while_busy'),
         (('d',), 'only_the_last'),
-        (('c', 'd'), 'only_the_last'),
+        (('b', 'c', 'd'), 'only_the_last'),
+        (('a', 'b', 'c'), 'the_rest_dropped'),
         (('a', 'd'), None),
     ],
     ids=str,
 )
 def test_burst_shows_which_messages_are_answered(came, cause_id):
-    """The first only: the node was busy. The last ones only: nothing else was kept."""
+    """The first only: the node was busy. Some first ones: a queue was full. Else, a depth."""
     asked = Specification('abcd', each(lambda one: (one,)), burst=4)
 
     found = why_burst_cut(asked, came)
@@ -108,16 +110,75 @@ def test_part_of_a_burst_is_not_taken_for_a_depth():
 
 
 @pytest.mark.parametrize(
+    ('late_s', 'came', 'says'),
+    [
+        ([[0.0, 0.0], [0.0]], [('a', 'a'), ('b',)], 'Publish once in the callback, and nowhere'),
+        ([[0.0, 0.4], [0.0]], [('a', 'a'), ('b',)], 'no timer, loop or thread publishes it'),
+        ([[0.0], [0.0]], [('a',), ('c',)], 'depth 10'),
+        ([[0.03], [0.01]], [('a',), ('c',)], 'depth 10'),
+        ([[0.03], [0.04]], [('a',), ('c',)], 'not in a timer'),
+    ],
+    ids=['at once', 'again later', 'last only', 'one at once', 'last only, always late'],
+)
+def test_delay_of_an_answer_shows_a_timer(late_s, came, says):
+    """A callback answers at once, and a timer when it ticks."""
+    asked = Specification('abc', each(lambda one: (one,)), burst=2)
+    place = int(len(came[0]) == 1)
+
+    assert says in why_other_answer(asked, came, place, late_s).try_this
+
+
+def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
+    """A run that ended early, and an exam with a slow callback, show none."""
+    asked = Specification('abc', each(lambda one: (one,)), burst=2)
+    sent = [at(clock, 'input', index=place) for place, clock in enumerate((1.0, 3.0, 3.5))]
+    answers = [message(1.25, after_input=0), message(4.0, after_input=2)]
+    slow = {'slow_callback': True, 'letters': asked}
+
+    def found(events, facts):
+        return delays(run_of(*events, facts=facts), 'letters', '/alive')
+
+    assert found([*sent, *answers], {'letters': asked}) == [[0.25], [0.5]]
+    assert found([*sent[:2], *answers[:1]], {'letters': asked}) == []
+    assert found([*sent, *answers], slow) == []
+
+
+def test_count_that_goes_back_is_told_with_what_else_happened():
+    """The joining of a subscription between two messages is worth knowing."""
+    found = [message(clock) for clock in (1.0, 2.0, 3.0)]
+    run = run_of(*found, at(2.6, 'joined', matched=True))
+    texts = ['hello 1', 'hello 2', 'hello 1']
+
+    cause = why_not_numbered(texts, 2, when=rhythm.just_before(run, found, 2))
+
+    assert cause.text.endswith('Just then, a subscription connects.')
+    assert rhythm.just_before(run, found, 1) == ''
+
+
+@pytest.mark.parametrize(
     ('clocks', 'others', 'cause_id'),
     [
         ([1, 1.7, 2, 3, 4], [at(1.7, 'input', index=0)], 'additional'),
         ([1, 1.7, 2, 3, 4], [message(1.7, '/results')], 'additional'),
+        ([1.7, 2, 3, 4], [at(1.7, 'input', index=0)], 'additional'),
+        ([1, 1.7, 2, 3, 4], [at(1.7, 'joined', matched=True)], 'additional'),
+        ([1, 1.7, 2, 3, 4], [at(1.7, 'joined', matched=False)], None),
         ([1, 2, 3.4, 4.4], [message(2.4, '/results')], 'timer_reset'),
         ([16, 17, 18, 19], [], 'begins_late'),
         ([1, 2, 3, 4], [], 'stops'),
         ([1, 1.7, 2, 3, 4], [at(1.2, 'input', index=0)], None),
     ],
-    ids=['by an input', 'by a result', 'reset', 'late', 'ends early', 'nothing at that moment'],
+    ids=[
+        'by an input',
+        'by a result',
+        'by the first',
+        'by a subscription',
+        'by one that does not connect',
+        'reset',
+        'late',
+        'ends early',
+        'nothing at that moment',
+    ],
 )
 def test_what_disturbs_a_rhythm_is_told(clocks, others, cause_id):
     """Only an event at the very moment is to blame."""

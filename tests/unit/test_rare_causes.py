@@ -234,6 +234,18 @@ class TestCausesOfBlindPrograms:
 
         assert found.cause_id == 'refused_again'
 
+    @pytest.mark.parametrize(
+        ('first', 'cause_id'),
+        [('', 'declared_again'), ('self.undeclare_parameter("a")', 'refused_again')],
+    )
+    def test_parameter_that_is_declared_in_each_configuration(self, first, cause_id):
+        """The exception is swallowed, so only the code shows it."""
+        code = f'def on_configure(self, state):\n    {first}\n    self.declare_parameter("a", 1)\n'
+
+        found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
+
+        assert found.cause_id == cause_id
+
     def test_second_refusal_alone_is_missing(self):
         """A flag: the callback for the event is there, and logs."""
         line = {'event': 'log', 'name': 'sensor_watch', 'after_input': None, 'clock_ns': 1}

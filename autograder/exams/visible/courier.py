@@ -21,6 +21,7 @@ from autograder.judging.checks import require_field, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import endpoints_at, seconds_after_join
 from autograder.recording import Event
+from autograder.submission.code.acts import place_of
 from autograder.submission.code.learners_code import Code
 
 NODE = '/courier'
@@ -55,6 +56,13 @@ CHECKS_ONCE = Cause(
     'published_too_early',
     'Your program checks for subscriptions only at its start, before any has connected.',
     'Check in a timer: publish when get_subscription_count() is above 0.',
+)
+GIVES_UP = Cause(
+    'gives_up',
+    'Your program counts how often it checks for subscriptions, and delivers nothing to one that '
+    'connects later.',
+    'Check without an end, however long it takes, and cancel the timer only after the delivery.',
+    act='compared_count | for:get_subscription_count()',
 )
 LOOKS_WRONG = Cause(
     'looks_wrong',
@@ -142,7 +150,9 @@ def _why_late(run: Run, late_s: float) -> Cause:
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
-        slip = 'Your node ended as soon as a subscription had connected, so its message was lost.'
+        slip = (
+            'Your node ended when a subscription had connected, perhaps before its message came.'
+        )
         return _why_gone(run, slip)
     if parcels(run, 'first'):
         return WAITS_FOR_TWO if _came_with_the_second(run) else LATE
@@ -164,6 +174,8 @@ def _why_nothing(run: Run) -> Cause:
         return why_no_message(run)
     if not ({'create_timer', 'PublisherEventCallbacks'} & code.names or code.loops):
         return CHECKS_ONCE
+    if place_of(code, GIVES_UP.act):
+        return GIVES_UP
     looks = {'get_subscription_count', 'PublisherEventCallbacks'} & code.names
     return LOOKS_WRONG if looks else TOO_EARLY
 

@@ -54,8 +54,10 @@ OVERLAPS = Cause(
 )
 NOT_INSPECTED = Cause(
     'not_inspected',
-    'The result comes before inspect() can have ended.',
-    'Leave inspect() as it is, and publish what it returns.',
+    f'A result comes less than {INSPECT_S:g} s after its picture: inspect() is changed, or it is '
+    'not called for this picture.',
+    f'Leave inspect() as it is, with its {INSPECT_S:g} s, and publish what it returns.',
+    about=[str(INSPECT_S)],
 )
 looked_at = each(lambda picture: (picture.upper(),))
 SLIPS = (

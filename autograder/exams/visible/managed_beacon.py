@@ -63,8 +63,8 @@ MUTE_AFTER_CLEANUP = Cause(
     'mute_after_cleanup',
     'Your node publishes while it is active before cleanup, but not after it is configured and '
     'activated again.',
-    'In on_configure(), always create again what on_cleanup() destroys, without checking the old '
-    'value: self.timer = self.create_timer(...).',
+    'In on_configure(), create again what on_cleanup() destroys, each time, and clear every flag '
+    'that it sets.',
 )
 STAYS_ON = Cause(
     'stays_on',

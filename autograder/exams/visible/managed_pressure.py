@@ -143,7 +143,7 @@ SLIPS = (
     Slip(
         'stale_limit',
         'Your node still uses the limit of the first configuration.',
-        'Read the parameter in on_configure(), each time.',
+        'In on_configure(), set self.limit to the parameter each time, whatever it was before.',
         warns(limit=lambda one: one.limits[0]),
     ),
     Slip(

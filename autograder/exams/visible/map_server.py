@@ -22,7 +22,13 @@ from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import SECOND, why_not_reached
 from autograder.judging.claims import node, offers
-from autograder.judging.rows import endpoints_at, rows, seconds_after_join, why_other_answer
+from autograder.judging.rows import (
+    delays,
+    endpoints_at,
+    rows,
+    seconds_after_join,
+    why_other_answer,
+)
 from autograder.recording import Event
 from autograder.submission.code.learners_code import Code
 
@@ -235,7 +241,8 @@ def _why_other_maps(run: Run) -> Cause | None:
     at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
     if at_join and asked.wrong(found) == [len(found) - 1]:
         return REPEATS_FOR_NEW
-    return why_other_answer(asked, found, asked.wrong(found)[0]) if asked.wrong(found) else None
+    late_s, wrong = delays(run, 'maps', '/map'), asked.wrong(found)
+    return why_other_answer(asked, found, wrong[0], late_s) if wrong else None
 
 
 def _bare(text: str) -> str:

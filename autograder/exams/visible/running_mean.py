@@ -20,7 +20,7 @@ from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes
-from autograder.judging.rows import published, why_other_answer
+from autograder.judging.rows import delays, published, why_other_answer
 
 NODE = '/running_mean'
 SOURCE, TARGET = '/readings', '/mean'
@@ -247,7 +247,12 @@ def ignores_nan(run: Run) -> None:
     raise Failed(
         expected=f'{due} right means after the first NaN',
         observed=how_many if found[-1] is not None else 'a node that stops answering',
-        why=why_silent(run) or (why_other_answer(asked, found, wrong[0]) if wrong else None),
+        why=why_silent(run)
+        or (
+            why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))
+            if wrong
+            else None
+        ),
     )
 
 

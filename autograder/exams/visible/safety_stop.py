@@ -175,7 +175,7 @@ def places(asked: Specification, silent: bool, fast: bool = False) -> list[int]:
 def passes_commands_on(run: Run) -> None:
     """Each command is passed on once, with its turn; nothing comes before the first."""
     asked, came = _came(run)
-    require_one_for_one(run, asked, TARGET, came, ())
+    require_one_for_one(run, 'commands', TARGET, came, ())
     plain = places(asked, silent=False)
     for place in plain:
         if STOP in (came[place] or ())[1:]:

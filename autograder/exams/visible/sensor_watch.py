@@ -118,7 +118,7 @@ COUNTS_ALL = Cause(
     'Log one line in each call of the callback for incompatible_qos, whatever total_count is.',
 )
 LOGGED = each(lambda distance: (distance,))
-SLIPS = leaving_out(LOGGED, do='Log')[1:]
+SLIPS = leaving_out(LOGGED, do='Log', numbers=True)[1:]
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'

@@ -19,7 +19,7 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_messages, require_qos, SECOND
 from autograder.judging.claims import node
 from autograder.judging.numbers import why_not_numbered
-from autograder.judging.rhythm import require_period
+from autograder.judging.rhythm import just_before, require_period
 from autograder.recording import Event
 from autograder.results import shortened
 
@@ -102,11 +102,13 @@ def counts_its_greetings(run: Run) -> None:
             raise Failed(
                 expected=f"the text 'hello {due}' in message {due}",
                 observed=repr(shortened(text)),
-                why=_why_text(texts, place, first),
+                why=_why_text(
+                    texts, place, first, just_before(run, found, place) if place else ''
+                ),
             )
 
 
-def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
+def _why_text(texts: list[str], place: int, first: int, when: str) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
         zero = 'The number is right, but has a zero in front of it.'
@@ -116,7 +118,7 @@ def _why_text(texts: list[str], place: int, first: int) -> Cause | None:
             'wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]]
         )
     if written or '{' in texts[place]:
-        return why_not_numbered(texts, place, first)
+        return why_not_numbered(texts, place, first, when)
     near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))
     matters = 'Upper and lower case, spaces and punctuation matter.'
     slip = matters if near else 'The text has a different form.'

@@ -13,6 +13,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_no_configure, why_no_verdict
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.unknown_names import homes
+from autograder.submission.code.acts import place_of
 from autograder.submission.code.learners_code import Code
 
 READ_ONCE = cause_of('read_once')
@@ -45,6 +46,9 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     code = Code(run.files)
     if why := why_no_configure(code):
         return why
+    declares = place_of(code, f'declare_parameter()@def:on_{name}')
+    if again and declares and not code.names & {'undeclare_parameter', 'has_parameter'}:
+        return cause_of('declared_again', name=name)
     if again:
         return cause_of('refused_again', name=name)
     taken = code.parameters(f'on_{name}')

@@ -35,7 +35,7 @@ from typing import NamedTuple
 from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
 from autograder.submission.code.learners_code import Code, in_cell, last_name
-from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, Program
+from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, names_in, Program
 
 OPERATORS: Mapping[str, type[ast.AST]] = {
     '%': ast.Mod,
@@ -126,12 +126,24 @@ def find(program: Program, word: str) -> list[ast.AST]:
     word, _, outer = word.partition('@')
     found = list(_find(program, word.removesuffix('+')))
     if outer:
-        scopes = program.reached(find(program, outer))
+        bodies = set(find(program, outer))
+        scopes = program.reached(bodies)
         found = [node for node in found if not scopes.isdisjoint(program.around(node))]
+        found = _shared(program, found, bodies) or found
     if word.endswith('+') and len(found) < 2:
         return []
     is_value = word.endswith('=') and word not in OPERATORS
     return list(map(program.origin, found)) if is_value or word[-2:-1].isdigit() else found
+
+
+def _shared(program: Program, found: Sequence[ast.AST], bodies: set[ast.AST]) -> list[ast.AST]:
+    """Return the calls in some functions that reach a place which other functions reach too."""
+    if any(not bodies.isdisjoint(program.around(node)) for node in found):
+        return []
+    helpers = {one.name for node in found if (one := program.function_around(node))}
+    calls = program.calls(*helpers)
+    inside: list[ast.AST] = [one for one in calls if not bodies.isdisjoint(program.around(one))]
+    return inside if len(inside) < len(calls) else []
 
 
 def _find(program: Program, word: str) -> Iterable[ast.AST]:
@@ -164,14 +176,15 @@ def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> It
     for node in left:
         around = (one for one in program.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
         found = next(around, None)
-        if isinstance(found, kinds) and not _asks_ok(found):
+        if isinstance(found, kinds) and not _is_usual(found):
             yield found
         elif isinstance(found, FUNCTIONS) and found.name not in seen:
             seen.add(found.name)
             left += program.calls(found.name)  # the loop goes on with them
 
 
-def _asks_ok(node: ast.AST) -> bool:
-    """Return whether a condition asks whether ROS still runs."""
+def _is_usual(node: ast.AST) -> bool:
+    """Return whether a condition only asks whether ROS still runs, or who runs the file."""
     test = getattr(node, 'test', None)
-    return isinstance(test, ast.Call) and last_name(test.func) == 'ok'
+    running = isinstance(test, ast.Call) and last_name(test.func) == 'ok'
+    return running or (test is not None and '__name__' in names_in(test))

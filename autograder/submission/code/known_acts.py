@@ -6,6 +6,7 @@ import ast
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 
+from autograder.submission.code import assignments
 from autograder.submission.code.learners_code import last_name
 from autograder.submission.code.program import (
     argument,
@@ -55,6 +56,14 @@ def _numbers(program: Program) -> Iterator[float]:
             yield float(text)
 
 
+def _short_pauses(program: Program) -> Iterator[ast.AST]:
+    """Yield the pauses that last less than asked."""
+    due = next(iter(_numbers(program)), 0.0)
+    for call in program.calls('sleep'):
+        if call.args and (program.number(call.args[0]) or due) < 0.95 * due:
+            yield call
+
+
 def _few_threads(program: Program) -> Iterator[ast.AST]:
     """Yield the numbers of threads of executors that have only one."""
     for call in program.calls('MultiThreadedExecutor'):
@@ -73,11 +82,16 @@ def _endpoints(program: Program) -> Iterator[ast.Call]:
 
 
 def _profiles(program: Program) -> Iterator[ast.AST]:
-    """Yield the quality of service of the publishers and subscriptions in question."""
+    """Yield the quality of service in question: where it is given if others share it."""
+    given = {one: _profile(one) for one in program.calls(*_ENDPOINTS)}
+    named = [last_name(one) for one in given.values() if one]
     for call in _endpoints(program):
-        given = argument(call, _ENDPOINTS[last_name(call.func)], 'qos_profile')
-        if given is not None:
-            yield program.origin(given)
+        if one := given[call]:
+            yield one if named.count(last_name(one) or '-') > 1 else program.origin(one)
+
+
+def _profile(call: ast.Call) -> ast.AST | None:
+    return argument(call, _ENDPOINTS[last_name(call.func)], 'qos_profile')
 
 
 def _uses(program: Program) -> Iterator[ast.AST]:
@@ -143,51 +157,6 @@ def _text(node: ast.AST) -> str:
     return max((one.value for one in parts if isinstance(one.value, str)), key=len, default='')
 
 
-def _counts(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that add 1 to a name or an attribute."""
-    for node in program.nodes:
-        if isinstance(node, ast.AugAssign) and _is_one(node.value):
-            yield node
-        if isinstance(node, ast.Assign):
-            name = last_name(node.targets[0])
-            adds = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
-            if name in names_in(node.value) and any(_is_one(one.right) for one in adds):
-                yield node
-
-
-def _is_one(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and node.value in (1, -1)
-
-
-def _resets(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements outside ``__init__`` that give an attribute a value of its own."""
-    for node in program.nodes:
-        if not isinstance(node, ast.Assign) or not _is_fixed(node.value):
-            continue
-        inner = program.function_around(node)
-        kept = any(isinstance(target, ast.Attribute) for target in node.targets)
-        if kept and inner is not None and inner.name != '__init__':
-            yield node
-
-
-def _is_fixed(value: ast.AST) -> bool:
-    """Return whether a value does not depend on other values."""
-    if isinstance(value, ast.Call):
-        return not value.args and not value.keywords and isinstance(value.func, ast.Name)
-    if isinstance(value, (ast.List, ast.Tuple, ast.Set)):
-        return not value.elts
-    return isinstance(value, ast.Constant) or (isinstance(value, ast.Dict) and not value.keys)
-
-
-def _times(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that store the current time."""
-    for node in program.nodes:
-        if isinstance(node, ast.Assign) and not isinstance(node.targets[0], ast.Name):
-            made = (one for one in ast.walk(node.value) if isinstance(one, ast.Call))
-            if any(last_name(one.func) == 'now' for one in made):
-                yield node
-
-
 def _wall_clocks(program: Program) -> Iterator[ast.AST]:
     """Yield the calls that ask the system for the time."""
     yield from program.calls(*_WALL)
@@ -216,14 +185,19 @@ def _truths(program: Program) -> Iterator[ast.AST]:
     """Yield the conditions that ask whether a value is empty or zero."""
     for node in program.nodes:
         for test in _parts(node.test) if isinstance(node, (ast.If, ast.IfExp)) else ():
-            bare = isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not)
-            asked = test.operand if bare else test  # type: ignore[attr-defined]
-            if isinstance(asked, (ast.Name, ast.Attribute)):
+            if isinstance(test, (ast.Name, ast.Attribute)):
                 yield test
 
 
-def _parts(test: ast.AST) -> Sequence[ast.AST]:
-    return test.values if isinstance(test, ast.BoolOp) else [test]
+def _parts(test: ast.AST) -> Iterator[ast.AST]:
+    """Yield the parts of a condition, without ``and``, ``or`` and ``not``."""
+    if isinstance(test, ast.BoolOp):
+        for one in test.values:
+            yield from _parts(one)
+    elif isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        yield from _parts(test.operand)
+    else:
+        yield test
 
 
 def _early_returns(program: Program) -> Iterator[ast.AST]:
@@ -300,26 +274,33 @@ def _covers(node: ast.AST, lines: Collection[float]) -> bool:
 
 ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'catch_all': _catches_all,
+    'compared_count': assignments.compared_counts,
     'conversion': _conversions,
-    'count': _counts,
+    'count': assignments.counts,
     'depth': _depths,
     'early_return': _early_returns,
     'endpoint': _endpoints,
     'few_threads': _few_threads,
+    'forgotten': assignments.forgotten,
     'exact': _exact_texts,
     'field': _fields,
     'joined': _joined,
+    'kept_first': assignments.kept_first,
     'limit': _limits,
     'list': _lists,
     'log': _log_calls,
     'own_arguments': _own_arguments,
     'period': _periods,
     'profile': _profiles,
-    'reset': _resets,
+    'recount': assignments.recounts,
+    'reset': assignments.resets,
     'says': _sayings,
+    'short_pause': _short_pauses,
     'slow_period': _slow_periods,
     'slice': _slices,
-    'stores_time': _times,
+    'stored': assignments.stored,
+    'stores_time': assignments.times,
+    'stuck': assignments.stuck,
     'text': _texts,
     'function': _functions_named,
     'truth': _truths,

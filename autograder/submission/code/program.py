@@ -43,7 +43,7 @@ class Program:
         """Return what each name gets, by the function or class of the name; None if unknown."""
         found: dict[Scope, list[ast.AST | None]] = {}
         for node in self.nodes:
-            for target, value in _assigned(node):
+            for target, value in assigned(node):
                 found.setdefault(self._key(target, node), []).append(value)
         return found
 
@@ -127,7 +127,7 @@ class Program:
         """Yield the operations and comparisons of a kind."""
         for node in self.nodes:
             ops = node.ops if isinstance(node, ast.Compare) else [getattr(node, 'op', None)]
-            if any(isinstance(one, kind) for one in ops):
+            if any(isinstance(one, kind) for one in ops) and '__name__' not in names_in(node):
                 yield node
 
     def given(self, name: str) -> Iterator[ast.AST]:
@@ -179,7 +179,7 @@ class Program:
         return None
 
 
-def _assigned(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
+def assigned(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
     """Yield the names that a node assigns, each with its value, None if it is unknown."""
     if isinstance(node, ast.Assign):
         for target in node.targets:
