@@ -8,6 +8,7 @@ returns slips for :class:`autograder.exam.specification.Specification`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 import math
 import operator
 from typing import Any
@@ -24,6 +25,11 @@ REPEATED = Cause(
     'Your node warns more than once about the same value.',
     'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
     'or thread for it.',
+)
+SKIPS_EQUAL = Cause(
+    'skips_equal',
+    'Your node skips a message that equals the previous one.',
+    'Handle each message, and do not compare it with the last one.',
 )
 MISSED_WARNING = Cause(
     'missed_warning',
@@ -132,7 +138,7 @@ def of_nan(rule: Callable[[Compare], Rule], limit: str) -> Slip:
         'NaN is false.',
         f'Ask value > {limit}, not not (value <= {limit}). In a branch for math.isnan(value), log '
         'no warning.',
-        rule(lambda value, limit: not value <= limit),
+        rule(lambda value, limit: math.isnan(value) or value > limit),
     )
 
 
@@ -155,6 +161,10 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
     def goes_on(due: Sequence[int]) -> list[int]:
         return [int(any(due[: place + 1])) for place in range(len(due))]
 
+    def unless_equal(inputs: Sequence[Any]) -> list[int]:
+        again = [False, *(one == before for before, one in pairwise(inputs))]
+        return [0 if equal else one for equal, one in zip(again, rule(inputs))]
+
     alone = 'Use only the value of this message'
     return (
         Slip(
@@ -175,8 +185,31 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
             f'{alone}, without a flag that stays set and without a maximum.',
             changed(goes_on),
         ),
+        Slip.of(SKIPS_EQUAL, unless_equal),
         Slip.of(REPEATED, changed(lambda due: [2 * one for one in due])),
     )
+
+
+def in_quick_succession(rule: Rule, burst: int) -> tuple[Slip, ...]:
+    """
+    Return the slip of a program that does not log each of several warnings at once.
+
+    :param rule: the correct rule; its answers count warnings
+    :param burst: number of inputs at the end that are sent at once, 0 for no slip
+    """
+
+    def one_of_them(inputs: Sequence[Any]) -> list[int]:
+        return [*rule(inputs)[:-burst], 1, *[0] * (burst - 1)]
+
+    return (
+        Slip(
+            'one_of_a_burst',
+            'If several values above the limit arrive at once, your node warns about only one.',
+            'Give create_subscription() the depth 10, and log a line for each value: no '
+            'throttle_duration_sec= and no timer.',
+            one_of_them,
+        ),
+    )[: bool(burst)]
 
 
 Change = Callable[[float], float]

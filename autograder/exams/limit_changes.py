@@ -16,6 +16,8 @@ from autograder.exam.specification import each, Rule, Specification
 
 LIMIT, PLACE = 'limit_c', 'place'
 LOWEST_C, HIGHEST_C = -40.0, 125.0
+BURST = 3
+"""Number of temperatures above the limit that are sent at once at the end."""
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 ACCEPTED = 'results.0.successful'
 """Field of the ``set_parameters`` response that contains whether a change was accepted."""
@@ -87,11 +89,12 @@ def warning(above: Callable[[Reading], bool] = lambda one: one.value > one.limit
 
 def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
     """
-    Yield the temperatures to send: seven before the first change, two near the limit after each.
+    Yield temperatures: some before the first change, two near the limit after each, a burst.
 
     :param start: limit at the start, with one decimal; its fraction is below 0.5 [degC]
     """
-    for value in (start - 1.5, start + 1.25, start + 2.5, start, start + 0.004, -90.0, 300.0):
+    first = (start - 1.5, start + 1.25, start + 2.5, start + 2.5, start, start + 0.004)
+    for value in (*first, -90.0, math.nan, 300.0):
         yield Reading(value, 'a temperature', start, start, start)
     limit = tried = start
     for number, (name, wanted) in enumerate(changes, 1):
@@ -100,6 +103,9 @@ def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
             limit = wanted if sensible(wanted) else limit
         for near in (limit - 1.0, limit + 1.0):
             yield Reading(near, 'a temperature near the limit', limit, start, tried, number)
+    for more in range(BURST):
+        high = limit + 1.5 + more
+        yield Reading(high, 'a temperature in a burst', limit, start, tried, len(changes))
 
 
 def in_force(

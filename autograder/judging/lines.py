@@ -90,7 +90,8 @@ def require_warnings(
     short = count < due
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
     other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
-    elsewhere = why_missing or (lambda one: why_not_logged(run, followed[one] or [], WARN))
+    row = followed[place] or []
+    elsewhere = why_missing or (lambda one: None if count else why_not_logged(run, row, WARN))
     raise Failed(
         expected=f'{lines(due, WARN)} after {_what(asked.row(place))}',
         observed='the run ended before it was sent' if came[place] is None else lines(count, WARN),

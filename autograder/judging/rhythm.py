@@ -16,6 +16,8 @@ from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
+SEEN_S = 0.2
+"""Time in which the probe sees a new node [s]."""
 FLOOD = 10
 """A flood is more than this multiple of the expected count; its recording is incomplete."""
 
@@ -28,6 +30,7 @@ def require_period(
     what: str = 'message',
     explain: Callable[[], Cause | None] = lambda: None,
     when: str = '',
+    waited_s: float = 0.0,
 ) -> None:
     """
     Fail unless messages or log lines arrive once per period, on any clock, until a phase ends.
@@ -39,14 +42,16 @@ def require_period(
     :param what: the expected thing in the singular, such as ``message``
     :param explain: returns the exam's own cause, which has priority over causes found in the gaps
     :param when: description of the phase, appended to the expectation
+    :param waited_s: time until the first one, which must come in less than two periods [s]
     """
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = _gaps(seconds)
     more = len(seconds) - during_s / period_s
     odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
-    if abs(more) <= 1.5 and not odd:
+    late = waited_s > 2 * period_s - SEEN_S
+    if abs(more) <= 1.5 and not odd and not late:
         return
-    disturbed = _why_disturbed(run, found, period_s, more < -1.5, what)
+    disturbed = _why_disturbed(run, found, period_s, late or more < -1.5, what)
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     if sleeps and 'reset' in Code(run.files).calls:
         sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
@@ -55,12 +60,18 @@ def require_period(
     )
     raise Failed(
         expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
-        observed=_rhythm(what, len(seconds), gaps, during_s / period_s),
+        observed=_rhythm(what, len(seconds), gaps, during_s / period_s)
+        + (f', the first after {waited_s:.2g} s' if late else ''),
         why=why_it_ended(run) or explain() or rhythm or why_silent(run),
         at=round(odd[0] * SECOND) if odd else None,
         every_s=period_s,
         shown_by=found,
     )
+
+
+def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
+    """Return the time between the first events of two lists [s], 0.0 if one list is empty."""
+    return sum((two['clock_ns'] - one['clock_ns']) / SECOND for one, two in zip(begun[:1], found))
 
 
 def _why_disturbed(
@@ -69,15 +80,19 @@ def _why_disturbed(
     """
     Explain a rhythm that begins late, or that other events of the run disturb.
 
-    :param few: whether there are too few messages or lines
+    :param few: whether there are too few messages or lines, or the first one is late
     """
     if len(found) < 2:
         return None
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = _gaps(seconds)
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
-        text = f'Every {what} is in time, but the first comes too late: the timer starts late.'
-        return Cause('begins_late', text, 'Create the timer in __init__(), and wait for nothing.')
+        text = (
+            f'Every {what} is in time, but the first comes too late: the timer starts late, or '
+            'its first call is skipped.'
+        )
+        hint = 'Create the timer in __init__(), wait for nothing, and act in each call.'
+        return Cause('begins_late', text, hint)
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
     for event, moments in other_moments(run, found).items():
         first = next((one for one in seconds if not _near(one, moments)), seconds[0])

@@ -123,6 +123,19 @@ class TestMessages:
 
         assert failed.value.observed == observed
 
+    def test_first_message_after_two_periods_fails_and_later_ones_pass(self):
+        """The first call of the timer has no message; one and a half periods are a late start."""
+        found = [message(clock) for clock in (2.0, 3.0, 4.0)]
+        run = run_of({'event': 'mark', 'clock_ns': 4_500_000_000})
+        waited_s = rhythm.seconds_between([{'event': 'seen', 'clock_ns': 0}], found)
+
+        rhythm.require_period(run, found, 1.0, 4.0, waited_s=1.5)
+        with pytest.raises(Failed) as failed:
+            rhythm.require_period(run, found, 1.0, 4.0, waited_s=waited_s)
+
+        assert failed.value.observed == '3 messages, 1 s apart, the first after 2 s'
+        assert failed.value.why.cause_id == 'begins_late'
+
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
         """The period in the code may be the right one."""

@@ -9,7 +9,7 @@ import pytest
 
 from autograder.authoring.exam_mistakes import inseparable_slips
 from autograder.exam import catalog
-from autograder.exam.slips import above_limit, of_nan, with_memory
+from autograder.exam.slips import above_limit, in_quick_succession, of_nan, with_memory
 from autograder.exam.specification import each, same, Slip, Specification
 
 
@@ -73,6 +73,22 @@ class TestCause:
         assert found.answers == [0, 2]
         assert list(found.row(1)) == [31.0, 45.0, 30.0]
         assert found.cause([0, 3], 1).cause_id == 'warns_at_threshold'
+
+    def test_throttled_warnings_are_one_of_a_burst(self):
+        """Single warnings are right, and at once only one comes."""
+        inputs, slips = (31.0, 20.0, 45.0, 31.0, 20.0), in_quick_succession(above(), 3)
+        found = Specification(inputs, above(), slips, burst=3)
+
+        assert found.cause([1, 0, 1], 2).cause_id == 'one_of_a_burst'
+        assert found.cause([1, 0, 0], 2) is None
+        assert in_quick_succession(above(), 0) == ()
+
+    def test_equal_message_that_is_skipped_is_not_a_change_only(self):
+        """Another value above the limit has its warning."""
+        found = asked(31.0, 31.0, 45.0, 20.0)
+
+        assert found.cause([1, 0, 1, 0], 1).cause_id == 'skips_equal'
+        assert found.cause([1, 0, 0, 0], 1).cause_id != 'skips_equal'
 
     def test_tuples_of_a_burst_come_in_any_order(self):
         """They are put in order on both sides."""

@@ -17,12 +17,14 @@ def _mixed(*speeds: float) -> list[float]:
 
 
 _most = _between(0.1, 0.3)
+_before = _mixed(
+    *(_between(0.05, 0.45), _between(0.6, 0.9), _between(1.1, 4.0)),
+    *(_between(-0.45, -0.05), _between(-0.9, -0.6), _between(-4.0, -1.1), 0.0),
+)
 exam = build(
     f'/{"".join(_draw.choices("bdghjklmnprtvwz", k=6))}',
-    _mixed(
-        *(_between(0.05, 0.45), _between(0.6, 0.9), _between(1.1, 4.0)),
-        *(_between(-0.45, -0.05), _between(-0.9, -0.6), _between(-4.0, -1.1), 0.0),
-    ),
+    # A speed that equals the previous one or an earlier one is an ordinary speed.
+    [*_before, _before[-1], _before[0]],
     _most,
     [
         *_mixed(_between(0.32, 0.48), _between(-0.48, -0.32), _between(0.01, 0.09), -_most),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.managed_pressure import build
+from autograder.exams.visible.managed_pressure import build, BURST
 
 _draw = generator('managed_pressure', 'limits and pressures')
 # Rounding or truncating a pressure just above one of these limits gives at most the limit; a
@@ -45,6 +45,6 @@ exam = build(
         'active': (*_edges, _again, _again, _high(), _between()),
         'paused': (9.75, 20.5),
         'still': (_high(), _between()),
-        'again': (_between(), _second, _high()),
+        'again': (_between(), _second, *(_high() for _ in range(1 + BURST))),
     },
 )

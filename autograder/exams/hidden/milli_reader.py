@@ -29,6 +29,7 @@ exam = build(
         _same[0],
         _same[0],
         0,
+        -_draw.randrange(101, 999),  # the whole part, 0, has no sign
         -abs(_number(682)),
         *map(_number, (7, 138)),
         _same[0],
@@ -36,7 +37,7 @@ exam = build(
     ],
     [
         *(_name(), _same[1], _same[1]),
-        *(f'Fahrenheit {_name()}', _name(), _name()),
+        *(f'Fahrenheit {_name()}', _name(), _name(), _name()),
         *('', _same[1]),
         *(_name() for _ in range(3)),
     ],

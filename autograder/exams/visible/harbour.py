@@ -13,7 +13,7 @@ from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs
-from autograder.judging.rhythm import require_period
+from autograder.judging.rhythm import require_period, seconds_between
 from autograder.recording import Event, INFO
 
 NAMESPACE = '/harbour'
@@ -128,6 +128,8 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
     :param node: full name
     """
     lines, seconds = watched_lines(run, node, INFO), run.facts['seconds']
+    # The first line may precede the phase.
+    waited_s = seconds_between(run.recording.of('seen'), own_logs(run, node, INFO))
 
     def explain() -> Cause | None:
         counts = [len(watched_lines(run, one, INFO)) for one in (LOOKOUT, KEEPER)]
@@ -140,9 +142,10 @@ def require_reports(run: Run, node: str, period_s: int) -> None:
                 or why_left_out(run, INFO, own_logs(run, node, INFO))
                 or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )
-        return why_left_out(run, INFO, lines) if len(lines) < seconds // period_s else None
+        few = len(lines) < seconds // period_s or waited_s > period_s
+        return why_left_out(run, INFO, lines) if few else None
 
-    require_period(run, lines, period_s, seconds, 'INFO line', explain)
+    require_period(run, lines, period_s, seconds, 'INFO line', explain, waited_s=waited_s)
 
 
 def build(seconds: int) -> Exam:

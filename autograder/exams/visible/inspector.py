@@ -18,7 +18,7 @@ from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Slip, Specification
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, one_for_one, passes, publishes
-from autograder.judging.rhythm import GRAIN_S, require_period
+from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
 from autograder.submission.code.learners_code import Code
 
 SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'
@@ -110,7 +110,10 @@ def why_starved(run: Run) -> Cause | None:
 def keeps_its_rhythm(run: Run) -> None:
     """A heartbeat comes every 0.5 s, also while a picture is inspected."""
     found, seconds = run.recording.messages(ALIVE), run.facts['seconds']
-    require_period(run, found, BEAT_S, seconds, 'heartbeat', lambda: why_starved(run))
+    waited_s = seconds_between(run.recording.of('seen'), found)
+    require_period(
+        run, found, BEAT_S, seconds, 'heartbeat', lambda: why_starved(run), waited_s=waited_s
+    )
 
 
 def inspects_one_at_a_time(run: Run) -> None:

@@ -10,14 +10,16 @@ unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/F
 from __future__ import annotations
 
 from collections.abc import Sequence
+import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import in_force_slips, range_slips
-from autograder.exam.scenario import Feed, Scenario, set_parameter, set_parameters, Step
-from autograder.exam.slips import above_limit, with_memory
-from autograder.exam.specification import Slip, Specification
+from autograder.exam.scenario import feeds, Scenario, set_parameter, set_parameters, Step
+from autograder.exam.slips import above_limit, Compare, in_quick_succession, of_nan, with_memory
+from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exams.limit_changes import (
     ACCEPTED,
+    BURST,
     Change,
     deciding,
     HIGHEST_C,
@@ -71,10 +73,18 @@ DECISIONS = (
         deciding(kinds=(int,)),
     ),
 )
+
+
+def _comparing(compare: Compare) -> Rule:
+    return warning(lambda one: compare(one.value, one.limit))
+
+
 WARNINGS = (
     *in_force_slips(lambda limit: warning(lambda one: one.value > limit(one)), LIMIT, DEFAULT_C),
-    *above_limit(lambda compare: warning(lambda one: compare(one.value, one.limit)), LIMIT),
+    *above_limit(_comparing, LIMIT),
+    of_nan(_comparing, LIMIT),
     *with_memory(warning()),
+    *in_quick_succession(warning(), BURST),
 )
 
 
@@ -82,7 +92,11 @@ def _require_warnings(run: Run, before: bool) -> None:
     accepted = [field_of(one, ACCEPTED) for one in run.recording.answers(SERVICE)]
     asked = in_force(run.asked('warnings'), run.asked('changes').inputs, accepted)
     found = rows(run, 'warnings', own_logs(run, NODE))
-    places = [place for place, one in enumerate(asked.inputs) if before is not bool(one.changes)]
+    places = [
+        place
+        for place, one in enumerate(asked.inputs[: len(found)])
+        if before is not bool(one.changes)
+    ]
     require_warnings(run, asked, found, places, places)
     require_all_sent(run, found[: places[-1] + 1])
 
@@ -127,8 +141,10 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     steps: list[Step] = []
     for number in range(len(changes) + 1):
         steps += [set_parameter(NODE, *changes[number - 1])] if number else []
-        messages = [{'data': one.value} for one in sent if one.changes == number]
-        steps.append(Feed(SOURCE, messages))
+        values = [one.value for one in sent if one.changes == number]
+        # JSON has no NaN.
+        messages = [{'data': 'nan' if math.isnan(one) else one} for one in values]
+        steps += feeds(SOURCE, messages, BURST if number == len(changes) else 0)
     steps.append(set_parameters(NODE, {PLACE: 'roof', LIMIT: HIGHEST_C + 1.0}))
     exam = Exam(
         'limit_keeper',
@@ -144,7 +160,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
         read='Part 5: A threshold that can be changed',
         asks={
             'changes': Specification(tuple(changes), deciding(), DECISIONS),
-            'warnings': Specification(sent, warning(), WARNINGS),
+            'warnings': Specification(sent, warning(), WARNINGS, BURST),
         },
     )
     exam.check(points=1)(node(NODE))

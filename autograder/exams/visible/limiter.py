@@ -16,7 +16,7 @@ from typing import NamedTuple
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
 from autograder.exam.scenario import Call, feeds, Scenario, set_parameter
-from autograder.exam.slips import changing
+from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of
@@ -66,6 +66,7 @@ def _limited_to(most: Callable[[Wanted], float]) -> Rule:
 
 
 SLIPS = (
+    *leaving_out(limited(), lambda one: one.speed),
     *limiting_slips(limited, 'speed', 'most'),
     *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
     # Each value of the parameter is accepted, so no refused one can be kept.

@@ -26,7 +26,7 @@ from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.causes.lifecycle import why_refused
 from autograder.judging.checks import require_answers, require_endpoint, require_partner
 from autograder.judging.claims import node
-from autograder.judging.rhythm import require_period
+from autograder.judging.rhythm import require_period, seconds_between
 from autograder.judging.rows import endpoints_at
 from autograder.recording import Event
 
@@ -187,7 +187,8 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     :param why_none: cause if there are no messages; None to find it in the code
     :param why_more: cause if there are too many messages; None to find it in their rhythm
     """
-    found, active_s = run.recording.phase(phase).messages(topic_of(run)), run.facts['active_s']
+    part, active_s = run.recording.phase(phase), run.facts['active_s']
+    found = part.messages(topic_of(run))
     if not found:
         require_endpoint(run, 'publisher', topic_of(run), TYPE)
         raise Failed(
@@ -199,7 +200,8 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     later = len(at_once) > 1 and len(found) - len(at_once) <= active_s
     more = SENT_LATER if later else why_more if len(found) > active_s + 1 else None
     when = f' while it is {phase}'
-    require_period(run, found, 1.0, active_s, explain=lambda: more, when=when)
+    waited_s = seconds_between(part.of('mark'), found)
+    require_period(run, found, 1.0, active_s, 'message', lambda: more, when, waited_s)
 
 
 def is_silent_otherwise(run: Run) -> None:

@@ -18,7 +18,7 @@ import operator
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import (
     Advance,
-    Feed,
+    feeds,
     FeedTopic,
     Mark,
     Qos,
@@ -27,7 +27,7 @@ from autograder.exam.scenario import (
     state,
     transition,
 )
-from autograder.exam.slips import above_limit, Compare, CUTS, with_memory
+from autograder.exam.slips import above_limit, Compare, CUTS, in_quick_succession, with_memory
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
@@ -45,6 +45,7 @@ EXERCISE = 'Exercise 2: a monitor that refuses nonsense'
 EVENTS = f'{NODE}/transition_event'
 EVENT_TYPE = 'lifecycle_msgs/msg/TransitionEvent'
 CHANGE, SETTING = f'{NODE}/change_state', f'{NODE}/set_parameters'
+BURST = 3  # pressures at the end, all above the limit, that are sent at once
 ANSWER_S = 3.0  # after each input: enough for a thread that polls every two seconds [s]
 
 
@@ -173,6 +174,7 @@ SLIPS = (
     ),
     *above_limit(warns, 'self.limit'),
     *with_memory(warns()),
+    *in_quick_succession(warns(), BURST),
 )
 
 
@@ -293,12 +295,13 @@ def _require_warnings(run: Run, phase: str) -> None:
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
     asked, found = run.asked('warnings'), _followed(run)
-    places = [place for place, one in enumerate(asked.inputs) if one.phase == phase]
+    inputs = asked.inputs[: len(found)]
+    places = [place for place, one in enumerate(inputs) if one.phase == phase]
     require_warnings(run, asked, found, places, places)
 
 
 def _followed(run: Run) -> list[Row | None]:
-    """Return the node's log lines after each pressure, None if the pressure was not sent."""
+    """Return the node's log lines after each pressure and the burst, None if it was not sent."""
     found: list[Row | None] = []
     for phase, pressures in groupby(run.asked('warnings').inputs, lambda one: one.phase):
         part = run.during(phase)
@@ -306,7 +309,8 @@ def _followed(run: Run) -> list[Row | None]:
         for _, sent in zip_longest(pressures, part.recording.of('input')):
             after = [one for one in lines if sent and one['after_input'] == sent['index']]
             found.append(after if sent else None)
-    return found
+    burst = [line for row in found[-BURST:] for line in row or ()]
+    return [*found[:-BURST], None if None in found[-BURST:] else burst]
 
 
 def build(
@@ -323,17 +327,18 @@ def build(
     :param highest: another valid limit, for the end [bar]
     :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active;
         ``active`` under the first limit; ``still`` after the parameter was set; ``again`` under
-        the second limit [bar]
+        the second limit, the last three as a burst above it [bar]
     """
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
     first, second, third, *others = (
         set_parameter(NODE, 'limit', limit) for limit in (*limits, highest, *refused[1:])
     )
-    feeds = {
-        phase: Feed(
+    sent = {
+        phase: feeds(
             TOPIC,
             [{'data': value} for value in values],
+            BURST if phase == 'again' else 0,
             optional=True,
             every_s=ANSWER_S,
             rest_s=0.0,
@@ -343,12 +348,12 @@ def build(
     refusals = [step for other in others for step in (other, configure, Advance(ANSWER_S))]
     steps = (
         *(Mark('refused'), configure, Advance(ANSWER_S), *refusals, state(NODE)),
-        *(Mark('accepted'), first, configure, feeds['accepted']),
-        *(Mark('active'), activate, feeds['active']),
-        *(Mark('paused'), deactivate, feeds['paused']),
+        *(Mark('accepted'), first, configure, *sent['accepted']),
+        *(Mark('active'), activate, *sent['active']),
+        *(Mark('paused'), deactivate, *sent['paused']),
         # A node may refuse to set the parameter before cleanup, so set it again afterwards.
-        *(Mark('still'), second, activate, feeds['still'], deactivate),
-        *(Mark('again'), cleanup, second, configure, activate, feeds['again']),
+        *(Mark('still'), second, activate, *sent['still'], deactivate),
+        *(Mark('again'), cleanup, second, configure, activate, *sent['again']),
         *(Mark('highest'), deactivate, cleanup, third, configure),
     )
     inputs = [
@@ -368,7 +373,7 @@ def build(
         ),
         read='Part 3: When a transition goes wrong',
         facts={'refused': refused},
-        asks={'warnings': Specification(inputs, warns(), SLIPS)},
+        asks={'warnings': Specification(inputs, warns(), SLIPS, BURST)},
     )
     exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)
@@ -390,6 +395,6 @@ exam = build(
         'active': (2.4, 2.5, 2.6, 9.0, 1.0),
         'paused': (8.0,),
         'still': (4.0, 9.0),
-        'again': (5.0, 7.0),
+        'again': (5.0, 7.0, 6.5, 8.0, 7.5),
     },
 )

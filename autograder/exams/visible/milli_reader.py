@@ -67,6 +67,12 @@ SLIPS = (
     ),
     *changing(lambda change: converting(lambda number: change(number / 1000))),
     Slip(
+        'sign_lost_near_zero',
+        'A value between -1 and 0 loses its sign.',
+        'Divide the number as a whole: number.num / 1000.0. A whole part of 0 has no sign.',
+        converting(lambda number: abs(number) / 1000 if -1000 < number < 0 else number / 1000),
+    ),
+    Slip(
         'not_divided',
         'Your node passes the number on unchanged.',
         'Divide it by 1000.0.',

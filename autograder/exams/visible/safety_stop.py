@@ -10,13 +10,13 @@ zeros, then nothing until the next command; nothing before the first command.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import Limit, limiting_slips, within
 from autograder.exam.scenario import Advance, Feed, Scenario
-from autograder.exam.slips import changing
+from autograder.exam.slips import changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.checks import require_messages, SECOND
 from autograder.judging.claims import node, passes
@@ -119,7 +119,18 @@ def limiting(cut: Limit) -> Rule:
     return guarding(pair)
 
 
+def skipping(instead: Sequence[Pair]) -> Rule:
+    """Return the rule of a safety stop that does not pass on what equals the last command."""
+
+    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
+        again = [False, *(one[:2] == two[:2] for one, two in pairwise(inputs))]
+        return [tuple(instead) if equal else row for equal, row in zip(again, guarding()(inputs))]
+
+    return rule
+
+
 SLIPS = (
+    Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
     Slip('other_limit', 'The speed is limited to 1.0 instead of 0.5.',
          'Limit linear.x to 0.5: max(-0.5, min(command.linear.x, 0.5)).',
@@ -266,7 +277,7 @@ def build(commands: Sequence[Command]) -> Exam:
 
 def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     """
-    Return commands with three silences among them, and a burst at the end.
+    Return commands with three silences among them, the first one twice, and a burst at the end.
 
     A mistake in the limit costs nothing in a silence: before one, speed and turn are small.
 
@@ -277,7 +288,8 @@ def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     short, long = SHORT_S
     pauses = (short, long, short, long, LONG_S, short, MIDDLE_S, long, short, LONG_S)
     lasts = (*pauses, *(0.0,) * (BURST - 1), LONG_S)
-    return [Command(*one) for one in zip(speeds, turns, lasts, strict=True)]
+    commands = [Command(*one) for one in zip(speeds, turns, lasts, strict=True)]
+    return [commands[0], *commands]
 
 
 exam = build(

@@ -15,7 +15,7 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import feeds, Scenario
-from autograder.exam.slips import NO_WARNING, REPEATED
+from autograder.exam.slips import in_quick_succession, NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exams import readings as monitor
 from autograder.exams.readings import Reading
@@ -82,6 +82,9 @@ def _why_not_logged(run: Run, reading: Reading, group: Followed) -> Cause | None
         return monitor.BURST_IS_CUT
     if group.count(INFO):
         return monitor.NO_VALUE
+    before = sent(run)[: sent(run).index(group)][-1:]
+    if any(one.showing(reading) and one.inputs == group.inputs for one in before):
+        return SKIPS_EQUAL
     return (
         _why_unit_refused(run, group)
         or why_not_logged(run, group.row, INFO, reading.is_in)
@@ -281,6 +284,7 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
         hot; at most five, the depth of the sensor-data profile
     """
     messages = [reading.message(number) for number, reading in enumerate(readings)]
+    slips = (*monitor.SLIPS, *in_quick_succession(monitor.warns(), burst))
     exam = Exam(
         'temperature_subscriber',
         title='The temperature subscriber',
@@ -292,7 +296,7 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
             steps=feeds(TOPIC, messages, burst),
         ),
         read='Part 3: The subscriber',
-        asks={'warnings': Specification(readings, monitor.warns(), monitor.SLIPS, burst)},
+        asks={'warnings': Specification(readings, monitor.warns(), slips, burst)},
     )
     needs = ['subscribes_to_readings']
     exam.check(points=1, read=EXERCISE)(node(NODE))
