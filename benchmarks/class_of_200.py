@@ -5,9 +5,9 @@ No two submissions have the same files, so they share no recordings.  Half of th
 half are wrong in different ways.  CPU time is measured with a control group, in which the kernel
 accounts for every process that the command starts, including sandboxes.
 
-One run keeps more than one core busy, because the probe and the program run at the same time.  So
-two workers are compared with one worker twice: on the same cores, and with one core per worker, as
-in a lab with identical machines.
+A run stays on one core of a calm machine, but starts and is read on any.  So two workers are
+compared with one worker twice: on the same cores, and with one core per worker, as in a lab with
+identical machines.
 
 The greatest possible gain of two workers is measured before and after: the time of two processes
 that only count, against one process that does the same work.  Virtual CPUs may share one real CPU.
