@@ -18,6 +18,8 @@ from roslab.ros2.interface_files import interface_class
 
 CONNECT_S = 3.0
 """How long subscriptions of other nodes may take to connect before the first message [s]."""
+LONGEST_WAIT_S = 0.5
+"""A signal that arrives just before a wait begins does not end it, so each wait is short."""
 _ACKNOWLEDGED = Duration(seconds=2.0)
 
 
@@ -79,8 +81,8 @@ class Player:
         for topic, received_ns, data in messages_of(self._bag):
             if topic in self._publishers:
                 due = began + (received_ns - self._bag.start_ns) / 1e9 / rate
-                if (left := due - time.monotonic()) > 0:
-                    wait(left)
+                while (left := due - time.monotonic()) > 0:
+                    wait(min(left, LONGEST_WAIT_S))
                 self._publishers[topic].publish(data)
                 count += 1
         for publisher in self._publishers.values():
