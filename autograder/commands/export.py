@@ -128,6 +128,14 @@ def _of_results(write: Callable[[Marked], bytes]) -> Make:
     return make
 
 
+def _keep_download(path: Path, download: Path, what: str) -> None:
+    """Refuse to write over the file that a platform exported, even with ``--force``."""
+    if path.resolve() == download.resolve():
+        raise GraderError(
+            f'{path}: the output would overwrite {what}.', 'Try: --to with a different name'
+        )
+
+
 @takes(
     ASSIGNMENT,
     option('--gradebook', 'file from Canvas', type=Path, required=True, metavar='FILE'),
@@ -136,11 +144,7 @@ def _of_results(write: Callable[[Marked], bytes]) -> Make:
     _points(GRADEBOOK),
 )
 def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    if path.resolve() == chosen.gradebook.resolve():
-        raise GraderError(
-            f'{path}: the output would overwrite the gradebook from Canvas.',
-            'Try: --to with a different name',
-        )
+    _keep_download(path, chosen.gradebook, 'the gradebook from Canvas')
     ((_, given),) = _marked(layout, chosen)
     data = canvas.read_file(chosen.gradebook)
     done = canvas.fill(data, str(chosen.gradebook), chosen.column, given, chosen.scale)
@@ -162,11 +166,7 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     _points(GRADEBOOK),
 )
 def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    if path.resolve() == chosen.worksheet.resolve():
-        raise GraderError(
-            f'{path}: the output would overwrite the worksheet from Moodle.',
-            'Try: --to with a different name',
-        )
+    _keep_download(path, chosen.worksheet, 'the worksheet from Moodle')
     ((found, given),) = _marked(layout, chosen)
     numbers = {
         student: of_one[found.assignment]

@@ -164,7 +164,7 @@ def test_each_mark_reaches_the_member_with_the_students_id(platform, settings):
 
 
 def test_who_has_no_mark_or_no_single_member_gets_no_score(platform, settings):
-    """A mark that is not ready is no zero; an inactive member takes none."""
+    """No zero replaces a missing mark, and an inactive member gets no score."""
     done = _sent(
         settings,
         Mark('ada', None, 6.5, BY_HAND),
