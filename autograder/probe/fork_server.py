@@ -69,8 +69,7 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
     Turn this fork into the probe of a run.
 
     :param order: ``variables`` of the environment; ``limits``, with the names of setrlimit(2) in
-        lower case; ``rules`` for :func:`confine.give_up`, None to keep all rights; and the numbers
-        of its ``processors``
+        lower case; and ``rules`` for :func:`confine.give_up`, None to keep all rights
     :param files: descriptors of standard input, output and error, of the probe's socket for the
         virtual clock, and of the namespaces to enter
     """
@@ -83,7 +82,6 @@ def become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> No
         for namespace in namespaces:
             enter(namespace)
         os.environ.update(order['variables'])
-        os.sched_setaffinity(0, order['processors'])
         for name, value in order['limits'].items():
             resource.setrlimit(getattr(resource, f'RLIMIT_{name.upper()}'), (value, value))
         if order['rules'] is not None:

@@ -25,11 +25,11 @@ from typing import Any
 from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.recording import header, Recording
-from autograder.runs.one_processor import one_processor
+from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.probes import compile_code, start_probe
-from autograder.sandboxes.processes import oom_kills, other_domains, ports, running
+from autograder.sandboxes.processes import family, oom_kills, other_domains, ports, running
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from environment.ros import RosEnvironment
 
@@ -135,7 +135,7 @@ def observe(
     began = time.monotonic()
     with (
         sandbox.turn(),
-        nullcontext() if builds else one_processor(),
+        nullcontext(os.sched_getaffinity(0)) if builds else one_processor() as processors,
         laid_out(files) as (submission, home),
         virtual_clock(2) as clock,
     ):
@@ -147,7 +147,7 @@ def observe(
         student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
         try:
             watched = _Watched(student, limits, scenario, sandbox, clock)
-            watched.exam, watched.told = exam_name, told
+            watched.exam, watched.told, watched.processors = exam_name, told, processors
             events = watched.run()
         finally:
             student.kill()
@@ -178,6 +178,7 @@ class _Watched:
         self.exam = ''
         self.events: list[dict[str, Any]] = []
         self.told: Callable[[Mapping[str, Any]], None] | None = None
+        self.processors: set[int] = set()
         self.pending = b''
         self.recorded = 0
         self.output = {'stdout': b'', 'stderr': b''}
@@ -307,6 +308,8 @@ class _Watched:
             if event['event'] == 'ready':
                 # Virtual time stands still until the probe has received the byte that starts it.
                 self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
+                together = self.probe.pid, self.clock.driver.pid, *family(self.student.pid)
+                keep_on(self.processors, together)
                 self.student.release()
                 self._tell_probe(b'g')
                 continue

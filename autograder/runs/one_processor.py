@@ -3,14 +3,15 @@ Keep a run on one processor.
 
 Two threads of a run hardly ever compute at the same time, because its virtual clock wakes them one
 by one.  So a second processor gains nothing.  On the contrary: waking a thread there takes longer
-than switching to it, because an idle processor must first wake up itself.
+than switching to it, because an idle processor must first wake up itself.  Before the clock moves,
+program and probe start side by side, and use all processors.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 import os
 from pathlib import Path
 import threading
@@ -23,15 +24,16 @@ _runs: Counter[int] = Counter()  # runs of this process on each processor
 
 
 @contextmanager
-def one_processor() -> Iterator[None]:
+def one_processor() -> Iterator[set[int]]:
     """
-    Keep this thread, and all processes that it starts, on the processor with the fewest runs.
+    Choose the processor with the fewest runs for a run, for :func:`keep_on`.
 
     On a busy machine, no processor is idle, and the system chooses better where to run a thread.
+    Then, all processors are chosen.
     """
     allowed = os.sched_getaffinity(0)
     if _ready_to_run() > BUSY * len(allowed):
-        yield
+        yield allowed
         return
     here = _current()
     with _lock:
@@ -39,12 +41,25 @@ def one_processor() -> Iterator[None]:
         chosen = min(allowed, key=lambda one: (_runs[one], one != here))
         _runs[chosen] += 1
     try:
-        os.sched_setaffinity(0, {chosen})
-        yield
+        yield {chosen}
     finally:
-        os.sched_setaffinity(0, allowed)
         with _lock:
             _runs[chosen] -= 1
+
+
+def keep_on(processors: set[int], pids: Iterable[int]) -> None:
+    """
+    Let all threads of these processes, and what they start from now on, use only some processors.
+
+    A process that the grader may not change, or that has ended, is left as it is.
+
+    :param processors: numbers of the processors
+    :param pids: host pids
+    """
+    for pid in pids:
+        with suppress(OSError):
+            for thread in os.listdir(f'/proc/{pid}/task'):
+                os.sched_setaffinity(int(thread), processors)
 
 
 def _ready_to_run() -> int:

@@ -171,7 +171,6 @@ class ForkServer:
             'variables': self._variables(student.domain),
             'limits': LIMITS.of_process(self.sandbox.processes()),
             'rules': self._rules(),
-            'processors': sorted(os.sched_getaffinity(0)),  # those of the grader's thread
         }
         try:
             socket.send_fds(self.channel, [json.dumps(order).encode()], [*pipes, *others])

@@ -10,9 +10,9 @@ from threading import Barrier, Thread
 import pytest
 
 from autograder.runs import one_processor as module
-from autograder.runs.one_processor import BUSY, one_processor
+from autograder.runs.one_processor import BUSY, keep_on, one_processor
 
-ALLOWED = 'import os; print(sorted(os.sched_getaffinity(0)))'
+AFFINITY = 'import os; print(sorted(os.sched_getaffinity(0)))'
 
 
 @pytest.fixture(autouse=True)
@@ -21,17 +21,21 @@ def calm(monkeypatch):
     monkeypatch.setattr(module, '_ready_to_run', lambda: 1)
 
 
-def test_a_thread_and_its_children_stay_on_one_processor_until_the_run_ends():
-    """Afterwards, the thread may use all processors again."""
-    before = os.sched_getaffinity(0)
-    with one_processor():
-        (chosen,) = os.sched_getaffinity(0)
-        child = subprocess.run(
-            [sys.executable, '-c', ALLOWED], capture_output=True, text=True, check=True
-        )
-    assert chosen in before
-    assert child.stdout == f'[{chosen}]\n'
-    assert os.sched_getaffinity(0) == before
+def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor():
+    """A child that has ended changes nothing."""
+    threads = 'import threading, sys; threading.Thread(target=sys.stdin.read).start(); '
+    code = f'{threads}print("begun", flush=True); threading.enumerate()[1].join(); {AFFINITY}'
+    argv = [sys.executable, '-c', code]
+    ended = subprocess.Popen(['true'])
+    ended.wait()
+    with subprocess.Popen(argv, stdin=-1, stdout=-1, text=True) as child, one_processor() as one:
+        child.stdout.readline()
+        keep_on(one, [ended.pid, child.pid])
+        tasks = map(int, os.listdir(f'/proc/{child.pid}/task'))
+        assert [os.sched_getaffinity(task) for task in tasks] == [one, one]
+        child.stdin.close()
+        assert child.stdout.read() == f'{sorted(one)}\n'
+    assert len(one) == 1
 
 
 def test_runs_side_by_side_share_the_processors_evenly():
@@ -40,8 +44,8 @@ def test_runs_side_by_side_share_the_processors_evenly():
     together, chosen = Barrier(2 * len(allowed)), []
 
     def run() -> None:
-        with one_processor():
-            chosen.extend(os.sched_getaffinity(0))
+        with one_processor() as one:
+            chosen.extend(one)
             together.wait()
 
     threads = [Thread(target=run) for _ in range(2 * len(allowed))]
@@ -56,5 +60,5 @@ def test_on_a_busy_machine_the_system_chooses_the_processor(monkeypatch):
     """No processor is idle then, so staying on one gains nothing."""
     allowed = os.sched_getaffinity(0)
     monkeypatch.setattr(module, '_ready_to_run', lambda: BUSY * len(allowed) + 1)
-    with one_processor():
-        assert os.sched_getaffinity(0) == allowed
+    with one_processor() as chosen:
+        assert chosen == allowed
