@@ -12,7 +12,7 @@ from autograder.judging.causes.text_table import rows_of
 from autograder.layout import Layout
 from autograder.recording import Event, Recording
 from autograder.results import CheckResult, Verdict
-from autograder.submission.code.acts import place_of
+from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.learners_code import Code
 
 _ACTS = {one: acts for causes, acts in rows_of('places.txt') for one in causes.split()}
@@ -104,9 +104,11 @@ def _judge_one(
 
 
 def _place(run: Run, why: Cause, shown_by: Sequence[Event]) -> str:
-    """Return the line of the act that a cause speaks about, empty if there is no single place."""
+    """Return the line that a cause speaks about, empty if no single line is known."""
+    if why.line:
+        return Place(why.line).words
     acts = why.act or _ACTS.get(why.cause_id.removeprefix(_OF_A_CHECK))
-    if not acts or why.text.startswith('Line '):
+    if not acts:
         return ''
     lines = {int(one['line']) for one in shown_by if one.get('line')}
     place = place_of(Code(run.files), acts, why.about, lines)

@@ -20,7 +20,6 @@ from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.checks import lines, own_logs
 from autograder.judging.rows import Row, rows
 from autograder.recording import INFO, WARN
-from autograder.submission.code.learners_code import in_cell
 
 
 @dataclass(frozen=True)
@@ -114,8 +113,9 @@ def _why_from_elsewhere(
     others = sorted(_places(_warnings([followed[place]])) - right)
     if not right or not others:
         return None
-    text = f'{in_cell(others[0])}A WARN line comes from here, without a value above the limit.'
-    return Cause('other_warning', text, 'Log everything else with info() or error().')
+    text = 'A WARN line comes from here, without a value above the limit.'
+    repair = 'Log everything else with info() or error().'
+    return Cause('other_warning', text, repair, line=others[0])
 
 
 def _warnings(followed: Iterable[Row | None]) -> Row:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 import re
 
 from autograder.exam.exam import Cause, Run
@@ -47,8 +48,8 @@ def why_not_logged(
         return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
-        line = instead[0].get('line')
-        return cause_of('wrong_level', other=other, call=CALLS[level], line=line)
+        why = cause_of('wrong_level', other=other, call=CALLS[level])
+        return replace(why, line=instead[0].get('line'))
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
 
 

@@ -36,7 +36,7 @@ def cause_of(situation: str, **words: object) -> Cause:
     cause_id, text, try_this = _sentences()[situation]
     about = [
         str(words[name])
-        for name in ('near', 'seen', 'topic', 'base', 'name', 'line')
+        for name in ('near', 'seen', 'topic', 'base', 'name')
         if name in words
     ]
     return Cause(cause_id, text.format(**words), try_this.format(**words), about)

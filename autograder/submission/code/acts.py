@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
-from autograder.submission.code.learners_code import Code, in_cell, last_name
+from autograder.submission.code.learners_code import Code, last_name
 from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, names_in, Program
 
 OPERATORS: Mapping[str, type[ast.AST]] = {
@@ -66,7 +66,7 @@ class Place(NamedTuple):
     """
     The place of an act.
 
-    :param line: in the file, from 1
+    :param line: line of the file, from 1
     :param function: name of the function that begins in this line, if the act has several places
         in it; empty if the line itself does the act
     """
@@ -77,8 +77,8 @@ class Place(NamedTuple):
     @property
     def words(self) -> str:
         """Return the place as the beginning of a message."""
-        where = in_cell(self.line)
-        return f'{where[:-2]}, in {self.function[:40]}(): ' if self.function else where
+        where = f', in {self.function[:40]}()' if self.function else ''
+        return f'Line {self.line + 1}{where}: '  # the cell has its magic line before the file
 
 
 def place_of(

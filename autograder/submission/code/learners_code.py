@@ -38,15 +38,6 @@ def without_texts(code: str) -> str:
     return ''.join(char for line in lines for char in line)
 
 
-def in_cell(line: int | None) -> str:
-    """
-    Return the prefix of a message that names a line of the student's cell; empty for None.
-
-    :param line: line of the file, from 1; the cell has its magic line before it
-    """
-    return f'Line {line + 1}: ' if line else ''
-
-
 def trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
     """Yield the syntax tree of each Python file, without files that Python cannot parse."""
     for name, text in sorted(files.items()):
