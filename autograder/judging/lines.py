@@ -21,6 +21,8 @@ from autograder.judging.checks import lines, own_logs
 from autograder.judging.rows import Row, rows
 from autograder.recording import INFO, WARN
 
+WARN_ACT = 'limit@to:create_subscription() | limit | if:warning() | warning()'
+
 
 @dataclass(frozen=True)
 class Followed:
@@ -101,6 +103,7 @@ def require_warnings(
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
+        act=WARN_ACT,
     )
 
 

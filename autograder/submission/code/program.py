@@ -88,7 +88,8 @@ class Program:
         return next(iter(common), None)
 
     def calls(self, *names: str) -> list[ast.Call]:
-        """Return the calls of functions."""
+        """Return the calls of functions; loggers have ``warn`` as another name of ``warning``."""
+        names = (*names, 'warn') if 'warning' in names else names
         calls = (node for node in self.nodes if isinstance(node, ast.Call))
         return [node for node in calls if last_name(node.func) in names]
 
