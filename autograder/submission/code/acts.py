@@ -34,8 +34,15 @@ from typing import NamedTuple
 
 from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
-from autograder.submission.code.learners_code import Code, last_name
-from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, names_in, Program
+from autograder.submission.code.learners_code import Code
+from autograder.submission.code.program import (
+    FUNCTIONS,
+    is_stored,
+    last_name,
+    line_of,
+    names_in,
+    Program,
+)
 
 OPERATORS: Mapping[str, type[ast.AST]] = {
     '%': ast.Mod,
@@ -105,7 +112,7 @@ def _place(program: Program, act: str) -> Place | None:
     """Return the place of an act, given as alternative words."""
     found = [node for word in act.split() for node in find(program, word)]
     seen = [node for node in found if _is_seen(program, node)]
-    working = [node for node in found if not program.working.isdisjoint(program.around(node))]
+    working = list(filter(program.is_working, found))
     for some in (found, seen, working):
         if len(set(map(line_of, some))) == 1:
             one = some[0]

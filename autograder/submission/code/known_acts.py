@@ -7,12 +7,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 
 from autograder.submission.code import assignments
-from autograder.submission.code.learners_code import last_name
 from autograder.submission.code.program import (
     argument,
     end_of,
     FUNCTIONS,
     is_stored,
+    last_name,
     line_of,
     names_in,
     Program,
