@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, lru_cache
 import os
 from pathlib import Path
 import sys
@@ -116,7 +116,7 @@ class Layout:
         folders = [Path(chosen).resolve()] if chosen else [started, *started.parents, PROJECT]
         for folder in folders:
             if (folder / FILE).is_file():
-                return cls(folder)
+                return _course(folder, (folder / FILE).stat().st_mtime_ns)
         raise GraderError(
             f'{folders[0]}: this is not the folder of a course; it has no {FILE}.',
             'Try: cd to a course, or create one with new-course',
@@ -238,3 +238,13 @@ class Layout:
                 f'notebooks/{assignment}/: there is no released notebook. Try: make release'
             )
         return found[0]
+
+
+@lru_cache(maxsize=8)
+def _course(root: Path, written_ns: int) -> Layout:
+    """
+    Return the course in a folder; its ``course.toml`` is read once.
+
+    :param written_ns: when the file was last written, so that a new version is read again
+    """
+    return Layout(root)

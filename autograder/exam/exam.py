@@ -49,6 +49,8 @@ class Failed(Exception):
     :param at: virtual time of the first deviation [ns], if no single event shows it
     :param every_s: period of the expected messages [s], only used to draw the picture
     :param shown_by: log lines that show the failure; their place in the code helps to explain it
+    :param act: what a program does for this check, see :mod:`autograder.submission.code.acts`; a
+        slip is in that line, unless ``judging/causes/places.txt`` knows a more telling one
     """
 
     expected: str
@@ -59,6 +61,7 @@ class Failed(Exception):
     at: int | None = None
     every_s: float | None = None
     shown_by: Sequence[Event] = ()
+    act: str = ''
 
     def __str__(self) -> str:
         """Return the observation."""

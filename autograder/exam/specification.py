@@ -62,6 +62,7 @@ class Cause:
     :param about: names, texts or numbers that the program has there, which help to find the line
     :param act: what the program does in that line, see :mod:`autograder.submission.code.acts`; by
         default, as in ``judging/causes/places.txt``
+    :param line: that line, from 1, if the run shows it, as a traceback does
     """
 
     cause_id: str
@@ -69,6 +70,7 @@ class Cause:
     try_this: str
     about: Sequence[str] = ()
     act: str = ''
+    line: int | None = None
 
 
 @dataclass(frozen=True, init=False)

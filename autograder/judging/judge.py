@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
+from autograder.exam.specification import Slip
 from autograder.judging.causes.ended import how_to_look
 from autograder.judging.causes.redaction import without_arguments
-from autograder.judging.causes.text_table import rows_of
+from autograder.judging.causes.text_table import acts_by_cause
 from autograder.layout import Layout
-from autograder.recording import Event, Recording
+from autograder.recording import Recording
 from autograder.results import CheckResult, Verdict
-from autograder.submission.code.acts import place_of
+from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.learners_code import Code
 
-_ACTS = {one: acts for causes, acts in rows_of('places.txt') for one in causes.split()}
 _OF_A_CHECK = 'check_'  # a learner's check that has itself the mistake of a node
 
 
@@ -88,7 +88,7 @@ def _judge_one(
             max_points=check.points,
             expected=failure.expected,
             observed=failure.observed,
-            cause=_place(run, why, failure.shown_by) + run.names.fill(why.text),
+            cause=_place(run, why, failure) + run.names.fill(why.text),
             cause_id=why.cause_id,
             try_this=run.names.fill(why.try_this),
             read=Layout.here().facts.section_about(why.cause_id) or check.read or exam.read,
@@ -103,11 +103,12 @@ def _judge_one(
     return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)
 
 
-def _place(run: Run, why: Cause, shown_by: Sequence[Event]) -> str:
-    """Return the line of the act that a cause speaks about, empty if there is no single place."""
-    acts = why.act or _ACTS.get(why.cause_id.removeprefix(_OF_A_CHECK))
-    if not acts or why.text.startswith('Line '):
-        return ''
-    lines = {int(one['line']) for one in shown_by if one.get('line')}
-    place = place_of(Code(run.files), acts, why.about, lines)
+def _place(run: Run, why: Cause, failure: Failed) -> str:
+    """Return the line that a cause speaks about, empty if no single line is known."""
+    if why.line:
+        return Place(why.line).words
+    own = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK), '')
+    acts = [own, failure.act if isinstance(why, Slip) else '']
+    lines = {int(one['line']) for one in failure.shown_by if one.get('line')}
+    place = place_of(Code(run.files), ' | '.join(filter(None, acts)), why.about, lines)
     return place.words if place else ''

@@ -20,7 +20,8 @@ from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.checks import lines, own_logs
 from autograder.judging.rows import Row, rows
 from autograder.recording import INFO, WARN
-from autograder.submission.code.learners_code import in_cell
+
+WARN_ACT = 'limit@to:create_subscription() | limit | if:warning() | warning()'
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,7 @@ def require_warnings(
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
+        act=WARN_ACT,
     )
 
 
@@ -114,8 +116,9 @@ def _why_from_elsewhere(
     others = sorted(_places(_warnings([followed[place]])) - right)
     if not right or not others:
         return None
-    text = f'{in_cell(others[0])}A WARN line comes from here, without a value above the limit.'
-    return Cause('other_warning', text, 'Log everything else with info() or error().')
+    text = 'A WARN line comes from here, without a value above the limit.'
+    repair = 'Log everything else with info() or error().'
+    return Cause('other_warning', text, repair, line=others[0])
 
 
 def _warnings(followed: Iterable[Row | None]) -> Row:

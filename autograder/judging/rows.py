@@ -29,7 +29,7 @@ from autograder.recording import Event
 
 Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once comes earlier [s]
-TIMER = 'create_timer()'
+TIMER, ANSWER = 'create_timer()', 'if:publish() | def:publish()'
 PUBLISHES_LATER = Cause(
     'publishes_later',
     'Some time after the answer to a message, your node publishes again, although no other '
@@ -149,6 +149,7 @@ def require_one_for_one(
                 observed=f'{count or "none"}',
                 why=why_silent(run)
                 or why_other_answer(asked, came, place, delays(run, ask, topic)),
+                act=ANSWER,
             )
 
 

@@ -86,12 +86,12 @@ def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
         ('SyntaxError: invalid syntax', 'syntax'),
     ],
 )
-def test_exception_is_named_with_the_line_of_the_cell(error, cause_id):
-    """Line 7 of the file is line 8 of the cell, below the magic line."""
+def test_exception_is_named_with_its_line(error, cause_id):
+    """It is the one of the learner's file."""
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
     assert found.cause_id == cause_id
-    assert 'Line 8: ' in found.text
+    assert found.line == 7
 
 
 def test_node_that_never_answers_was_never_spun():

@@ -41,7 +41,7 @@ CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
     ('why', 'line', 'place'),
     [
         (Cause('wrong_rate', 'It is fast.', '', ['0.7']), None, 'Line 2: '),
-        (Cause('wrong_rate', 'Line 9: It is fast.', '', ['0.7']), None, ''),
+        (Cause('wrong_rate', 'It is fast.', '', ['0.7'], line=8), None, 'Line 9: '),
         (Cause('not_in_the_table', 'It is fast.', '', ['0.7']), None, ''),
         (Cause('no_number', 'It has no number.', ''), 3, 'Line 4: '),
         (Cause('no_number', 'It has no number.', ''), None, ''),
@@ -50,7 +50,7 @@ CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
     ],
 )
 def test_cause_begins_with_the_line_of_its_act(why, line, place):
-    """The line is that of the cell; a line that the cause has itself stays the only one."""
+    """The line is that of the cell; a line that the run shows comes first."""
     exam = make_exam()
 
     def dies(run):

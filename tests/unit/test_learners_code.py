@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.submission.code import learners_code
-from autograder.submission.code.learners_code import (
-    Code,
+from autograder.submission.code import code_places
+from autograder.submission.code.code_places import (
     FieldUse,
     Pause,
     pause_in_callback,
-    texts_in,
     use_of_field,
-    without_texts,
 )
+from autograder.submission.code.learners_code import Code, without_texts
 
 BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
 
@@ -53,12 +51,12 @@ class TestTexts:
         """A package has other files too."""
         files = {'n.py': "math.isnan(a) or 'Farenheit'", 'package.xml': "<a b='c'>isfinite(1)</a>"}
 
-        assert texts_in(files) == {'Farenheit'}
+        assert Code(files).texts == {'Farenheit'}
         assert set(Code(files).calls) == {'isnan'}
 
     def test_an_escape_that_python_warns_of_is_the_learners(self):
         """The grader prints no warnings of it."""
-        assert texts_in({'n.py': "a = '\\d'"}) == {'\\d'}
+        assert Code({'n.py': "a = '\\d'"}).texts == {'\\d'}
 
 
 @pytest.mark.parametrize(
@@ -146,7 +144,7 @@ class TestPauses:
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []
-        monkeypatch.setattr(learners_code, '_pause', looked.append)
+        monkeypatch.setattr(code_places, '_pause', looked.append)
 
         assert pause_in_callback({'n.py': f'{chain}\n{given}\n'}) is None
         assert len(looked) == 200

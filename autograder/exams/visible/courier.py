@@ -143,7 +143,8 @@ def delivers_to_who_comes_late(run: Run) -> None:
 
 def _why_late(run: Run, late_s: float) -> Cause:
     """Explain a parcel that arrives some time after a subscription has connected."""
-    periods = list(Code(run.files).first_numbers('create_timer'))
+    programs = Code(run.files).programs
+    periods = [one for program in programs for one in program.numbers('create_timer')]
     return WAITS if periods and min(periods) < late_s / 2 else LATE
 
 

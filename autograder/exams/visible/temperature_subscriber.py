@@ -27,7 +27,7 @@ from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
 from autograder.judging.lines import Followed, followed, require_warnings, share, warnings_after
 from autograder.recording import ERROR, Event, INFO, WARN
-from autograder.submission.code.learners_code import texts_in
+from autograder.submission.code.learners_code import Code
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'
@@ -189,7 +189,7 @@ def _why_unit_refused(run: Run, group: Followed) -> Cause | None:
         return None
     if why := why_exception_logged(run, group.logs):
         return why
-    written = close_name('Fahrenheit', texts_in(run.files))
+    written = close_name('Fahrenheit', Code(run.files).texts)
     if written in ('', 'Fahrenheit'):
         return monitor.FAHRENHEIT_REFUSED
     hint = f"Your code has '{written}'; the unit is 'Fahrenheit', letter by letter."

@@ -238,7 +238,7 @@ def _why_no_answer(run: Run, text: str) -> Cause | None:
     if text == 'exception' and trace:
         why = exception_cause(trace)
         helpful = why.cause_id not in UNHELPFUL
-        return why if helpful else replace(RAISES, text=f'{trace.place}{RAISES.text}')
+        return why if helpful else replace(RAISES, line=trace.place)
     if NO_ACCEPTS in str(run.recording.process.get('stderr', '')):
         return NO_FUNCTION
     if text == 'no answer':

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.text_table import rows_of
+from autograder.submission.code.acts import find
 from autograder.submission.code.learners_code import Code
 
 
@@ -86,7 +87,7 @@ def _creates_node(code: Code) -> bool:
 
 
 _FACTS: Mapping[str, Callable[[Code], bool]] = {
-    'catches_all': lambda code: code.catches_all,
+    'catches_all': lambda code: any(find(one, 'catch_all') for one in code.programs),
     'ends_itself': lambda code: code.ends_itself,
     'loops': lambda code: code.loops,
     'serves': lambda code: 'spin' in code.calls or code.loops,

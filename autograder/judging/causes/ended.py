@@ -210,12 +210,12 @@ def why_silent(run: Run) -> Cause | None:
 
 def why_late(run: Run) -> Cause | None:
     """Explain a timer whose period has the wrong unit, so that its first call is too late."""
-    code = Code(run.files)
-    for timer in ('create_timer', 'Timer'):
-        for period_s in code.first_numbers(timer):
-            if period_s >= LONG_S:
-                minutes = period_s / 60
-                return cause_of('period_unit', timer=timer, period_s=period_s, minutes=minutes)
+    for program in Code(run.files).programs:
+        for timer in ('create_timer', 'Timer'):
+            for period_s in program.numbers(timer):
+                if period_s >= LONG_S:
+                    minutes = period_s / 60
+                    return cause_of('period_unit', timer=timer, period_s=period_s, minutes=minutes)
     return None
 
 

@@ -23,7 +23,6 @@ from autograder.judging.causes.unknown_names import (
     name_cause,
 )
 from autograder.layout import Layout
-from autograder.submission.code.learners_code import in_cell
 
 __all__ = ['exception_cause']
 
@@ -99,13 +98,13 @@ KINDS = tuple(Kind(*row) for row in rows_of('by_exception.txt'))
 
 
 def exception_cause(trace: Traceback) -> Cause:
-    """Return the cause of an exception; its text begins with the line in the learner's cell."""
+    """Return the cause of an exception."""
     for explain in _IN_ORDER:
         if cause := explain(trace):
-            place = '' if cause.cause_id in _IN_A_FILE else trace.place
-            return replace(cause, text=f'{place}{cause.text}')
+            elsewhere = cause.cause_id in _IN_A_FILE
+            return replace(cause, line=cause.line or (None if elsewhere else trace.place))
     text = f'An exception was raised: {trace.error}'
-    return Cause('exception', f'{trace.place}{text}', _how_to_find(trace))
+    return Cause('exception', text, _how_to_find(trace), line=trace.place)
 
 
 def _how_to_find(trace: Traceback) -> str:
@@ -128,10 +127,9 @@ def _known_cause(trace: Traceback) -> Cause | None:
     for kind in KINDS:
         if found := re.search(kind.says, trace.said):
             # If the pattern includes the line of code, name that line even if it only spins.
-            place = in_cell(trace.line) if trace.spun and r'\n' in kind.says else ''
-            return Cause(
-                kind.cause_id, place + found.expand(kind.text), found.expand(kind.try_this)
-            )
+            line = trace.line if r'\n' in kind.says else None
+            text, repair = found.expand(kind.text), found.expand(kind.try_this)
+            return Cause(kind.cause_id, text, repair, line=line)
     return None
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 import re
 
 from autograder.exam.exam import Cause, Run
@@ -18,7 +19,8 @@ from autograder.judging.causes.logged_errors import why_exception_logged
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import Code, last_name
+from autograder.submission.code.learners_code import Code
+from autograder.submission.code.program import last_name
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
@@ -47,8 +49,8 @@ def why_not_logged(
         return why
     if instead:
         other = LEVELS.get(instead[0]['level'], instead[0]['level'])
-        line = instead[0].get('line')
-        return cause_of('wrong_level', other=other, call=CALLS[level], line=line)
+        why = cause_of('wrong_level', other=other, call=CALLS[level])
+        return replace(why, line=instead[0].get('line'))
     return why_printed(run, level, _needed(run, belongs)) or why_dropped(run, level)
 
 

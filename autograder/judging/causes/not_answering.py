@@ -16,7 +16,7 @@ from autograder.judging.causes.redaction import asked
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.recording import Recording
-from autograder.submission.code.learners_code import in_cell, pause_in_callback
+from autograder.submission.code.code_places import pause_in_callback
 
 THREAD = 'Exception in thread '
 """Start of Python's message about an exception that ended a thread."""
@@ -83,4 +83,4 @@ def why_it_sleeps(run: Run) -> Cause | None:
     if pause is None:
         return None
     name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
-    return cause_of('sleeps_in_callback', place=in_cell(pause.line), name=name)
+    return replace(cause_of('sleeps_in_callback', name=name), line=pause.line)

@@ -27,6 +27,14 @@ def rows_of(name: str) -> list[list[str]]:
     return rows((FOLDER / name).read_text(encoding='utf-8'))
 
 
+@cache
+def acts_by_cause() -> dict[str, str]:
+    """Return the acts of each cause in ``places.txt``."""
+    text = (FOLDER / 'places.txt').read_text(encoding='utf-8').replace('\n  ', ' ')
+    rows = (line.split(': ') for line in text.splitlines() if line and line[0] != '#')
+    return {one: acts for causes, acts in rows for one in causes.split()}
+
+
 def cause_of(situation: str, **words: object) -> Cause:
     """
     Return the cause for a situation from ``by_evidence.txt``.
@@ -35,9 +43,7 @@ def cause_of(situation: str, **words: object) -> Cause:
     """
     cause_id, text, try_this = _sentences()[situation]
     about = [
-        str(words[name])
-        for name in ('near', 'seen', 'topic', 'base', 'name', 'line')
-        if name in words
+        str(words[name]) for name in ('near', 'seen', 'topic', 'base', 'name') if name in words
     ]
     return Cause(cause_id, text.format(**words), try_this.format(**words), about)
 

@@ -16,7 +16,7 @@ import re
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
-from autograder.submission.code.learners_code import in_cell, without_texts
+from autograder.submission.code.learners_code import without_texts
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
@@ -62,9 +62,9 @@ class Traceback:
         return self.error.partition(':')[0].rpartition('.')[2]
 
     @property
-    def place(self) -> str:
-        """Return the line in the learner's cell, empty if this line only spins."""
-        return in_cell(None if self.spun else self.line)
+    def place(self) -> int | None:
+        """Return the line that raised the exception, None if this line only spins."""
+        return None if self.spun else self.line
 
     @cached_property
     def said(self) -> str:

@@ -34,8 +34,15 @@ from typing import NamedTuple
 
 from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
-from autograder.submission.code.learners_code import Code, in_cell, last_name
-from autograder.submission.code.program import FUNCTIONS, is_stored, line_of, names_in, Program
+from autograder.submission.code.learners_code import Code
+from autograder.submission.code.program import (
+    FUNCTIONS,
+    is_stored,
+    last_name,
+    line_of,
+    names_in,
+    Program,
+)
 
 OPERATORS: Mapping[str, type[ast.AST]] = {
     '%': ast.Mod,
@@ -66,7 +73,7 @@ class Place(NamedTuple):
     """
     The place of an act.
 
-    :param line: in the file, from 1
+    :param line: line of the file, from 1
     :param function: name of the function that begins in this line, if the act has several places
         in it; empty if the line itself does the act
     """
@@ -77,8 +84,8 @@ class Place(NamedTuple):
     @property
     def words(self) -> str:
         """Return the place as the beginning of a message."""
-        where = in_cell(self.line)
-        return f'{where[:-2]}, in {self.function[:40]}(): ' if self.function else where
+        where = f', in {self.function[:40]}()' if self.function else ''
+        return f'Line {self.line + 1}{where}: '  # the cell has its magic line before the file
 
 
 def place_of(
@@ -105,7 +112,7 @@ def _place(program: Program, act: str) -> Place | None:
     """Return the place of an act, given as alternative words."""
     found = [node for word in act.split() for node in find(program, word)]
     seen = [node for node in found if _is_seen(program, node)]
-    working = [node for node in found if not program.working.isdisjoint(program.around(node))]
+    working = list(filter(program.is_working, found))
     for some in (found, seen, working):
         if len(set(map(line_of, some))) == 1:
             one = some[0]

@@ -10,8 +10,7 @@ import ast
 from collections import Counter
 from collections.abc import Iterator
 
-from autograder.submission.code.learners_code import last_name
-from autograder.submission.code.program import assigned, names_in, Program
+from autograder.submission.code.program import assigned, last_name, names_in, Program
 
 
 def counts(program: Program) -> Iterator[ast.AST]:

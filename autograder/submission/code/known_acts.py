@@ -7,12 +7,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 
 from autograder.submission.code import assignments
-from autograder.submission.code.learners_code import last_name
 from autograder.submission.code.program import (
     argument,
     end_of,
     FUNCTIONS,
     is_stored,
+    last_name,
     line_of,
     names_in,
     Program,
@@ -264,11 +264,10 @@ def _limits(program: Program) -> Iterator[ast.AST]:
 def _log_calls(program: Program) -> Iterator[ast.AST]:
     """Yield the log calls in question."""
     levels = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
-    lines = {*program.lines, *_numbers(program)}
-    return (one for one in program.calls(*levels) if _covers(one, lines))
+    return (one for one in program.calls(*levels) if _covers(one, program.lines))
 
 
-def _covers(node: ast.AST, lines: Collection[float]) -> bool:
+def _covers(node: ast.AST, lines: Collection[int]) -> bool:
     return any(line_of(node) <= one <= end_of(node) for one in lines)
 
 

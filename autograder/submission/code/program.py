@@ -1,7 +1,7 @@
 """
 Search the syntax tree of a program: calls, arguments, values of names, surrounding functions.
 
-As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
+The code is never run, and the results affect only messages.
 """
 
 from __future__ import annotations
@@ -11,8 +11,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from functools import cached_property
 import operator
-
-from autograder.submission.code.learners_code import bodies_of_callbacks, last_name
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
@@ -34,7 +32,9 @@ class Program:
     :param lines: of the log calls in question
     """
 
-    def __init__(self, tree: ast.Module, about: Sequence[str], lines: Collection[int]) -> None:
+    def __init__(
+        self, tree: ast.Module, about: Sequence[str] = (), lines: Collection[int] = ()
+    ) -> None:
         self.tree, self.about, self.lines = tree, about, lines
         self.nodes = tuple(ast.walk(tree))
 
@@ -63,7 +63,39 @@ class Program:
     @cached_property
     def working(self) -> frozenset[ast.AST]:
         """Return the functions and lambdas that callbacks reach."""
-        return frozenset(body for _, body in bodies_of_callbacks(self.tree))
+        return frozenset(body for _, body in self.callbacks())
+
+    def is_working(self, node: ast.AST) -> bool:
+        """Return whether a node is in a function or lambda that callbacks reach."""
+        return not self.working.isdisjoint(self.around(node))
+
+    def callbacks(self) -> Iterator[tuple[str, ast.AST]]:
+        """
+        Yield each function that a callback reaches, once, with the name of that callback.
+
+        A callback is a lambda or a function of the file that is passed to any call but ``Thread``.
+        """
+        functions: dict[str, list[ast.AST]] = {}  # several classes may have a method of one name
+        for node in self.nodes:
+            if isinstance(node, FUNCTIONS):
+                functions.setdefault(node.name, []).append(node)
+        handed = (
+            given
+            for node in self.nodes
+            if isinstance(node, ast.Call) and last_name(node.func) != 'Thread'
+            for given in (*node.args, *(one.value for one in node.keywords))
+        )
+        seen: set[ast.AST] = set()  # a file may have thousands of callbacks
+        for callback in handed:
+            name = last_name(callback)
+            left = [callback] if isinstance(callback, ast.Lambda) else [*functions.get(name, ())]
+            for body in left:
+                if body in seen:
+                    continue
+                seen.add(body)
+                yield name, body
+                calls = (one for one in ast.walk(body) if isinstance(one, ast.Call))
+                left += [one for call in calls for one in functions.get(last_name(call.func), ())]
 
     @cached_property
     def strings(self) -> Sequence[ast.AST]:
@@ -88,7 +120,8 @@ class Program:
         return next(iter(common), None)
 
     def calls(self, *names: str) -> list[ast.Call]:
-        """Return the calls of functions."""
+        """Return the calls of functions; loggers have ``warn`` as another name of ``warning``."""
+        names = (*names, 'warn') if 'warning' in names else names
         calls = (node for node in self.nodes if isinstance(node, ast.Call))
         return [node for node in calls if last_name(node.func) in names]
 
@@ -163,6 +196,11 @@ class Program:
         value = None if isinstance(node, (ast.Name, ast.Attribute)) else self.number(node)
         return value is not None and abs(value - due) <= due / 50
 
+    def numbers(self, name: str) -> Iterator[float]:
+        """Yield the first argument of each call of a function if it is a number."""
+        found = (self.number(call.args[0]) for call in self.calls(name) if call.args)
+        return (one for one in found if one is not None)
+
     def number(self, node: ast.AST, most: int = _MOST) -> float | None:
         """
         Return the value of a number or of simple arithmetic, None for anything else.
@@ -193,6 +231,13 @@ def assigned(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST | None]]:
         yield node.target, None
     elif isinstance(node, ast.arg):
         yield node, None
+
+
+def last_name(node: ast.AST) -> str:
+    """Return the last part of a name, with or without dots; empty for any other node."""
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ''
 
 
 def line_of(node: ast.AST) -> int:
