@@ -263,7 +263,6 @@ class TestCopies:
         assert scores(here, 'ann')[WRITTEN] == 4
         assert scores(here, 'bob')[CHECK] == scores(here, 'cho')[CHECK] == 15
 
-
     def test_json_has_no_points_of_a_submission_for_review(self, here, capsys):
         """As in the exports; who has a mark is printed with it."""
         hand_in(here, 'bob', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
