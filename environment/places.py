@@ -10,6 +10,7 @@ import tempfile
 
 PROJECT = Path(__file__).resolve().parent.parent
 LOCK_FILE = PROJECT / 'environment' / 'requirements.lock'
+SHARED_MEMORY = Path('/dev/shm')
 MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
 FILE = 'course.toml'

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import os
 from pathlib import Path
 
-from environment import describe, interpreters, stamps
+from environment import describe, interpreters, stamps, system
 from environment.interpreters import Interpreter
 from environment.places import Places
 from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
@@ -89,7 +89,10 @@ def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
 
     A sourced ROS 2 Jazzy is used if its Python can import rclpy. A venv that was prepared this way
     keeps it in later shells, even if nothing is sourced there.
+
+    :raises StepError: if the source is not there, or this user cannot create shared memory
     """
+    system.refuse_closed_shared_memory()
     wish = environ.get('ROS_SOURCE', '')
     if wish not in ('', 'wheels', 'sourced'):
         raise StepError(f'ROS_SOURCE: expected wheels or sourced, got {wish!r}')

@@ -8,6 +8,12 @@ installation has a ``ros2`` command, that command is started instead.
 
 from __future__ import annotations
 
+import signal
+
+if __name__ == '__main__' and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    # Ctrl-C ends the command without a traceback of the imports.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 from collections.abc import Mapping
 import os
 from pathlib import Path
@@ -75,6 +81,9 @@ def main(arguments: list[str], environ: Mapping[str, str]) -> int:
     if real := installed_ros2(ros, environ.get('PATH', '')):
         print(f"ros2: {real} is the installation's own, so that one is started", file=sys.stderr)
         os.execve(real, [real, *rest], variables)
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+        # Ctrl-C waits until Python has started again; the program then unblocks it.
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     os.execve(ros.python, [ros.python, str(PROGRAM), *rest], variables)
 
 

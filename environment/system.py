@@ -9,6 +9,7 @@ import shutil
 import subprocess
 
 from environment.interpreters import Interpreter
+from environment.places import SHARED_MEMORY
 from environment.steps import Job, StepError
 
 Which = Callable[[str], 'str | None']
@@ -45,6 +46,20 @@ TOOLS = (
 def missing_tools(which: Which = shutil.which) -> list[Tool]:
     """Return the programs that are missing."""
     return [tool for tool in TOOLS if not which(tool.command)]
+
+
+def refuse_closed_shared_memory() -> None:
+    """
+    Fail if this user cannot create shared memory, which ROS 2 and the set-up need.
+
+    :raises StepError: with the command that opens it
+    """
+    if SHARED_MEMORY.is_dir() and not os.access(SHARED_MEMORY, os.W_OK | os.X_OK):
+        command = f'mount -o remount,rw {SHARED_MEMORY} && chmod 1777 {SHARED_MEMORY}'
+        raise StepError(
+            f'{SHARED_MEMORY}: ROS 2 needs shared memory, and you cannot create files there',
+            f'as root: {command}',
+        )
 
 
 def python_packages(interpreter: Interpreter | None) -> list[str]:

@@ -25,6 +25,7 @@ from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from roslab import child
+from roslab.errors import RoslabError, shown_as
 from roslab.guide import texts_now
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.progress import remember
@@ -43,7 +44,7 @@ def check(exam: Any = None) -> CheckReport:
     :param exam: name of the exercise, such as 'temperature_publisher'; for an unknown name, the
         report lists the valid names
     :returns: the report, which is true if every check passed
-    :raises AssertionError: if a check failed, but only under nbgrader's Validate
+    :raises RoslabError: if a check failed, but only under nbgrader's Validate
     """
     report = _run(exam, learner_package())
     if report.result is not None:
@@ -51,7 +52,7 @@ def check(exam: Any = None) -> CheckReport:
         report.worked = offer(report.exam)
     report.show()
     if os.environ.get('NBGRADER_EXECUTION') == 'validate' and not report:
-        raise AssertionError(str(report))
+        raise shown_as(RoslabError(str(report)), str(report))
     return report
 
 

@@ -24,6 +24,7 @@ from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
+from autograder.exports.as_json import submission_json
 from autograder.grading.again import again, NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.judging.deviation import deviation
@@ -62,7 +63,7 @@ def run(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     if chosen.check is None:
         results = results_of(layout, chosen.student, chosen.assignment)
-        as_json = [result.to_json() for result in results]
+        as_json = [submission_json(result) for result in results]
         show(chosen.json, as_json, verdicts_text(layout, results))
         return OK
     found = evidence(layout, chosen.student, chosen.check, chosen.assignment, chosen.submitted)

@@ -28,7 +28,7 @@ from autograder.explaining.feedback import number, printable
 from autograder.exports import canvas, lti, moodle
 from autograder.exports.as_json import results_json
 from autograder.exports.feedback_zip import feedback_zip
-from autograder.exports.gradescope import RESULTS, results_bytes, VISIBILITIES
+from autograder.exports.gradescope import RESULTS, results_bytes, results_in, VISIBILITIES
 from autograder.exports.gradescope_zip import autograder_zip
 from autograder.exports.junit import junit_xml
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
@@ -228,6 +228,7 @@ def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Mad
         else results_bytes(one, chosen.visibility)
         for one, mark in zip(found.results, given)  # those without a submission come last
     }
+    files |= dict.fromkeys(set(results_in(folder, found.assignment)) - set(files))
     return files, _without_mark(marked), ''
 
 

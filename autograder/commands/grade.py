@@ -32,6 +32,7 @@ from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, Totals
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
+from autograder.exports.as_json import submission_json
 from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.copies import refuse_damaged
 from autograder.gradebook.live_entry import Entering, Guard
@@ -124,7 +125,7 @@ def run(chosen: argparse.Namespace) -> int:
     if not results:
         raise _nobody(layout, submitted, assignments)
     if chosen.json:
-        print(json.dumps([result.to_json() for result in results]))
+        print(json.dumps([submission_json(result) for result in results]))
     if trouble:
         raise GraderError(trouble)
     return FOR_REVIEW if any(result.review for result in results) else OK

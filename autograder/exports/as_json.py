@@ -30,7 +30,7 @@ def results_json(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes
     data = {
         'format': FORMAT,
         'version': VERSION,
-        'submissions': [_submission(one) for graded, _ in marked for one in graded.results],
+        'submissions': [submission_json(one) for graded, _ in marked for one in graded.results],
         'missing': [
             {'assignment': graded.assignment, 'student': mark.student, 'status': mark.status}
             for graded, marks in marked
@@ -41,7 +41,8 @@ def results_json(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes
     return json_bytes(data)
 
 
-def _submission(result: SubmissionResult) -> dict[str, Any]:
+def submission_json(result: SubmissionResult) -> dict[str, Any]:
+    """Return one item of ``submissions``."""
     mark = automatic(result)
     problems = [asdict(problem) for problem in result.problems]
     return {

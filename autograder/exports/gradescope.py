@@ -9,6 +9,10 @@ could find out with many submissions what is tested.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
+import json
+from pathlib import Path
 from typing import Any
 
 from autograder.classroom.results_of_class import lacks, modes, seconds_of_exam
@@ -65,6 +69,14 @@ def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -
     :raises GraderError: if there is no mark
     """
     return json_bytes(results_of(result, visibility))
+
+
+def results_in(folder: Path, assignment: str) -> Iterator[Path]:
+    """Yield the files that an earlier export of an assignment wrote to a folder."""
+    for path in folder.glob(f'*/{RESULTS}'):
+        with suppress(OSError, ValueError, KeyError, TypeError):  # not a file of this export
+            if json.loads(path.read_bytes())['extra_data']['assignment'] == assignment:
+                yield path
 
 
 def _about(result: SubmissionResult) -> str:

@@ -11,18 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from datetime import datetime, timezone
 from pathlib import Path
-import sys
 from typing import Any
 from urllib.parse import urlsplit
 
 from autograder.errors import GraderError
 from autograder.exports.filling import add_names, Filled, matched
 from autograder.exports.marks import Mark
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from autograder.layout import read_toml
 
 INSTALL = 'Try: .venv/bin/python -m pip install --no-deps -r environment/requirements-lti.txt'
 SCORE = 'https://purl.imsglobal.org/spec/lti-ags/scope/score'
@@ -65,7 +60,7 @@ def read_platform(path: Path) -> Platform:
     """
     fix = 'Try: write the file as docs/exports.md says'
     try:
-        found = tomllib.loads(path.read_text(encoding='utf-8'))
+        found = read_toml(path)
         key = (path.parent / str(found.get('key', ''))).read_text(encoding='ascii')
     except (OSError, ValueError) as error:
         raise GraderError(f'{path}: the settings or the key: {error}.', fix) from error

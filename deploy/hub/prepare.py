@@ -81,6 +81,8 @@ def run(*command: str | Path, cwd: Path = Path('/'), user: str = '') -> None:
 
 
 def _require_system() -> None:
+    if sys.version_info < (3, 11):
+        raise HubError('JupyterHub needs Python 3.11 to 3.13. Try: make PYTHON=python3.11 hub')
     if os.geteuid() != 0:
         raise HubError('A hub starts servers of several users. Try: sudo make hub')
     needed = {'npm': 'npm', 'runuser': 'util-linux', 'useradd': 'passwd', 'pgrep': 'procps'}
@@ -150,15 +152,25 @@ def _instructors_clone(settings: Settings) -> None:
     user, clone = settings.instructor, settings.course_of(home_of(settings.instructor))
     if not clone.exists():
         run('git', 'clone', '--quiet', '--no-hardlinks', PROJECT, clone)
+        _pull_from_where_this_copy_came(clone)
         run('chown', '-R', f'{user}:', clone)
     run('make', 'prepare', cwd=clone, user=user)
     _add_server(clone / '.venv', user)
 
 
+def _pull_from_where_this_copy_came(clone: Path) -> None:
+    """Let the instructor pull from the project's origin; only root may read this copy."""
+    origin = ('git', '-C', PROJECT, 'remote', 'get-url', 'origin')
+    if found := subprocess.run(origin, capture_output=True, text=True).stdout.strip():
+        run('git', '-C', clone, 'remote', 'set-url', 'origin', found)
+
+
 def _add_server(venv: Path, user: str = '') -> None:
     """Add the packages that a server needs under a hub; change no installed version."""
     pip = (venv / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
-    run(*pip, '-r', HERE / 'requirements-server.txt', user=user)
+    lines = (HERE / 'requirements-server.txt').read_text(encoding='utf-8').splitlines()
+    # Not as a file: the user may not be able to read this folder, such as /root/course.
+    run(*pip, *(line for line in lines if not line.startswith('#')), user=user)
 
 
 def _exchange(settings: Settings) -> None:

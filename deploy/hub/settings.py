@@ -5,12 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from pathlib import Path
 import re
-import sys
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from autograder.layout import read_toml
 
 HERE = Path(__file__).resolve().parent
 SETTING = 'HUB'
@@ -95,7 +91,7 @@ def read(path: Path) -> Settings:
     :raises SettingsError: if the file is missing or is not TOML, or a value is invalid
     """
     try:
-        given = tomllib.loads(path.read_text(encoding='utf-8'))
+        given = read_toml(path)
     except (OSError, ValueError) as error:
         raise SettingsError(f'{path}: {error}. Try: copy deploy/hub/hub.toml') from error
     known = {one.name for one in fields(Settings)}

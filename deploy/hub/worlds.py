@@ -26,7 +26,8 @@ def refused(user: str) -> str:
     :param user: the system account that tries it
     :returns: empty if it works, otherwise the reason in one line
     """
-    command = ['runuser', '-u', user, '--', 'sh', str(HERE / SCRIPT), 'true']
+    script = (HERE / SCRIPT).read_text(encoding='utf-8')  # the user may not be able to read it
+    command = ['runuser', '-u', user, '--', 'sh', '-c', script, 'sh', 'true']
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=TRIAL_S, cwd='/')
     except (OSError, subprocess.TimeoutExpired) as error:

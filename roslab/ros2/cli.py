@@ -96,6 +96,8 @@ def main(arguments: Sequence[str]) -> Outcome:
         (parser if parsed.command is None else parsed.help_of).print_help()
         return 0
     verb: Verb = parsed.verb
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         return verb(parsed)
     except KeyboardInterrupt:

@@ -18,7 +18,7 @@ from roslab.ros2.discovery import (
     node_names,
     service_types,
 )
-from roslab.ros2.service_calls import call
+from roslab.ros2.service_calls import call, NoAnswer
 
 
 def add_arguments(group: argparse.ArgumentParser) -> None:
@@ -74,7 +74,11 @@ def get(args: argparse.Namespace) -> Outcome:
         return None
     with knowing_node(args) as node:
         for name in _lifecycle_nodes(node, hidden=args.include_hidden_nodes):
-            print(f'{name}: {_state(node, name)}')
+            try:
+                print(f'{name}: {_state(node, name)}', flush=True)
+            except NoAnswer as error:
+                where = f"Exception while calling service of node '{name}'"
+                print(f'{where}: {error}', file=sys.stderr)
     return None
 
 

@@ -28,6 +28,10 @@ HARMLESS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_de
 Wait = Callable[[Callable[[], Any], float], Any]
 
 
+class NoAnswer(RuntimeError):
+    """Report that a service is missing or does not respond."""
+
+
 def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWER_S) -> Any:
     """
     Call a service and return its response.
@@ -35,17 +39,17 @@ def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWE
     :param kind: class of the service
     :param name: full name of the service
     :param limit_s: how long to wait for the service to appear, and then for its response [s]
-    :raises RuntimeError: if the service is missing or does not respond
+    :raises NoAnswer: if the service is missing or does not respond
     """
     client = node.create_client(kind, name)
     try:
         if not wait_for(node, client.service_is_ready, limit_s):
-            raise RuntimeError(f'Wait for service timed out: {name} is not there')
+            raise NoAnswer(f'Wait for service timed out: {name} is not there')
         if meet(node, name, limit_s):
             future = client.call_async(request)
             if wait_for(node, future.done, limit_s):
                 return future.result()
-        raise RuntimeError(f'{name} did not answer within {limit_s:.0f} s: is its node spun?')
+        raise NoAnswer(f'{name} did not answer within {limit_s:.0f} s: is its node spun?')
     finally:
         node.destroy_client(client)
 

@@ -232,15 +232,17 @@ class TestCommands:
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_gradescope_has_a_file_for_each_but_the_review(self, graded, tmp_path, capsys):
-        """A file of an earlier grading is taken away."""
-        stale = tmp_path / 'eve' / 'results.json'
-        stale.parent.mkdir()
-        stale.write_text('{}', encoding='utf-8')
+        """Files of an earlier grading are removed, also of a student who has left; no others."""
+        stale = {'assignment': ASSIGNMENT}, {'assignment': ASSIGNMENT}, {'assignment': '00_other'}
+        for name, about in zip(('eve', 'left', 'other'), stale):
+            file = tmp_path / name / 'results.json'
+            file.parent.mkdir()
+            file.write_text(json.dumps({'extra_data': about}), encoding='utf-8')
         arguments = ['export', 'gradescope', ASSIGNMENT, '--to', str(tmp_path), '--force']
 
         assert command.main(arguments) == FOR_REVIEW
         there = sorted(path.parent.name for path in tmp_path.glob('*/results.json'))
-        assert there == ['ann', 'bob']
+        assert there == ['ann', 'bob', 'other']
         assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 50
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):

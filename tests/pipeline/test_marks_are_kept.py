@@ -263,6 +263,19 @@ class TestCopies:
         assert scores(here, 'ann')[WRITTEN] == 4
         assert scores(here, 'bob')[CHECK] == scores(here, 'cho')[CHECK] == 15
 
+    def test_json_has_no_points_of_a_submission_for_review(self, here, capsys):
+        """As in the exports; who has a mark is printed with it."""
+        hand_in(here, 'bob', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
+        capsys.readouterr()
+
+        assert grade('--json') == FOR_REVIEW
+        found = {one['student']: one for one in json.loads(capsys.readouterr().out)}
+        assert found['ann']['points'] > 0
+        assert (found['bob']['status'], found['bob']['points']) == ('for review', None)
+
+        assert command.main(['explain', 'bob', '--json']) == OK
+        assert json.loads(capsys.readouterr().out) == [found['bob']]
+
 
 class TestStudents:
     """Nobody becomes one by the name of a folder."""

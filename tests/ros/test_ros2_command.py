@@ -81,6 +81,13 @@ def world():
     assert world.process.returncode == 0
 
 
+SILENT = """
+import rclpy.lifecycle
+rclpy.init()
+node = rclpy.lifecycle.LifecycleNode('asleep')
+print('ready', flush=True)
+input()
+"""
 TOPICS = """\
 /asked [std_msgs/msg/Int32]
 /beacon/transition_event [lifecycle_msgs/msg/TransitionEvent]
@@ -320,6 +327,21 @@ def test_lifecycle_walks_through_states(world):
     assert world.ros2('lifecycle', 'get', '/beacon') == 'inactive [2]\n'
 
 
+def test_lifecycle_get_continues_after_a_silent_node(world):
+    """A node that is not spun is named on stderr; the states of the others are printed."""
+    pipe = subprocess.PIPE
+    with subprocess.Popen(
+        [sys.executable, '-c', SILENT],
+        env=overlaid(world.shell, ros_environment()),
+        **{'stdin': pipe, 'stdout': pipe, 'text': True},
+    ) as silent:
+        assert silent.stdout.readline() == 'ready\n'
+        said = world.ros2('lifecycle', 'get')
+        silent.stdin.close()
+    assert said.startswith('/beacon: ')
+    assert "Exception while calling service of node '/asleep': /asleep/get_state did not" in said
+
+
 def test_service_verbs_list_and_call(world):
     """A service is named, typed and called with a request in YAML."""
     kind = 'rcl_interfaces/srv/GetParameters'
@@ -408,6 +430,16 @@ def test_run_hands_signals_and_codes_to_the_program(world):
     node.communicate(timeout=DEADLINE_S)
 
     assert node.returncode == 0
+
+
+@pytest.mark.parametrize('module', ['sitecustomize', 'argparse', 'rclpy'])
+def test_interrupt_during_the_imports_prints_no_traceback(world, tmp_path, module):
+    """The signal ends the command at once, also while Python starts or loads the parser."""
+    interrupts = 'import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n'
+    (tmp_path / f'{module}.py').write_text(interrupts)
+    shell = {**world.shell, 'PYTHONPATH': str(tmp_path)}
+    done = subprocess.run([ROS2, 'topic', 'list'], env=shell, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, '', '')
 
 
 def test_launch_starts_all_nodes_and_one_interrupt_ends_them(world, tmp_path):

@@ -212,6 +212,7 @@ def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
     outputs = validating.run(CHECK)
     validating.shut_down()
 
-    assert outputs.error['ename'] == 'AssertionError'
+    assert outputs.error['ename'] == 'RoslabError'
+    assert outputs.error['traceback'] == [outputs.error['evalue']], 'only the report is shown'
     assert 'temperature_publisher' in outputs.error['evalue']
     assert '[FAIL]' in outputs.text

@@ -134,6 +134,16 @@ def test_check_room_little_is_weak():
     assert 'needed' in finding.detail
 
 
+def test_closed_shared_memory_is_missing_with_the_command_that_opens_it(monkeypatch):
+    """Free room is of no use where nobody may create a file."""
+    monkeypatch.setattr(system.os, 'access', lambda *_: False)
+
+    finding = doctor.check_shared_memory()
+
+    assert finding.state == doctor.MISSING
+    assert 'chmod 1777 /dev/shm' in finding.fix
+
+
 @pytest.mark.parametrize(
     ('have', 'expected'),
     [

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from environment import prepare
+from environment import prepare, system
 from environment.places import Places, PROJECT
 from environment.plan import make_plan
 from environment.steps import locked, run_steps, Screen, Step, StepError
@@ -222,6 +222,14 @@ def test_make_plan_unknown_source_is_refused(tmp_path):
     """A misspelt ROS_SOURCE is an error, not a guess."""
     with pytest.raises(StepError, match='expected wheels or sourced'):
         make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'apt'})
+
+
+def test_make_plan_closed_shared_memory_is_refused(tmp_path, monkeypatch):
+    """It is reported before any step, with what to do about it."""
+    monkeypatch.setattr(system.os, 'access', lambda *_: False)
+    with pytest.raises(StepError, match='/dev/shm: ROS 2 needs shared memory') as caught:
+        make_plan(Places.of('.venv', tmp_path), {})
+    assert 'mount -o remount,rw' in caught.value.try_this
 
 
 def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):

@@ -1,0 +1,75 @@
+"""Each tool accepts the files of its route: containers, Binder, GitHub's workflows."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.routes
+
+ROOT = Path(__file__).parents[2]
+BIN = Path(sys.prefix) / 'bin'
+DEVCONTAINER = Path('node_modules', '@devcontainers', 'cli', 'devcontainer.js')
+DOCKERFILE = ROOT / 'deploy' / 'container' / 'Dockerfile'
+STUDENTS = ROOT / 'autograder' / 'authoring' / 'for_students'
+WORKFLOWS = [
+    path
+    for folder in (ROOT, STUDENTS)
+    for path in sorted((folder / '.github' / 'workflows').glob('*.yml'))
+]
+
+
+def run(*command: str | Path, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run a tool to its end."""
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
+def test_hadolint_accepts_the_dockerfile(tmp_path: Path) -> None:
+    """And not one without its only exception."""
+    done = run(BIN / 'hadolint', DOCKERFILE)
+    assert (done.returncode, done.stdout) == (0, ''), done.stdout
+
+    strict = tmp_path / 'Dockerfile'
+    strict.write_text(DOCKERFILE.read_text().replace('# hadolint ignore=DL3008\n', ''))
+    assert 'DL3008' in run(BIN / 'hadolint', strict).stdout
+
+
+def test_actionlint_accepts_the_workflows(tmp_path: Path) -> None:
+    """The project's and the students'; a misspelt output of a step is found."""
+    assert len(WORKFLOWS) == 3
+    done = run(BIN / 'actionlint', *WORKFLOWS)
+    assert (done.returncode, done.stdout) == (0, ''), done.stdout
+
+    wrong = tmp_path / 'wrong.yml'
+    wrong.write_text(WORKFLOWS[0].read_text().replace('matrix.python', 'matrix.pyhton', 1))
+    assert 'pyhton' in run(BIN / 'actionlint', wrong).stdout
+
+
+def test_repo2docker_takes_apt_post_build_and_start_of_binder() -> None:
+    """It prints the Dockerfile that it would build."""
+    done = run(BIN / 'jupyter-repo2docker', '--no-build', '--debug', '.')
+    assert done.returncode == 0, done.stderr
+    packages = (ROOT / 'binder' / 'apt.txt').read_text().splitlines()
+    apt = ' '.join(line for line in packages if not line.startswith('#'))
+    for taken in (f'--no-install-recommends {apt} ', 'RUN ./binder/postBuild', 'binder/start"'):
+        assert taken in done.stdout + done.stderr
+
+
+def test_the_command_line_of_development_containers_reads_ours(tmp_path: Path) -> None:
+    """With the settings that the file has, and the stage of the Dockerfile."""
+    shutil.copytree(Path(__file__).parent / 'devcontainer', tmp_path, dirs_exist_ok=True)
+    installed = run('npm', 'ci', '--no-audit', '--no-fund', cwd=tmp_path)
+    assert installed.returncode == 0, installed.stderr
+
+    # Without a Docker that answers, it prints nothing.
+    read = ('read-configuration', '--workspace-folder', ROOT, '--docker-path', '/bin/true')
+    done = run('node', tmp_path / DEVCONTAINER, *read)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)['configuration']
+    described = json.loads((ROOT / '.devcontainer' / 'devcontainer.json').read_text())
+    assert found.items() >= described.items()
