@@ -70,7 +70,7 @@ def test_burst_of_which_a_part_is_lost_is_told_apart():
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
 
-    found = temperature_subscriber._why_not_logged(run, burst[1], Followed(burst, [line]))
+    found = temperature_subscriber._why_not_logged(run, [(burst[1], Followed(burst, [line]))], 0)
 
     assert found is not None
     assert found.cause_id == 'burst_is_cut'
