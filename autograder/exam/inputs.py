@@ -22,6 +22,13 @@ import secrets
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
+WATCH_S = 121
+"""
+How long a hidden exam watches a node that acts by itself [s].
+
+It is longer than a program can count or drift unnoticed: a value that grows by one unit per second
+from room temperature has left the range of common sensors.
+"""
 _other_secret: ContextVar[bytes | None] = ContextVar('_other_secret', default=None)
 
 

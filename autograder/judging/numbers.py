@@ -59,6 +59,15 @@ def shows(text: str, *values: float) -> bool:
     return near(values, numbers_in(text))
 
 
+def rounded(rule: Callable[[Change], Rule]) -> Slip:
+    """
+    Return the slip of a node that shows its numbers rounded too much.
+
+    :param rule: builds the rule of a node that changes each number with the given function
+    """
+    return Slip.of(ROUNDED_IN_TEXT, *map(rule, ROUNDED))
+
+
 def shown(inputs: Sequence[Any], numbers: Callable[[Any], Sequence[float]]) -> Specification:
     """
     Return the specification of log lines, of which each shows the number of one input.
@@ -71,8 +80,7 @@ def shown(inputs: Sequence[Any], numbers: Callable[[Any], Sequence[float]]) -> S
     def rule(change: Change) -> Rule:
         return each(lambda one: tuple(map(change, numbers(one))))
 
-    slips = (Slip.of(ROUNDED_IN_TEXT, *map(rule, ROUNDED)),)
-    return Specification(inputs, rule(float), slips, like=near)
+    return Specification(inputs, rule(float), (rounded(rule),), like=near)
 
 
 def why_not_numbered(
