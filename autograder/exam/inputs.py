@@ -22,12 +22,12 @@ import secrets
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
-WATCH_S = 121
+MANY = 121
 """
-How long a hidden exam watches a node that acts by itself [s].
+More than a program can count unnoticed.
 
-It is longer than a program can count or drift unnoticed: a value that grows by one unit per second
-from room temperature has left the range of common sensors.
+Hidden exams watch a node that acts by itself for so many seconds: a temperature that grows by one
+degree per second has left the range of common sensors.
 """
 _other_secret: ContextVar[bytes | None] = ContextVar('_other_secret', default=None)
 
