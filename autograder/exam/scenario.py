@@ -99,6 +99,15 @@ A subscription of the probe is under ``publisher``, a publisher under ``subscrip
 """
 
 
+def _json_of(value: Any) -> Any:
+    """Return a value with strings for NaN and infinity, which JSON does not have."""
+    if isinstance(value, dict):
+        return {name: _json_of(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_json_of(one) for one in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
 @dataclass(frozen=True)
 class Step:
     """
@@ -113,7 +122,7 @@ class Step:
 
     def to_json(self) -> dict[str, Any]:
         """Return the step in the format that the probe reads."""
-        return {'do': type(self).__name__.lower(), **asdict(self)}
+        return {'do': type(self).__name__.lower(), **_json_of(asdict(self))}
 
     def mistakes(self, there: There) -> Iterator[str]:
         """
@@ -334,9 +343,7 @@ def _setting(node: str, how: str, values: Mapping[str, Value]) -> Call:
     wanted = []
     for name, value in values.items():
         number, word = PARAMETER_TYPES[type(value)]
-        # JSON has no NaN and no infinity.
-        told = value if not isinstance(value, float) or math.isfinite(value) else str(value)
-        wanted.append({'name': name, 'value': {'type': number, f'{word}_value': told}})
+        wanted.append({'name': name, 'value': {'type': number, f'{word}_value': value}})
     service = f'set_parameters_{how.lower()}'.rstrip('_')
     kind = f'rcl_interfaces/srv/SetParameters{how}'
     return Call(node, service, kind, {'parameters': wanted})

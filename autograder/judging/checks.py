@@ -150,7 +150,9 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
     """
     ends = require_endpoint(run, 'subscription', topic, kind)
     require_partner(ends)
-    if run.recording.of('input') and not run.recording.of('not_connected'):
+    lost = {event['topic'] for event in run.recording.of('not_connected')}
+    if topic not in lost and (lost or run.recording.of('input')):
+        _require_from_the_start(run, topic)
         return
     asked = 'a deadline' if ends[0]['qos']['deadline_ns'] else 'a quality of service'
     raise Failed(
@@ -163,6 +165,26 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
             'Pass the depth 10 as quality of service.',
         ),
     )
+
+
+def _require_from_the_start(run: Run, topic: str) -> None:
+    """Fail if a subscription was created later, when earlier messages would have been lost."""
+    graphs = run.recording.of('graph', when='start')
+    there = {end['topic'] for graph in graphs for end in graph['endpoints']}
+    if graphs and topic not in there:
+        raise Failed(
+            expected=f'a subscription on {topic} from the start',
+            observed='a subscription that is created later',
+            why=Cause(
+                'subscribed_late',
+                f'Your node subscribes to {topic} some time after its start, and loses every '
+                'earlier message.',
+                'Call create_subscription() in __init__(), not in another callback.',
+                about=[topic.rpartition('/')[2]],
+                act='create_subscription()',
+            ),
+            blocks=False,  # later messages reach the node
+        )
 
 
 def why_not_reached(run: Run, topic: str, kind: str) -> Cause | None:

@@ -18,6 +18,7 @@ from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.checks import lines, own_logs
+from autograder.judging.numbers import numbers_in
 from autograder.judging.rows import Row, rows
 from autograder.recording import INFO, WARN
 
@@ -45,6 +46,15 @@ class Followed:
     def count(self, level: int) -> int:
         """Return the number of lines at a level."""
         return sum(entry['level'] == level for entry in self.logs)
+
+    def numbers(self, level: int) -> list[float]:
+        """Return the numbers in the lines at a level."""
+        return [
+            number
+            for entry in self.logs
+            if entry['level'] == level
+            for number in numbers_in(entry['text'])
+        ]
 
     def showing(self, one: Any, level: int = INFO) -> int:
         """Return the number of lines at a level that show an input."""
@@ -102,6 +112,7 @@ def require_warnings(
         or why_pattern(asked.answers, came, 'warns about', 'high value')
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
+        blocks=not any(came),  # a node that warns is at work, so its other mistakes count alone
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
         act=WARN_ACT,
     )

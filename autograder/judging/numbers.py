@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+import math
 import re
+from typing import Any
 
 from autograder.exam.exam import Cause
+from autograder.exam.slips import Change
+from autograder.exam.specification import each, Rule, Slip, Specification
 
 COUNT_IN = 'Make self.count once, in __init__(), as 0, and add 1 in the callback, once.'
-_NUMBER = re.compile(r'[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?')
+_NUMBER = re.compile(
+    r'[-+]?(?:\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)', re.IGNORECASE
+)
 GRAIN = 0.051
 """Maximum difference between a value and its number in a text, which may have one decimal."""
 
 
 def numbers_in(text: str) -> list[float]:
-    """Return the numbers in a text, with their signs; a comma may be the decimal separator."""
+    """
+    Return the numbers in a text, with their signs, including NaN and infinity.
+
+    A comma may be the decimal separator.
+    """
     return [float(found.replace(',', '.')) for found in _NUMBER.findall(text)]
 
 
@@ -25,20 +35,52 @@ def whole_numbers_in(text: str) -> list[int]:
 
 ROUNDED_IN_TEXT = Cause(
     'rounded_in_text',
-    'Your line shows the number without its decimals.',
-    'Log the number as it is, without int(), round() and a format such as :.0f.',
+    'Your line shows the number rounded to too few digits.',
+    'Log the number as it is, without int(), round() and a format such as :.0f or :.3g.',
 )
+ROUNDED: tuple[Change, ...] = (
+    lambda number: number - math.fmod(number, 1.0),  # int()
+    *(lambda number, to=to: float(format(number, to)) for to in ('.0f', '.1g', '.2g', '.3g')),
+)
+"""Ways to round a number too much for a log line."""
 
 
-def is_rounded_in(text: str, value: float) -> bool:
-    """Return whether a text shows a value without its decimals, and not the value itself."""
-    near = [one for one in numbers_in(text) if abs(one - value) < 1]
-    return bool(near) and all(one != value and one == int(one) for one in near)
+def near(some: Iterable[float], others: Sequence[float]) -> bool:
+    """Return whether one of some numbers equals another one, with any rounding."""
+    return any(
+        abs(one - other) <= GRAIN or one == other or (math.isnan(one) and math.isnan(other))
+        for one in some
+        for other in others
+    )
 
 
 def shows(text: str, *values: float) -> bool:
     """Return whether a text shows one of some values, with any rounding."""
-    return any(abs(one - value) <= GRAIN for one in numbers_in(text) for value in values)
+    return near(values, numbers_in(text))
+
+
+def rounded(rule: Callable[[Change], Rule]) -> Slip:
+    """
+    Return the slip of a node that shows its numbers rounded too much.
+
+    :param rule: builds the rule of a node that changes each number with the given function
+    """
+    return Slip.of(ROUNDED_IN_TEXT, *map(rule, ROUNDED))
+
+
+def shown(inputs: Sequence[Any], numbers: Callable[[Any], Sequence[float]]) -> Specification:
+    """
+    Return the specification of log lines, of which each shows the number of one input.
+
+    An answer has all numbers in the lines.
+
+    :param numbers: returns the numbers of an input, of which its lines must show one
+    """
+
+    def rule(change: Change) -> Rule:
+        return each(lambda one: tuple(map(change, numbers(one))))
+
+    return Specification(inputs, rule(float), (rounded(rule),), like=near)
 
 
 def why_not_numbered(
@@ -56,7 +98,7 @@ def why_not_numbered(
     if '{' in text and '}' in text:
         return Cause(
             'no_f_string',
-            'The text has braces in it: they are filled in only if an f stands before the quotes.',
+            'The string has no f in front of it, so Python shows its braces as they are.',
             "Write an f before the quotes, as in f'number {self.count}'.",
         )
     numbers = whole_numbers_in(text)

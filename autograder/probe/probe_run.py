@@ -156,6 +156,9 @@ class Probe:
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
         facts['number'] = info['publication_sequence_number']
+        # A publisher keeps messages for late subscriptions, so they can be old on arrival.
+        if age_ns := time.time_ns() - info['source_timestamp']:
+            facts['age_ns'] = age_ns
         self.emit('message', topic=topic, **what, after_input=self.input, **facts)
 
     def _log(self, entry: Log, _info: Any) -> None:

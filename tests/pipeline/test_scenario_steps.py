@@ -51,8 +51,9 @@ class TestJoin:
 
         seen = run(LATCHED, Join('late', '/map', INT, late))
 
-        heard = [event['data']['data'] for event in seen.messages('/map', 'late')]
-        assert heard == [5, 6, 7]
+        found = seen.messages('/map', 'late')
+        assert [event['data']['data'] for event in found] == [5, 6, 7]
+        assert all(event['age_ns'] == event['clock_ns'] for event in found)
         assert seen.of('joined') == seen.of('joined', listener='late', matched=True, refused=[])
         assert seen.messages('/map') == []
 

@@ -13,6 +13,7 @@ from autograder.recording import Recording, WARN
 TOPIC, TYPE = '/lab/reading', 'std_msgs/msg/String'
 QOS = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', 'deadline_ns': None}
 END = {'topic': TOPIC, 'kind': 'publisher', 'node': '/lab/a', 'type': TYPE, 'qos': QOS}
+HEARD = {**END, 'kind': 'subscription'}
 GRAPH = {'event': 'graph', 'when': 'end', 'nodes': ['/lab/a'], 'endpoints': [END]}
 
 
@@ -62,6 +63,30 @@ class TestNode:
             checks.require_node(replace(run_of(GRAPH), files={'a.py': line}), '/kitchen/a')
 
         assert failed.value.why.try_this.startswith(repair)
+
+
+class TestReached:
+    """Whether messages reach a subscription."""
+
+    def test_subscription_that_comes_after_the_start_fails_alone(self):
+        """It has lost what was sent before, but later messages show the rest."""
+        start = {**GRAPH, 'when': 'start', 'endpoints': []}
+        sent = {'event': 'input', 'index': 0, 'topic': TOPIC}
+        run = run_of(start, sent, {**GRAPH, 'endpoints': [HEARD]})
+
+        with pytest.raises(Failed) as failed:
+            checks.require_reached(run, TOPIC, TYPE)
+
+        assert failed.value.why.cause_id == 'subscribed_late'
+        assert not failed.value.blocks
+
+    @pytest.mark.parametrize(('lost', 'passes'), [('/other', True), (TOPIC, False)])
+    def test_topic_that_is_not_connected_fails_alone(self, lost, passes):
+        """The run ends there, which is not the fault of another topic."""
+        seen = [{**GRAPH, 'when': when, 'endpoints': [HEARD]} for when in ('start', 'end')]
+        run = run_of(*seen, {'event': 'not_connected', 'topic': lost})
+
+        assert (checks.why_not_reached(run, TOPIC, TYPE) is None) is passes
 
 
 class TestEndpoint:

@@ -21,7 +21,7 @@ from autograder.exams.visible import (
 )
 from autograder.judging import rhythm
 from autograder.judging.lines import require_warnings
-from autograder.judging.numbers import why_not_numbered
+from autograder.judging.numbers import shown, why_not_numbered
 from autograder.judging.rows import delays, why_other_answer
 from autograder.recording import ERROR, Recording, WARN
 
@@ -319,12 +319,15 @@ class TestManaged:
     def test_limit_that_is_rounded_in_the_line_is_told(self):
         """The student sees a limit in the line, so it is not missing."""
         answer = {'data': {'results': [{'successful': True}]}}
-        run = run_of(at(1.0, 'answer', service=managed_pressure.SETTING, **answer))
-        texts = ['-1 is refused', '0 is refused', '-2 is refused']
+        refused = (-1.0, 0.0, -212.45)
+        facts = {'refusals': shown(refused, lambda limit: (limit,))}
+        run = run_of(at(1.0, 'answer', service=managed_pressure.SETTING, **answer), facts=facts)
+        for last in ('-212 is refused', 'not -2.1e+02 bar'):
+            texts = ['-1 is refused', '0 is refused', last]
 
-        found = managed_pressure._why_untold(run, texts, (-1.0, 0.0, -2.45))
+            found = managed_pressure._why_untold(run, texts, refused)
 
-        assert found.cause_id == 'rounded_in_text'
+            assert found.cause_id == 'rounded_in_text'
 
 
 def test_map_that_is_published_for_each_newcomer_is_told():

@@ -70,25 +70,26 @@ def test_burst_of_which_a_part_is_lost_is_told_apart():
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
 
-    found = temperature_subscriber._why_not_logged(run, burst[1], Followed(burst, [line]))
+    found = temperature_subscriber._why_not_logged(run, [(burst[1], Followed(burst, [line]))], 0)
 
     assert found is not None
     assert found.cause_id == 'burst_is_cut'
 
 
-@pytest.mark.parametrize(('late_s', 'cause_id'), [(0.1, ''), (0.5, 'first_map_late')])
-def test_first_map_is_there_before_anybody_comes(late_s, cause_id):
-    """A timer that publishes it some time after the start is seen by the first listener."""
-    joined = {'event': 'joined', 'listener': 'early', 'clock_ns': 10**9, 'matched': True}
+@pytest.mark.parametrize(('sent_s', 'cause_id'), [(0.88, ''), (0.96, 'first_map_late')])
+def test_first_map_is_there_before_the_node_is_seen(sent_s, cause_id):
+    """A map that is sent when the first subscription connects is too late."""
+    seen = {'event': 'seen', 'clock_ns': 10**9, 'nodes': ['/map_server']}
     first = {
         'event': 'message',
         'topic': '/map',
         'listener': 'early',
         'after_input': None,
-        'clock_ns': 10**9 + round(late_s * 1e9),
+        'clock_ns': 15 * 10**8,
+        'age_ns': 15 * 10**8 - round(sent_s * 1e9),
         'data': {'data': 'unknown'},
     }
-    run = Run({}, Recording({}, (joined, first, *ENDS)), map_server.exam.facts)
+    run = Run({}, Recording({}, (seen, first, *ENDS)), map_server.exam.facts)
 
     if cause_id:
         assert why(map_server.has_a_map_from_the_start, run).cause_id == cause_id

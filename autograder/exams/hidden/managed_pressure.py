@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from autograder.exam.inputs import generator
 from autograder.exams.visible.managed_pressure import build, BURST
 
@@ -13,8 +15,8 @@ _second = round(_draw.uniform(0.1, 0.4), 2)
 
 
 def _between() -> float:
-    """Return a pressure between the two limits."""
-    return round(_draw.uniform(0.5, 1.9), 2)
+    """Return a pressure between the two limits, even without its decimals."""
+    return round(_draw.uniform(1.05, 1.9), 2)
 
 
 def _high() -> float:
@@ -29,12 +31,12 @@ _edges = [
     round(-_first - _draw.uniform(1.0, 3.0), 2),  # only its absolute value is above the limit
     round(_draw.uniform(500.0, 900.0), 1),  # above the limit, but not a sensor fault
     _between(),
-    0.0,
+    *(0.0, math.nan),
 ]
 _draw.shuffle(_edges)
 _again = _high()
-# A log line with a rounded number does not show this limit.
-_refused = round(-_draw.randint(0, 4) - _draw.choice((0.35, 0.45, 0.55, 0.65)), 2)
+# A log line with three digits, or without decimals, does not show this limit.
+_refused = -_draw.randint(100, 400) - _draw.choice((0.35, 0.45, 0.55, 0.65))
 exam = build(
     refused=(-1.0, 0.0, _refused),
     limits=(_first, _second),
@@ -45,6 +47,6 @@ exam = build(
         'active': (*_edges, _again, _again, _high(), _between()),
         'paused': (9.75, 20.5),
         'still': (_high(), _between()),
-        'again': (_between(), _second, *(_high() for _ in range(1 + BURST))),
+        'again': (_between(), *(_high() for _ in range(1 + BURST))),
     },
 )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from autograder.exam.inputs import generator
+from autograder.exam.inputs import generator, MANY
 from autograder.exams.visible.talker import build
 
 _draw = generator('talker', 'place')
 exam = build(
     f'/{"".join(_draw.choices("bdghjklmnprtvwz", k=6))}',
-    seconds=_draw.choice((61.0, 62.0, 63.0)),  # more than a hundred greetings
+    seconds=MANY + _draw.choice((0.0, 1.0, 2.0)),
     comes=True,
 )

@@ -3,7 +3,7 @@ Lesson 06, part 3: a pressure monitor that refuses an invalid limit.
 
 Specification from the lesson: lifecycle node ``pressure_monitor`` with the parameter ``limit`` (a
 float, in bar, -1.0 by default); ``on_configure`` refuses with FAILURE and one ERROR line unless
-the limit is above zero; while active, the node logs exactly one WARN for each
+the limit is above zero, and NaN is not; while active, the node logs exactly one WARN for each
 ``std_msgs/msg/Float64`` on ``pressure`` strictly above the limit, otherwise none.  The limit in
 force is the one at the last configuration, even if the parameter has changed since.
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, zip_longest
+import math
 import operator
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
@@ -27,7 +28,14 @@ from autograder.exam.scenario import (
     state,
     transition,
 )
-from autograder.exam.slips import above_limit, Compare, CUTS, in_quick_succession, with_memory
+from autograder.exam.slips import (
+    above_limit,
+    Compare,
+    CUTS,
+    in_quick_succession,
+    of_nan,
+    with_memory,
+)
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
@@ -35,7 +43,7 @@ from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, lines, own_logs, require_answers
 from autograder.judging.claims import node
 from autograder.judging.lines import require_warnings, warnings_after
-from autograder.judging.numbers import is_rounded_in, numbers_in, ROUNDED_IN_TEXT, shows
+from autograder.judging.numbers import numbers_in, shown, shows
 from autograder.judging.rows import Row
 from autograder.recording import ERROR, WARN
 
@@ -80,6 +88,8 @@ class Pressure:
     @property
     def kind(self) -> str:
         """Return a description that feedback may show."""
+        if math.isnan(self.value):
+            return 'a pressure of NaN'
         if self.value == self.limit:
             return 'a pressure of exactly the limit'
         return f'a pressure {"above" if self.value > self.limit else "below"} the limit'
@@ -93,11 +103,6 @@ def warns(
 ) -> Rule:
     """Return the rule of a monitor with the given parts, by default the correct ones."""
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
-
-
-def cutting(cut: Callable[[float], float]) -> Callable[[Pressure], float]:
-    """Return the limit that a node uses which changes its decimals."""
-    return lambda one: cut(one.limit)
 
 
 NOT_MANAGED = Cause(
@@ -170,9 +175,10 @@ SLIPS = (
         'limit_cut',
         'Your node does not use the exact limit: it cuts off or rounds the decimals.',
         "Use it unchanged: self.limit = self.get_parameter('limit').value.",
-        *(warns(limit=cutting(cut)) for cut in CUTS[:3]),
+        *(warns(limit=lambda one, cut=cut: cut(one.limit)) for cut in CUTS[:3]),
     ),
     *above_limit(warns, 'self.limit'),
+    of_nan(warns, 'self.limit'),
     *with_memory(warns()),
     *in_quick_succession(warns(), BURST),
 )
@@ -198,14 +204,18 @@ def refuses_a_senseless_limit(run: Run) -> None:
 
 def tells_why(run: Run) -> None:
     """Each refusal is one ERROR line with the limit in it."""
-    refused = run.facts['refused']
-    told = own_logs(run.during('refused'), NODE, ERROR)
+    refused, told = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
+    last = run.during('not a number')
+    done = [field_of(one, 'success') for one in last.recording.answers(CHANGE)]
+    taken = done == [True, True]
+    if done[:1] == [True]:  # the cleanup before; otherwise the node was not asked
+        refused, told = (*refused, math.nan), [*told, *own_logs(last, NODE, ERROR)]
     found = [str(line['text']) for line in told]
     if len(found) != len(refused) or not all(map(shows, found, refused)):
         raise Failed(
             expected=f'{len(refused)} refused, each with one ERROR line that shows the limit',
-            observed=lines(len(found), ERROR),
-            why=_why_untold(run, found, refused),
+            observed=lines(len(found), ERROR) + '; NaN was accepted' * taken,
+            why=lifecycle.LET_THROUGH if taken else _why_untold(run, found, refused),
             shown_by=told,
         )
 
@@ -222,8 +232,8 @@ def _why_untold(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cau
         return lifecycle.READ_ONCE
     if all(map(shows, found[1:], refused[1:])) and numbers_in(found[0]):
         return lifecycle.WRONG_DEFAULT
-    wrong = [pair for pair in zip(found, refused) if not shows(*pair)]
-    return ROUNDED_IN_TEXT if all(is_rounded_in(*pair) for pair in wrong) else NO_LIMIT
+    asked, came = run.asked('refusals'), list(map(numbers_in, found))
+    return asked.cause(came, asked.wrong(came)[0]) or NO_LIMIT
 
 
 def recovers(run: Run) -> None:
@@ -297,7 +307,8 @@ def _require_warnings(run: Run, phase: str) -> None:
     asked, found = run.asked('warnings'), _followed(run)
     inputs = asked.inputs[: len(found)]
     places = [place for place, one in enumerate(inputs) if one.phase == phase]
-    require_warnings(run, asked, found, places, places)
+    active = [place for place, one in enumerate(inputs[: places[-1] + 1]) if one.active]
+    require_warnings(run, asked, found, places, active)
 
 
 def _followed(run: Run) -> list[Row | None]:
@@ -331,8 +342,8 @@ def build(
     """
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
-    first, second, third, *others = (
-        set_parameter(NODE, 'limit', limit) for limit in (*limits, highest, *refused[1:])
+    first, second, third, nan, *others = (
+        set_parameter(NODE, 'limit', one) for one in (*limits, highest, math.nan, *refused[1:])
     )
     sent = {
         phase: feeds(
@@ -345,16 +356,19 @@ def build(
         )
         for phase, values in pressures.items()
     }
-    refusals = [step for other in others for step in (other, configure, Advance(ANSWER_S))]
+    refusal = (configure, Advance(ANSWER_S))
     steps = (
-        *(Mark('refused'), configure, Advance(ANSWER_S), *refusals, state(NODE)),
-        *(Mark('accepted'), first, configure, *sent['accepted']),
+        *(Mark('refused'), *refusal),
+        *(step for other in others for step in (other, *refusal)),
+        *(state(NODE), Mark('accepted'), first, configure, *sent['accepted']),
         *(Mark('active'), activate, *sent['active']),
         *(Mark('paused'), deactivate, *sent['paused']),
         # A node may refuse to set the parameter before cleanup, so set it again afterwards.
         *(Mark('still'), second, activate, *sent['still'], deactivate),
         *(Mark('again'), cleanup, second, configure, activate, *sent['again']),
         *(Mark('highest'), deactivate, cleanup, third, configure),
+        # Last, because a node that accepts NaN would be in the wrong state afterwards.
+        *(Mark('not a number'), cleanup, nan, *refusal),
     )
     inputs = [
         Pressure(value, phase, limits) for phase, values in pressures.items() for value in values
@@ -373,7 +387,10 @@ def build(
         ),
         read='Part 3: When a transition goes wrong',
         facts={'refused': refused},
-        asks={'warnings': Specification(inputs, warns(), SLIPS, BURST)},
+        asks={
+            'refusals': shown((*refused, math.nan), lambda limit: (limit,)),
+            'warnings': Specification(inputs, warns(), SLIPS, BURST),
+        },
     )
     exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
     exam.check(points=2, needs=['starts_its_node'])(refuses_a_senseless_limit)

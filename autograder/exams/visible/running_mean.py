@@ -175,7 +175,7 @@ SLIPS = (
         'last_few',
         'Your node publishes the mean of only the last numbers.',
         'Keep the sum and the count of all numbers.',
-        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50),
+        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50, 100),
     ),
     Slip(
         'each_once',
@@ -266,7 +266,7 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     :param pause: number of messages before a long pause, which precedes the first NaN; 0 for no
         pause
     """
-    sent = [{'data': 'nan' if math.isnan(one) else one} for one in numbers]
+    sent = [{'data': one} for one in numbers]
     begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []
     rest = feeds(SOURCE, sent[pause:], burst, every_s=EVERY_S)
     slips = (*SLIPS, Slip.of(STARTS_OVER, starts_over(pause))) if pause else SLIPS

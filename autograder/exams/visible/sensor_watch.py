@@ -26,7 +26,7 @@ from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.causes.redaction import quoted
 from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.claims import node, requests
-from autograder.judging.numbers import numbers_in
+from autograder.judging.numbers import numbers_in, rounded
 from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import rows
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
@@ -118,7 +118,10 @@ COUNTS_ALL = Cause(
     'Log one line in each call of the callback for incompatible_qos, whatever total_count is.',
 )
 LOGGED = each(lambda distance: (distance,))
-SLIPS = leaving_out(LOGGED, do='Log', numbers=True)[1:]
+SLIPS = (
+    *leaving_out(LOGGED, do='Log', numbers=True)[1:],
+    rounded(lambda change: each(lambda distance: (change(distance),))),
+)
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'

@@ -26,6 +26,7 @@ from autograder.judging.causes.not_answering import nobody_answers
 from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
 from autograder.judging.lines import Followed, followed, require_warnings, share, warnings_after
+from autograder.judging.numbers import shown
 from autograder.recording import ERROR, Event, INFO, WARN
 from autograder.submission.code.learners_code import Code
 
@@ -49,14 +50,15 @@ def logs_every_reading(run: Run) -> None:
     """It logs every reading in one INFO line with its value, through the node's logger."""
     groups = sent(run)
     proper = [(one, group) for group in groups for one in group.inputs if not one.odd]
-    missing = [(reading, group) for reading, group in proper if not group.showing(reading)]
+    missing = [place for place, (one, group) in enumerate(proper) if not group.showing(one)]
     if missing:
+        reading, group = proper[missing[0]]
         found = len(proper) - len(missing)
         raise Failed(
             expected=f'{len(proper)} readings sent, each in one INFO line with its value',
-            observed=f'{found} of them; missing: {missing[0][0].kind}',
-            why=_why_not_logged(run, *missing[0]),
-            shown_by=[line for line in missing[0][1].logs if line['level'] == INFO],
+            observed=f'{found} of them; missing: {reading.kind}',
+            why=_why_not_logged(run, proper, missing[0]),
+            shown_by=[line for line in group.logs if line['level'] == INFO],
             share=share(run, [one.row for one in groups], found, len(proper)),
         )
     # An occasional line, such as a new maximum or a conversion, may repeat the value of a reading.
@@ -69,7 +71,10 @@ def logs_every_reading(run: Run) -> None:
         )
 
 
-def _why_not_logged(run: Run, reading: Reading, group: Followed) -> Cause | None:
+def _why_not_logged(
+    run: Run, proper: Sequence[tuple[Reading, Followed]], place: int
+) -> Cause | None:
+    reading, group = proper[place]
     # If INFO lines follow the reading, do not search elsewhere: they lack the value, or the node
     # handled only part of a burst.
     elsewhere = None if group.count(INFO) else why_elsewhere(run, INFO, reading.is_in)
@@ -81,7 +86,8 @@ def _why_not_logged(run: Run, reading: Reading, group: Followed) -> Cause | None
     if len(group.inputs) > 1:
         return monitor.BURST_IS_CUT
     if group.count(INFO):
-        return monitor.NO_VALUE
+        came = [None if one.row is None else one.numbers(INFO) for _, one in proper]
+        return run.asked('shown').cause(came, place) or monitor.NO_VALUE
     before = sent(run)[: sent(run).index(group)][-1:]
     if any(one.showing(reading) and one.inputs == group.inputs for one in before):
         return SKIPS_EQUAL
@@ -296,7 +302,10 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
             steps=feeds(TOPIC, messages, burst),
         ),
         read='Part 3: The subscriber',
-        asks={'warnings': Specification(readings, monitor.warns(), slips, burst)},
+        asks={
+            'warnings': Specification(readings, monitor.warns(), slips, burst),
+            'shown': shown([one for one in readings if not one.odd], lambda one: one.numbers),
+        },
     )
     needs = ['subscribes_to_readings']
     exam.check(points=1, read=EXERCISE)(node(NODE))

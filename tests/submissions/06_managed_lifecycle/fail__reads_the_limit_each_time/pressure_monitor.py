@@ -12,7 +12,7 @@ class PressureMonitor(LifecycleNode):
         self.watching = False
     def on_configure(self, state):
         limit = self.get_parameter('limit').value
-        if limit <= 0:
+        if not limit > 0:
             self.get_logger().error(f'bad limit {limit}')
             return TransitionCallbackReturn.FAILURE
         self.limit = limit

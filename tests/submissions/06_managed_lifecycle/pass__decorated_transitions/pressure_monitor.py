@@ -26,7 +26,7 @@ class PressureMonitor(LifecycleNode):
     @reports
     def on_configure(self):
         self.limit = self.get_parameter_or('limit', -1.0).value
-        if self.limit <= 0.0:
+        if not self.limit > 0.0:
             raise NotSensible(f'limit {self.limit:.2f} bar is not above zero')
 
     @reports

@@ -21,7 +21,7 @@ class PressureMonitor(LifecycleNode):
 
     def on_configure(self, state):
         value = self.get_parameter('limit').value
-        if value <= 0:
+        if not value > 0:
             self.get_logger().error(f'limit is {value}, must be > 0')
             return TransitionCallbackReturn.FAILURE
         with self.lock:

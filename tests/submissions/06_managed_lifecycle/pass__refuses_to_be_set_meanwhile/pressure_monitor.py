@@ -20,7 +20,7 @@ class PressureMonitor(LifecycleNode):
         return super().on_cleanup(state)
     def on_configure(self, state):
         limit = self.get_parameter('limit').value
-        if limit <= 0:
+        if not limit > 0:
             self.get_logger().error(f'bad limit {limit}')
             return TransitionCallbackReturn.FAILURE
         self.limit = limit

@@ -17,7 +17,7 @@ class Vigilante(LifecycleNode):
 
     def on_configure(self, estado):
         límite = self.get_parameter('limit').value
-        if límite <= 0:
+        if not límite > 0:
             self.get_logger().error('límite sin sentido: {} bar'.format(límite))
             return TransitionCallbackReturn.FAILURE
         self.límite = límite

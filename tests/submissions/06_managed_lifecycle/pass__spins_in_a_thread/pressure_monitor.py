@@ -14,7 +14,7 @@ class PressureMonitor(LifecycleNode):
 
     def on_configure(self, state):
         self.limit = self.get_parameter('limit').value
-        if self.limit <= 0:
+        if not self.limit > 0:
             self.get_logger().error(f'bad limit: {self.limit}')
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS

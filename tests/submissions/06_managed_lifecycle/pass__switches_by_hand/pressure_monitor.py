@@ -23,7 +23,7 @@ class PressureMonitor(LifecycleNode):
         return SetParametersResult(successful=True)
 
     def on_configure(self, state):
-        if self.next_limit <= 0.0:
+        if not self.next_limit > 0.0:
             self.get_logger().error(f'{self.next_limit} bar: refused')
             return TransitionCallbackReturn.FAILURE
         self.limit = self.next_limit
@@ -38,7 +38,7 @@ class PressureMonitor(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
     def compare(self, message):
-        if not self.on_duty or message.data <= self.limit:
+        if not (self.on_duty and message.data > self.limit):
             return
         self.get_logger().warning(f'above {self.limit} bar: {message.data}')
 

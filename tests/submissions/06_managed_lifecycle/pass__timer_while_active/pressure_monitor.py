@@ -15,7 +15,7 @@ class PressureMonitor(LifecycleNode):
 
     def on_configure(self, state):
         self._limit = self.get_parameter('limit').get_parameter_value().double_value
-        if self._limit <= 0.0:
+        if not self._limit > 0.0:
             self.get_logger().error('limit must be above zero, got %.3f' % self._limit)
             return TransitionCallbackReturn.FAILURE
         self._sub = self.create_subscription(Float64, 'pressure', self._callback, 10)

@@ -19,7 +19,7 @@ class PressureMonitor(LifecycleNode):
 
     def on_configure(self, state):
         limit = self.get_parameter('limit').value
-        if limit <= 0.0:
+        if not limit > 0.0:
             self.get_logger().error(f'{limit} bar is no limit')
             return TransitionCallbackReturn.FAILURE
         self.limit = limit
