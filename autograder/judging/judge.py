@@ -107,8 +107,10 @@ def _place(run: Run, why: Cause, failure: Failed) -> str:
     """Return the line that a cause speaks about, empty if no single line is known."""
     if why.line:
         return Place(why.line).words
-    own = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK), '')
-    acts = [own, failure.act if isinstance(why, Slip) else '']
+    known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))
+    acts = known or (failure.act if isinstance(why, Slip) else '')
+    if not acts:
+        return ''
     lines = {int(one['line']) for one in failure.shown_by if one.get('line')}
-    place = place_of(Code(run.files), ' | '.join(filter(None, acts)), why.about, lines)
+    place = place_of(Code(run.files), acts, why.about, lines)
     return place.words if place else ''
