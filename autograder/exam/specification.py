@@ -154,7 +154,9 @@ class Specification:
             if came[place] is not None and not self.like(self.answers[place], came[place])
         ]
 
-    def cause(self, came: Sequence[Any], place: int, *parts: Collection[int]) -> Slip | None:
+    def cause(
+        self, came: Sequence[Any], place: int | None = None, *parts: Collection[int]
+    ) -> Slip | None:
         """
         Return the slip that explains all answers, or otherwise all answers of one part.
 
@@ -162,9 +164,10 @@ class Specification:
         explain them.
 
         :param came: see :meth:`wrong`
-        :param place: index of a wrong answer; parts without it are skipped
+        :param place: index of a wrong answer, by default the first; parts without it are skipped
         :param parts: groups of indices that belong together, the largest first
         """
+        place = next(iter(self.wrong(came)), None) if place is None else place
         for part in (range(len(came)), *parts):
             seen = [one for one in part if came[one] is not None]
             for slip, slipped in self._slipped if place in seen else ():

@@ -228,7 +228,7 @@ def _why_other_maps(run: Run) -> Cause | None:
     asked, found = run.asked('maps'), compared(run)
     if why := why_silent(run) or _why_unconnected(run, any(found)):
         return why
-    if slip := next((asked.cause(found, place) for place in asked.wrong(found)), None):
+    if slip := asked.cause(found):
         return slip
     others = [text for text in _in_order(run) if text not in asked.inputs]
     if others and _bare(others[0]) in map(_bare, asked.inputs):

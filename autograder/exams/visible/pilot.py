@@ -69,8 +69,7 @@ def keeps_its_rhythm(run: Run) -> None:
         if one['after_input'] is not None and one['after_input'] >= begins
     ]
     during_s = sum(one.lasts_s for one in asked.inputs[begins:])
-    causes = (asked.cause(came, place) for place in asked.wrong(came))
-    require_period(run, found, PERIOD_S, during_s, 'command', lambda: next(causes, None))
+    require_period(run, found, PERIOD_S, during_s, 'command', lambda: asked.cause(came))
 
 
 def _require_commands(run: Run, stops: bool) -> None:
