@@ -79,7 +79,7 @@ def _judge_one(
     except Failed as failure:
         if failure.blocks:
             blocked.add(check.name)
-        why = failure.why or Cause('', '', how_to_look(run))
+        why = closest(run, failure.why or Cause('', '', how_to_look(run)))
         return CheckResult(
             check=check.name,
             title=check.title,
@@ -101,6 +101,12 @@ def _judge_one(
             'This says nothing about the submission; correct the exam and grade again.',
         ) from error
     return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)
+
+
+def closest(run: Run, why: Cause) -> Cause:
+    """Return the first of the more precise causes whose act the program does, or the cause."""
+    code = Code(run.files)
+    return next((one for one in why.closer if place_of(code, one.act, one.about)), why)
 
 
 def _place(run: Run, why: Cause, failure: Failed) -> str:
