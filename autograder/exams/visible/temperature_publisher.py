@@ -23,7 +23,13 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm, why_paced
+from autograder.judging.rhythm import (
+    GRAIN_S,
+    is_flood,
+    why_late_start,
+    why_other_rhythm,
+    why_paced,
+)
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 from autograder.submission.code.code_places import seed_in_callback
@@ -138,9 +144,12 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
         return sleeps
     clock: RosClock = run.facts['clock']
     # Start at the first message, so that a late start does not look like an early end.
-    late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
-    during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
-    return why_other_rhythm(found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
+    late_s = (found[0]['clock_ns'] - _begin_ns(run)) / SECOND * clock.rate if found else 0.0
+    steady = all(abs(gap / SECOND * clock.rate - 1.0) <= clock.step_s for gap in gaps)
+    if late_s > BEGINS_S and steady:
+        return why_late_start('message')
+    during_s = run.facts['seconds'] - late_s
+    return why_other_rhythm(run, found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
 
 
 def names_the_unit(run: Run) -> None:
