@@ -76,6 +76,18 @@ LIFESPAN = Cause(
     'The profile has a lifespan, after which the map expires.',
     'Leave lifespan out.',
 )
+KEEPS_ALL = Cause(
+    'keeps_all',
+    'With KEEP_ALL, the publisher keeps every map for late subscriptions, whatever its depth is.',
+    'Leave history out, or write HistoryPolicy.KEEP_LAST: then depth=1 keeps the last map.',
+    act='KEEP_ALL',
+)
+REPLACES_EMPTY = Cause(
+    'replaces_empty',
+    f'Your node publishes {FIRST!r} in place of an empty survey.',
+    'Publish String(data=survey.data) as it is, even if it is empty.',
+    act='or | if | truth',
+)
 REPEATS = Cause(
     'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
 )
@@ -182,7 +194,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:
-        return FIRST_REPEATS
+        return REPLACES_EMPTY if _replaces_empty(run) else FIRST_REPEATS
     if FIRST not in found and 'destroy_publisher' in Code(run.files).calls:
         return PUBLISHER_GONE
     if not before:
@@ -191,6 +203,17 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     matters = 'Upper and lower case and spaces matter.'
     slip = matters if near else 'The first map has a different text.'
     return Cause('wrong_text', slip, f'Write {FIRST!r}.')
+
+
+def _replaces_empty(run: Run) -> bool:
+    """Return whether the text of the first map comes again only after empty surveys."""
+    asked = run.asked('maps')
+    again = [
+        asked.inputs[one['after_input']]
+        for one in run.recording.messages('/map', 'early')
+        if one['after_input'] is not None and texts_of([one]) == (FIRST,)
+    ]
+    return bool(again) and not any(again)
 
 
 def _why_unmatched(run: Run, listener: str) -> Cause | None:
@@ -228,6 +251,8 @@ def _why_other_maps(run: Run) -> Cause | None:
     asked, found = run.asked('maps'), compared(run)
     if why := why_silent(run) or _why_unconnected(run, any(found)):
         return why
+    if _replaces_empty(run):
+        return REPLACES_EMPTY
     if slip := asked.cause(found):
         return slip
     others = [text for text in _in_order(run) if text not in asked.inputs]
@@ -304,6 +329,7 @@ def _why_many(run: Run, kept: int) -> Cause | None:
         f'The publisher keeps {kept} maps or more for late subscriptions.',
         'Give its profile depth=1: keep the last one.',
         about=['map'],
+        closer=[KEEPS_ALL],
     )
 
 

@@ -82,6 +82,9 @@ def _why_not_logged(run: Run, reading: Reading, group: Followed) -> Cause | None
         return monitor.BURST_IS_CUT
     if group.count(INFO):
         return monitor.NO_VALUE
+    warnings = [line for line in group.logs if line['level'] == WARN]
+    if reading.hot and warnings:
+        return replace(monitor.ONLY_WARNED, line=warnings[0].get('line'))
     before = sent(run)[: sent(run).index(group)][-1:]
     if any(one.showing(reading) and one.inputs == group.inputs for one in before):
         return SKIPS_EQUAL
