@@ -105,8 +105,8 @@ def _judge_one(
 
 def closest(run: Run, why: Cause) -> Cause:
     """Return the first of the more precise causes whose act the program does, or the cause."""
-    code = Code(run.files)
-    return next((one for one in why.closer if place_of(code, one.act, one.about)), why)
+    found = (one for one in why.closer if place_of(Code(run.files), one.act, one.about))
+    return next(found, why)
 
 
 def _place(run: Run, why: Cause, failure: Failed) -> str:

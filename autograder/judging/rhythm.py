@@ -121,8 +121,8 @@ def why_late_start(what: str) -> Cause:
 def _alone_and_together(
     moments: Mapping[str, Sequence[float]],
 ) -> Iterator[tuple[str, Sequence[float]]]:
-    """Yield the moments of each kind of event, then those of several kinds together."""
-    for count in range(1, len(moments) + 1):
+    """Yield the moments of each kind of event, then those of two kinds together."""
+    for count in (1, 2):
         for some in combinations(moments, count):
             yield ' or '.join(some), [one for kind in some for one in moments[kind]]
 

@@ -86,7 +86,7 @@ REPLACES_EMPTY = Cause(
     'replaces_empty',
     f'Your node publishes {FIRST!r} in place of an empty survey.',
     'Publish String(data=survey.data) as it is, even if it is empty.',
-    act='or | if | truth',
+    act='or | truth | == !=',
 )
 REPEATS = Cause(
     'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
