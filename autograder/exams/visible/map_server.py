@@ -30,7 +30,6 @@ from autograder.judging.rows import (
     why_other_answer,
 )
 from autograder.recording import Event
-from autograder.submission.code.learners_code import Code
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
@@ -55,6 +54,7 @@ PUBLISHER_GONE = Cause(
     'publisher_gone',
     'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
     'Create one publisher in __init__, and publish every map with it.',
+    act='destroy_publisher()',
 )
 FIRST_LATE = Cause(
     'first_map_late',
@@ -70,6 +70,7 @@ NO_FIRST = Cause(
     'no_first_map',
     'No map was published before the first survey.',
     f'Publish String(data={FIRST!r}) at the end of __init__.',
+    closer=[PUBLISHER_GONE],
 )
 LIFESPAN = Cause(
     'lifespan',
@@ -195,8 +196,6 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
         return why
     if found.count(FIRST) > 1:
         return REPLACES_EMPTY if _replaces_empty(run) else FIRST_REPEATS
-    if FIRST not in found and 'destroy_publisher' in Code(run.files).calls:
-        return PUBLISHER_GONE
     if not before:
         return NO_FIRST
     near = before[0].strip().lower() == FIRST

@@ -32,7 +32,6 @@ from autograder.judging.rhythm import (
 )
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
-from autograder.submission.code.code_places import seed_in_callback
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
@@ -55,6 +54,23 @@ NOT_FINITE = Cause(
     'not_finite',
     'NaN and infinity are floats, but not temperatures.',
     'Publish a finite number each time.',
+)
+SEEDED = Cause(
+    'seeded_each_time',
+    'Each call of your callback restarts the random numbers with the same seed, so every reading '
+    'is the first random number.',
+    'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
+    act=' '.join(
+        f'{seed}@to:create_timer()'
+        for seed in ('seed()', 'Random()', 'RandomState()', 'default_rng()')
+    ),
+)
+CONSTANT = Cause(
+    'constant',
+    'The value never changes.',
+    'Compute it in the callback, not once in __init__(), and from something that changes from '
+    'call to call, such as self.elapsed.',
+    closer=[SEEDED],
 )
 EXERCISE = 'Exercise 2: the publisher node'
 
@@ -196,25 +212,8 @@ def readings_are_plausible(run: Run) -> None:
         raise Failed(
             expected='readings that change from one to the next, as a real sensor has',
             observed=f'{values[0]:.4g} °C in all {len(values)} readings',
-            why=_why_constant(run),
+            why=CONSTANT,
         )
-
-
-def _why_constant(run: Run) -> Cause:
-    """Explain a constant reading, for example by random numbers seeded in the callback."""
-    if seed := seed_in_callback(run.files):
-        return Cause(
-            'seeded_each_time',
-            f'{seed[:60]}() restarts the random numbers with the same seed, so every reading is '
-            'the first random number.',
-            'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
-        )
-    return Cause(
-        'constant',
-        'The value never changes.',
-        'Compute it in the callback, not once in __init__(), and from something that changes '
-        'from call to call, such as self.elapsed.',
-    )
 
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:

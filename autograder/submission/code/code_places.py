@@ -1,5 +1,5 @@
 """
-Find mistakes in student code: log calls that skip lines, fixed seeds, pauses, unset fields.
+Find mistakes in student code: log calls that skip lines, pauses, unset fields.
 
 As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
 """
@@ -16,7 +16,6 @@ from autograder.submission.code.program import last_name, Program
 SHORT_S = 0.1
 """Calls of ``sleep`` for less than this time [s] are ignored."""
 _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
-_SEEDS = ('seed', 'Random', 'RandomState', 'default_rng')
 
 
 def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()) -> str:
@@ -66,16 +65,6 @@ def _logging_names(program: Program) -> Iterator[str]:
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
             made = last_name(node.value.func) == 'getLogger'
             yield from map(last_name, node.targets if made else ())
-
-
-def seed_in_callback(files: Mapping[str, str]) -> str:
-    """Return the function that seeds random numbers with a constant in a callback, or ''."""
-    for program in Code(files).programs:
-        for call in program.calls(*_SEEDS):
-            fixed = call.args and isinstance(program.origin(call.args[0]), ast.Constant)
-            if fixed and program.is_working(call):
-                return last_name(call.func)
-    return ''
 
 
 @dataclass(frozen=True)
