@@ -50,7 +50,7 @@ class Failed(Exception):
     :param every_s: period of the expected messages [s], only used to draw the picture
     :param shown_by: log lines that show the failure; their place in the code helps to explain it
     :param act: what a program does for this check, see :mod:`autograder.submission.code.acts`; a
-        slip is in that line, unless ``judging/causes/places.txt`` knows a more telling one
+        slip without a row in ``judging/causes/places.txt`` is in that line
     """
 
     expected: str
@@ -184,9 +184,7 @@ class Exam:
         :param needs: names of earlier checks
         :param static: whether the check looks only at the files; if failed static checks block all
             other checks, the grader does not run the program
-        :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
-            above 0, a need is not an earlier check, or only a program could answer the check and
-            the scenario has none
+        :raises ExamInvalid: as :meth:`add`
         """
 
         def add(judge: Callable[[Run], None]) -> Callable[[Run], None]:

@@ -10,10 +10,12 @@ node created its timer.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from itertools import groupby
 import math
 from typing import Any, NamedTuple
 
+from autograder.exam.ranges import within
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Cause, Rule, Slip
 
@@ -58,7 +60,7 @@ def joining(
     for_good: bool = False,
     timer: bool = True,
     same_is_old: Collection[int] = (),
-    forgets: bool = False,
+    keeps: Callable[[list[float]], list[float]] = list,
 ) -> Rule:
     """
     Return the rule of a node that combines topics; with the default values, the correct one.
@@ -72,7 +74,7 @@ def joining(
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
     :param same_is_old: the topics on which a value that equals the one before does not renew the
         age
-    :param forgets: whether the node forgets all values when it stops
+    :param keeps: returns what remains of the values of each topic when the node stops
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -89,8 +91,9 @@ def joining(
                 if ready(heard):
                     stopped = old(ages) or (for_good and stopped)
                     row.append(stop(latest(heard), ages) if stopped else value(heard))
-                if stopped and forgets:
-                    heard, stopped = [[] for _ in heard], False
+                if stopped:
+                    heard = [keeps(one) for one in heard]
+                    stopped = all(heard)
             now_s += lasts_s
             found.append(tuple(one for one, _ in groupby(row) if one is not None))
         return found
@@ -191,7 +194,14 @@ def joining_slips(topics: int, old_s: float, period_s: float) -> tuple[Slip, ...
             'forgets_values',
             'After a stop, your node waits until all inputs have come again.',
             'Keep the values when one of them is old: the timer publishes 0.0 until it is fresh.',
-            rule(forgets=True),
+            rule(keeps=lambda values: []),
+        ),
+        Slip(
+            'stop_overwrites',
+            'A stop overwrites the kept values: a value that is still fresh is lost.',
+            'Keep the values, and publish 0.0 in their place: set the fields of the message only.',
+            rule(keeps=lambda values: [0.0]),
+            act='reset',
         ),
         Slip(
             'silent_when_old',
@@ -241,6 +251,20 @@ def joining_slips(topics: int, old_s: float, period_s: float) -> tuple[Slip, ...
             'A value of 0.0 is taken for one that has not come.',
             'Compare with None: if self.NAME is None.',
             rule(ready=lambda heard: all(one and one[-1] for one in heard)),
+            *(
+                rule(ready=lambda heard, which=which: all(heard) and bool(heard[which][-1]))
+                for which in all_topics
+            ),
+        ),
+        Slip(
+            'limited',
+            'Your node limits a value, but should publish each value unchanged.',
+            'Store and publish message.data as it is, without min() and max().',
+            *(
+                changed(partial(within, most=1.0), *some)
+                for some in (all_topics, *zip(all_topics))
+            ),
+            act='min() max() clip()',
         ),
         Slip(
             'answers_inputs',

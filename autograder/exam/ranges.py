@@ -71,7 +71,7 @@ def range_slips(
             lambda value: lowest < value < highest,
             lambda value: lowest < value <= highest,
             lambda value: lowest <= value < highest,
-            try_this='Compare with <=, not with <.',
+            try_this=f'Accept both ends: {lowest} <= value <= {highest}.',
         ),
         slip(
             'refuses_all',
@@ -187,5 +187,6 @@ def in_force_slips(
             'the value from time to time.',
             f'{read_it} Make no copy in a timer.',
             late,
+            sometimes=True,
         ),
     )

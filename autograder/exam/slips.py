@@ -62,6 +62,13 @@ UNASKED = Cause(
     'Your node publishes a message although it has received none.',
     'Publish only in the callback of the subscription.',
 )
+RUNS_EARLY = Cause(
+    'runs_early',
+    'Your node publishes a message before it has received one: its timer runs from the start.',
+    'Publish in the callback of the subscription. If the exercise needs the timer, create it with '
+    'autostart=False and call its reset() in that callback.',
+    act='publishing_timer',
+)
 SEVERAL_ANSWERS = Cause(
     'several_answers',
     'Your node publishes too many messages for one input.',

@@ -63,6 +63,8 @@ class Cause:
     :param act: what the program does in that line, see :mod:`autograder.submission.code.acts`; by
         default, as in ``judging/causes/places.txt``
     :param line: that line, from 1, if the run shows it, as a traceback does
+    :param closer: more precise causes of the same answers, each with an act; the first one whose
+        act the program does replaces this cause
     """
 
     cause_id: str
@@ -71,6 +73,7 @@ class Cause:
     about: Sequence[str] = ()
     act: str = ''
     line: int | None = None
+    closer: Sequence[Cause] = ()
 
 
 @dataclass(frozen=True, init=False)
@@ -80,21 +83,33 @@ class Slip(Cause):
 
     :param rules: return the answers of a program with this mistake; several if the mistake has
         several forms, such as a number of digits
+    :param sometimes: whether a program may make the mistake for only some of the inputs
     """
 
     rules: tuple[Rule, ...] = ()
+    sometimes: bool = False
 
     def __init__(
-        self, cause_id: str, text: str, try_this: str, *rules: Rule, act: str = ''
+        self,
+        cause_id: str,
+        text: str,
+        try_this: str,
+        *rules: Rule,
+        act: str = '',
+        closer: Sequence[Cause] = (),
+        sometimes: bool = False,
     ) -> None:
         """Create a slip from a cause and its rules."""
-        super().__init__(cause_id, text, try_this, act=act)
+        super().__init__(cause_id, text, try_this, act=act, closer=closer)
         object.__setattr__(self, 'rules', rules)
+        object.__setattr__(self, 'sometimes', sometimes)
 
     @classmethod
     def of(cls, cause: Cause, *rules: Rule) -> Slip:
         """Return the slip for a cause that checks may also report without a matching rule."""
-        return cls(cause.cause_id, cause.text, cause.try_this, *rules, act=cause.act)
+        return cls(
+            cause.cause_id, cause.text, cause.try_this, *rules, act=cause.act, closer=cause.closer
+        )
 
 
 @dataclass(frozen=True)
@@ -154,7 +169,9 @@ class Specification:
             if came[place] is not None and not self.like(self.answers[place], came[place])
         ]
 
-    def cause(self, came: Sequence[Any], place: int, *parts: Collection[int]) -> Slip | None:
+    def cause(
+        self, came: Sequence[Any], place: int | None = None, *parts: Collection[int]
+    ) -> Slip | None:
         """
         Return the slip that explains all answers, or otherwise all answers of one part.
 
@@ -162,14 +179,19 @@ class Specification:
         explain them.
 
         :param came: see :meth:`wrong`
-        :param place: index of a wrong answer; parts without it are skipped
+        :param place: index of a wrong answer, by default the first; parts without it are skipped
         :param parts: groups of indices that belong together, the largest first
         """
+        place = next(iter(self.wrong(came)), None) if place is None else place
         for part in (range(len(came)), *parts):
             seen = [one for one in part if came[one] is not None]
             for slip, slipped in self._slipped if place in seen else ():
                 if all(self.like(slipped[one], came[one]) for one in seen):
                     return slip
+        wrong = self.wrong(came)
+        for slip, slipped in self._slipped if len(wrong) > 1 else ():
+            if slip.sometimes and all(self.like(slipped[one], came[one]) for one in wrong):
+                return slip
         return None
 
     def mistakes(self) -> Iterator[str]:

@@ -170,6 +170,17 @@ UNKNOWN_UNIT = Cause(
     f'A number without a known unit cannot be compared with {THRESHOLD_C:g} °C.',
     'For any unit that you do not know: self.get_logger().error(...), return.',
 )
+ONLY_WARNED = Cause(
+    'only_warned',
+    f'For a reading above {THRESHOLD_C:g} °C, your node logs a WARN line, but no INFO line.',
+    'Log both: call self.get_logger().info(...) for each reading, before you compare.',
+)
+KEEPS_UNIT = Cause(
+    'keeps_unit',
+    'Your node uses the unit of an earlier reading, so it does not convert this one.',
+    'Look at msg.unit of each reading: one sensor may send readings in both units.',
+    act='setdefault() | kept_first',
+)
 SLIPS = (
     *above_limit(warns, str(THRESHOLD_C)),
     of_nan(warns, str(THRESHOLD_C)),
@@ -179,6 +190,7 @@ SLIPS = (
         'Look at msg.unit first: celsius = (value - 32) / 1.8 for Fahrenheit.',
         warns(celsius=lambda one: None if one.celsius is None else one.value),
         warns(celsius=lambda one: one.value),
+        closer=[KEEPS_UNIT],
     ),
     Slip(
         'wrong_conversion',

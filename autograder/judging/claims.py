@@ -45,14 +45,15 @@ from autograder.judging.rows import (
 Judge = Callable[[Run], None]
 
 
-def claim(name: str, sentence: str) -> Callable[[Judge], Judge]:
-    """Return a decorator that sets a check's name and the sentence that learners read."""
+def claim(name: str, sentence: str, judge: Judge) -> Judge:
+    """
+    Return a function as a check.
 
-    def named(judge: Judge) -> Judge:
-        judge.__name__, judge.__doc__ = name, sentence
-        return judge
-
-    return named
+    :param name: name of the check
+    :param sentence: what learners read
+    """
+    judge.__name__, judge.__doc__ = name, sentence
+    return judge
 
 
 def node(
@@ -68,12 +69,8 @@ def node(
         parameter of all claims
     """
     base = name.rpartition('/')[2]
-
-    @claim(check, sentence or f'Your program starts a node called {base}.')
-    def judge(run: Run) -> None:
-        require_node(run, name, only_named)
-
-    return judge
+    sentence = sentence or f'Your program starts a node called {base}.'
+    return claim(check, sentence, lambda run: require_node(run, name, only_named))
 
 
 def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
@@ -84,16 +81,9 @@ def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
     :param kind: type of its messages
     """
     base = topic.rpartition('/')[2]
-
-    @claim(
-        check or f'hears_{base}',
-        sentence
-        or f'It subscribes to {kind.rpartition("/")[2]} messages on {base} and receives them.',
-    )
-    def judge(run: Run) -> None:
-        require_reached(run, topic, kind)
-
-    return judge
+    what = f'{kind.rpartition("/")[2]} messages on {base}'
+    sentence = sentence or f'It subscribes to {what} and receives them.'
+    return claim(check or f'hears_{base}', sentence, lambda run: require_reached(run, topic, kind))
 
 
 def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: Any) -> Judge:
@@ -103,17 +93,14 @@ def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: An
     :param qos: required policies, see :func:`autograder.judging.checks.require_qos`
     """
     base = topic.rpartition('/')[2]
+    sentence = sentence or f'It publishes {kind.rpartition("/")[2]} messages on {base}.'
 
-    @claim(
-        check or f'offers_{base}',
-        sentence or f'It publishes {kind.rpartition("/")[2]} messages on {base}.',
-    )
     def judge(run: Run) -> None:
         ends = require_endpoint(run, 'publisher', topic, kind)
         require_qos(ends, **qos)
         require_partner(ends)
 
-    return judge
+    return claim(check or f'offers_{base}', sentence, judge)
 
 
 def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
@@ -123,11 +110,10 @@ def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Ju
     :param qos: required policies, see :func:`autograder.judging.checks.require_qos`
     """
 
-    @claim(check, sentence)
     def judge(run: Run) -> None:
         require_qos(require_endpoint(run, 'subscription', topic, kind), **qos)
 
-    return judge
+    return claim(check, sentence, judge)
 
 
 def passes(
@@ -144,12 +130,11 @@ def passes(
     """
     hear, say = source[0].rpartition('/')[2], target[0].rpartition('/')[2]
 
-    @claim(check, sentence or f'It subscribes to {hear} and publishes on {say}.')
     def judge(run: Run) -> None:
         require_reached(run, *source)
         require_partner(require_endpoint(run, 'publisher', *target))
 
-    return judge
+    return claim(check, sentence or f'It subscribes to {hear} and publishes on {say}.', judge)
 
 
 def one_for_one(
@@ -166,12 +151,12 @@ def one_for_one(
     :param topic: full name of a topic that the probe records
     :param places: indices of the inputs to check, by default all
     """
+    sentence = sentence or 'It publishes exactly what each input asks for, and nothing else.'
 
-    @claim(check, sentence or 'It publishes exactly what each input asks for, and nothing else.')
     def judge(run: Run) -> None:
         require_one_for_one(run, ask, topic, published(run, ask, topic), places)
 
-    return judge
+    return claim(check, sentence, judge)
 
 
 def publishes(
@@ -193,14 +178,14 @@ def publishes(
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
+    sentence = sentence or f'What it publishes on {base} is right.'
 
-    @claim(check or f'publishes_{base}', sentence or f'What it publishes on {base} is right.')
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), published(run, ask, topic, *fields)
         require_values(run, asked, found, places, what)
         require_all_sent(run, found if places is None else [found[one] for one in places])
 
-    return judge
+    return claim(check or f'publishes_{base}', sentence, judge)
 
 
 def beats(
@@ -217,11 +202,10 @@ def beats(
     :param during_s: duration of the recording [s]
     """
 
-    @claim(check, sentence or f'It publishes once every {period_s:g} s.')
     def judge(run: Run) -> None:
         require_period(run, require_messages(run, topic=topic), period_s, during_s)
 
-    return judge
+    return claim(check, sentence or f'It publishes once every {period_s:g} s.', judge)
 
 
 def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Judge:
@@ -232,13 +216,13 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
         their description in feedback
     :param logger: full name of the node whose log lines are judged
     """
+    sentence = sentence or 'It logs exactly the warnings that each input asks for.'
 
-    @claim(check, sentence or 'It logs exactly the warnings that each input asks for.')
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), rows(run, ask, own_logs(run, logger))
         require_warnings(run, asked, found, range(len(found)))
 
-    return judge
+    return claim(check, sentence, judge)
 
 
 def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judge:
@@ -249,8 +233,8 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
         fields that must be equal
     """
     base = service.rpartition('/')[2]
+    sentence = sentence or f'It answers each call of {base}.'
 
-    @claim(check or f'answers_{base}', sentence or f'It answers each call of {base}.')
     def judge(run: Run) -> None:
         asked = run.asked(ask)
         nothing: dict[str, Any] = {}
@@ -268,4 +252,4 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
             secret=run.secret,
         )
 
-    return judge
+    return claim(check or f'answers_{base}', sentence, judge)

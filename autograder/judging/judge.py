@@ -79,7 +79,7 @@ def _judge_one(
     except Failed as failure:
         if failure.blocks:
             blocked.add(check.name)
-        why = failure.why or Cause('', '', how_to_look(run))
+        why = closest(run, failure.why or Cause('', '', how_to_look(run)))
         return CheckResult(
             check=check.name,
             title=check.title,
@@ -103,12 +103,20 @@ def _judge_one(
     return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)
 
 
+def closest(run: Run, why: Cause) -> Cause:
+    """Return the first of the more precise causes whose act the program does, or the cause."""
+    found = (one for one in why.closer if place_of(Code(run.files), one.act, one.about))
+    return next(found, why)
+
+
 def _place(run: Run, why: Cause, failure: Failed) -> str:
     """Return the line that a cause speaks about, empty if no single line is known."""
     if why.line:
         return Place(why.line).words
-    own = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK), '')
-    acts = [own, failure.act if isinstance(why, Slip) else '']
+    known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))
+    acts = known or (failure.act if isinstance(why, Slip) else '')
+    if not acts:
+        return ''
     lines = {int(one['line']) for one in failure.shown_by if one.get('line')}
-    place = place_of(Code(run.files), ' | '.join(filter(None, acts)), why.about, lines)
+    place = place_of(Code(run.files), acts, why.about, lines)
     return place.words if place else ''

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import ast
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, groupby, pairwise
 import math
+from operator import itemgetter
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.ended import why_it_ended, why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
+from autograder.submission.code.acts import place_of
 from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
@@ -56,7 +59,10 @@ def require_period(
     if sleeps and 'reset' in Code(run.files).calls:
         sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
     rhythm = (
-        disturbed or sleeps or why_paced(run) or why_other_rhythm(found, period_s, during_s, what)
+        disturbed
+        or sleeps
+        or why_paced(run)
+        or why_other_rhythm(run, found, period_s, during_s, what)
     )
     raise Failed(
         expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
@@ -87,14 +93,9 @@ def _why_disturbed(
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = _gaps(seconds)
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
-        text = (
-            f'Every {what} is in time, but the first comes too late: the timer starts late, or '
-            'its first call is skipped.'
-        )
-        hint = 'Create the timer in __init__(), wait for nothing, and act in each call.'
-        return Cause('begins_late', text, hint)
+        return why_late_start(what)
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
-    for event, moments in other_moments(run, found).items():
+    for event, moments in _alone_and_together(other_moments(run, found)):
         first = next((one for one in seconds if not _near(one, moments)), seconds[0])
         off = [one for one in seconds if not _is(0.0, math.remainder(one - first, period_s))]
         timed = sorted({*seconds} - {*off})
@@ -107,9 +108,36 @@ def _why_disturbed(
     return None
 
 
+def why_late_start(what: str) -> Cause:
+    """Explain a rhythm that is right from its first message or line on, which comes too late."""
+    return Cause(
+        'begins_late',
+        f'Every {what} is in time, but the first comes too late: the timer starts late, or its '
+        'first calls are skipped.',
+        'Create the timer in __init__(), wait for nothing, and act in each call.',
+    )
+
+
+def _alone_and_together(
+    moments: Mapping[str, Sequence[float]],
+) -> Iterator[tuple[str, Sequence[float]]]:
+    """Yield the moments of each kind of event, then those of two kinds together."""
+    for count in (1, 2):
+        for some in combinations(moments, count):
+            yield ' or '.join(some), [one for kind in some for one in moments[kind]]
+
+
 def why_paced(run: Run) -> Cause | None:
-    """Explain a loop whose pause is a call of ``spin_once()``."""
+    """Explain a loop whose pause is a call of ``spin_once()``, or that spins nodes in turn."""
     code = Code(run.files)
+    spun = {ast.unparse(call.args[0]) for call in code.calls.get('spin_once', ()) if call.args}
+    if len(run.recording.nodes) > 1 and (len(spun) > 1 or place_of(code, 'for:spin_once()')):
+        return Cause(
+            'spun_in_turn',
+            'Your program spins its nodes in turn: while spin_once() waits for one of them, the '
+            'other does nothing.',
+            'Add each node to one executor with add_node(), and call executor.spin().',
+        )
     if 'spin_once' not in code.calls or 'create_timer' in code.names:
         return None
     return Cause(
@@ -170,6 +198,7 @@ def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
 
 
 def why_other_rhythm(
+    run: Run,
     found: Sequence[Event],
     period_s: float,
     during_s: float,
@@ -187,26 +216,22 @@ def why_other_rhythm(
     """
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
-    if len(found) > due + 1.5 and 0.0 in gaps:
+    sizes = [len(list(some)) for _, some in groupby(found, key=itemgetter('clock_ns'))]
+    if 0.0 in gaps and (len(found) > due + 1.5 or min(sizes[:-1], default=1) > 1):
         return Cause(
             'several_at_once',
             f'Several {what}s come at the same moment.',
-            f'One timer causes one {what} each time it ticks. Use no second timer and no loop.',
+            f'One timer causes one {what} each time it ticks, every {period_s:g} s. Use no second '
+            'timer and no loop.',
         )
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
-        return Cause(
-            'wrong_rate',
-            f'Your node sends one {what} every {mean_s:.2g} s.',
-            f'The first argument of create_timer() is the period in seconds: {float(period_s)}. '
-            f'Each call of its callback has one {what}, and nothing else in the program waits.',
-            about=[f'{mean_s:.4g}'],
-        )
+        return _why_wrong_rate(run, mean_s, period_s, what)
     if steady and len(found) < due - 1.5:
         return Cause(
             'stops',
-            f'After {len(found)} {what}s nothing more comes.',
+            f'The {what}s come in time at first, but then nothing more comes.',
             'Is a timer cancelled, or what it sends used up? It goes on until the program ends.',
         )
     periods = [gap / period_s for gap in gaps]
@@ -222,6 +247,41 @@ def why_other_rhythm(
             'before it?',
         )
     return None
+
+
+def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Cause:
+    """
+    Explain an even rhythm with a wrong period.
+
+    :param mean_s: the measured period [s]
+    """
+    sends = f'Your node sends one {what} every {mean_s:.2g} s'
+    ticks = [one for code in Code(run.files).programs for one in code.numbers('create_timer')]
+    parts = [one for one in ticks if 0 < one < mean_s and _is(0.0, math.remainder(mean_s, one))]
+    if any(_is(mean_s, one) for one in ticks) or not parts:
+        closer: tuple[Cause, ...] = ()
+    else:
+        closer = (
+            Cause(
+                'not_each_tick',
+                f'{sends}: its timer ticks every {parts[0]:g} s, and only one tick in '
+                f'{round(mean_s / parts[0])} sends one.',
+                f'Give create_timer() the period {float(period_s)}, and send one {what} in each '
+                'call of its callback, without a count of the calls.',
+                act='compared_count | %',
+            ),
+        )
+    right = any(_is(period_s, one) for one in ticks)
+    period = f'The first argument of create_timer() is the period in seconds: {float(period_s)}. '
+    return Cause(
+        'wrong_rate',
+        f'{sends}.',
+        f'{"" if right else period}'
+        f'Each call of the callback of the timer has one {what}, and nothing else in the program '
+        'waits.',
+        about=[f'{mean_s:.4g}'],
+        closer=closer,
+    )
 
 
 def is_flood(count: float, due: float) -> bool:

@@ -19,17 +19,20 @@ from autograder.exam.slips import (
     LEAVES_OUT,
     MISSES_SOME,
     NO_ANSWER,
+    RUNS_EARLY,
     SEVERAL_ANSWERS,
     UNASKED,
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import count_of, field_of, require_endpoint, SECOND
+from autograder.judging.rhythm import seconds_between
 from autograder.recording import Event
 
 Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once comes earlier [s]
-TIMER, ANSWER = 'create_timer()', 'if:publish() | def:publish()'
+ANSWER = 'if:publish() | def:publish()'
+AT_START_S = 0.25  # a message that __init__ publishes comes earlier [s]
 PUBLISHES_LATER = Cause(
     'publishes_later',
     'Some time after the answer to a message, your node publishes again, although no other '
@@ -136,8 +139,13 @@ def require_one_for_one(
     :param places: indices of the inputs to check, by default all
     """
     asked = run.asked(ask)
-    if run.recording.of('message', topic=topic, after_input=None):
-        raise Failed(expected='nothing before the first input', observed='a message', why=UNASKED)
+    if early := run.recording.of('message', topic=topic, after_input=None):
+        later = seconds_between(run.recording.of('seen'), early) > AT_START_S
+        raise Failed(
+            expected='nothing before the first input',
+            observed='a message',
+            why=replace(UNASKED, closer=[RUNS_EARLY]) if later else UNASKED,
+        )
     if not any(came):
         require_endpoint(run, 'publisher', topic, run.names.published[topic])
     for place in range(len(came)) if places is None else places:
@@ -178,9 +186,9 @@ def why_other_answer(
     if not any(came):
         return NO_ANSWER
     if len(asked.row(place)) > 1:
-        cut = why_burst_cut(asked, came[place] or ())
+        cut = why_burst_cut(asked, came[place] or ()) or MISSES_SOME
         in_a_timer = bool(late_s) and all(min(row, default=math.inf) > LATE_S for row in late_s)
-        return (_in_a_timer(cut) if cut and in_a_timer else cut) or MISSES_SOME
+        return _in_a_timer(cut) if in_a_timer else cut
     return LEAVES_OUT
 
 
@@ -188,7 +196,8 @@ def _in_a_timer(cut: Cause) -> Cause:
     """Explain a burst that is not completely answered, and answers that all come late."""
     text = f'{cut.text} It publishes some time after they arrive, like a timer.'
     repair = 'Publish in the callback of the subscription, once per message, and not in a timer.'
-    return replace(cut, text=text, try_this=repair, act=TIMER)
+    act = 'kept_message | create_timer()'
+    return replace(cut, text=text, try_this=repair, act=act)
 
 
 def require_values(

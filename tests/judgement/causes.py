@@ -122,9 +122,8 @@ def _in_tables() -> Iterator[Written]:
         text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (row.text, row.try_this))
         yield Written(row.cause_id, text, try_this, 'code_table')
     for name, (what, why) in ended.LIMITS.items():
-        yield Written(
-            name, f'The grader stopped your program: {what}.', f'Look for {why}.', 'ended'
-        )
+        text = f'The grader stopped your program: {what}.'
+        yield Written(name.partition('|')[0], text, f'Look for {why}.', 'ended')
     for name in ('by_evidence.txt', 'of_fields.txt'):
         for head, *_, text, try_this in rows_of(name):
             text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (text, try_this))

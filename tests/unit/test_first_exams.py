@@ -6,6 +6,7 @@ import pytest
 
 from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import courier, harbour, night_watch, running_mean, talker
+from autograder.judging.judge import closest
 from autograder.recording import ERROR, INFO, Recording, WARN
 
 SECONDS = 21
@@ -359,7 +360,10 @@ class TestCourier:
         """A program that looks for listeners is not told to look for listeners."""
         run = self.run_of(code=code)
 
-        assert cause_of(courier.delivers_to_who_comes_late, run) == cause_id
+        with pytest.raises(Failed) as failed:
+            courier.delivers_to_who_comes_late(run)
+
+        assert closest(run, failed.value.why).cause_id == cause_id
 
     def test_parcel_that_is_kept_is_delivered_again(self):
         """A subscription that asks for old messages gets it, at any time."""

@@ -6,7 +6,7 @@ import pytest
 
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
-from autograder.judging.judge import judge, worth_running
+from autograder.judging.judge import closest, judge, worth_running
 from autograder.recording import Recording
 from autograder.results import Verdict
 
@@ -62,6 +62,19 @@ def test_cause_begins_with_the_line_of_its_act(why, line, place):
     (result,) = judge(exam, Run(CODE, NOTHING))
 
     assert result.cause == f'{place}{why.text}'
+
+
+def test_more_precise_cause_is_given_if_the_program_does_its_act():
+    """Its line is that of the act."""
+    closer = [
+        Cause('a', 'It sleeps.', '', act='sleep()'),
+        Cause('b', 'It logs.', '', act='info()+'),
+    ]
+    why = Cause('wrong_rate', 'It is fast.', '', closer=closer)
+    code = 'node.create_timer(0.7, f)\ndef f():\n    log.info(1)\n    log.info(2)\n'
+
+    assert closest(Run({'a.py': code}, NOTHING), why).cause_id == 'b'
+    assert closest(Run({'a.py': 'log.info(1)\n'}, NOTHING), why) is why
 
 
 class TestJudge:

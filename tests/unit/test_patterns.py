@@ -20,6 +20,7 @@ from autograder.exams.visible import (
     sensor_watch,
 )
 from autograder.judging import rhythm
+from autograder.judging.judge import closest
 from autograder.judging.lines import require_warnings
 from autograder.judging.numbers import shown, why_not_numbered
 from autograder.judging.rows import delays, why_other_answer
@@ -164,6 +165,8 @@ def test_count_that_goes_back_is_told_with_what_else_happened():
         ([1, 1.7, 2, 3, 4], [at(1.7, 'joined', matched=True)], 'additional'),
         ([1, 1.7, 2, 3, 4], [at(1.7, 'joined', matched=False)], None),
         ([1, 2, 3.4, 4.4], [message(2.4, '/results')], 'timer_reset'),
+        ([1, 2, 3.4, 4.9], [at(2.4, 'input', index=0), message(3.9, '/results')], 'timer_reset'),
+        ([1, 1, 3, 3, 5, 5, 7, 7], [], 'several_at_once'),
         ([16, 17, 18, 19], [], 'begins_late'),
         ([1, 2, 3, 4], [], 'stops'),
         ([1, 1.7, 2, 3, 4], [at(1.2, 'input', index=0)], None),
@@ -175,6 +178,8 @@ def test_count_that_goes_back_is_told_with_what_else_happened():
         'by a subscription',
         'by one that does not connect',
         'reset',
+        'reset by two kinds of events',
+        'in pairs',
         'late',
         'ends early',
         'nothing at that moment',
@@ -187,6 +192,42 @@ def test_what_disturbs_a_rhythm_is_told(clocks, others, cause_id):
     cause = why(rhythm.require_period, run_of(*found, *others), found, 1.0, 15.0)
 
     assert (cause and cause.cause_id) == cause_id
+
+
+TWO = """\
+class Watcher(Node):
+    def __init__(self, name, period_s):
+        super().__init__(name)
+        self.create_timer(period_s, self.report)
+    def report(self):
+        self.ticks += 1
+        if self.ticks % 3 == 0:
+            self.publisher.publish(Empty())
+Watcher('a', 1.0)
+"""
+TURNS = 'rclpy.spin_once(a)\nrclpy.spin_once(b)\n'
+
+
+@pytest.mark.parametrize(
+    ('code', 'every_s', 'cause_id', 'advice'),
+    [
+        (TWO, 3.0, 'not_each_tick', 'Give create_timer() the period 1.0, and send'),
+        (TWO, 2.5, 'wrong_rate', 'Each call of the callback'),
+        (TWO.replace('1.0', '2.5'), 2.5, 'wrong_rate', 'The first argument of create_timer()'),
+        (TWO.replace('% 3', '> 3'), 3.0, 'not_each_tick', 'Give create_timer()'),
+        (TURNS, 2.0, 'spun_in_turn', 'Add each node to one executor'),
+    ],
+    ids=['each third tick', 'right period', 'wrong period', 'compared', 'in turn'],
+)
+def test_right_period_in_the_code_is_not_to_be_corrected(code, every_s, cause_id, advice):
+    """The number reaches create_timer() through a parameter."""
+    found = [message(every_s * number) for number in range(1, 6)]
+    run = run_of({'event': 'graph', 'nodes': ['/a', '/b'], 'endpoints': []}, code=code)
+
+    cause = closest(run, why(rhythm.require_period, run, found, 1.0, 15.0))
+
+    assert cause.cause_id == cause_id
+    assert cause.try_this.startswith(advice)
 
 
 def test_pause_with_a_reset_is_told_to_leave_the_reset_out():

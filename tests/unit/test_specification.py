@@ -66,6 +66,15 @@ class TestCause:
         assert found.cause(came, 3, [1, 2, 3]).cause_id == 'warns_at_threshold'
         assert found.cause(came, 0, [1, 2, 3]) is None
 
+    def test_slip_that_happens_sometimes_explains_two_wrong_answers(self):
+        """One wrong answer has too many explanations."""
+        late = Slip('late', '', '', each(lambda value: 1), sometimes=True)
+        question = Specification((1, 2, 3, 40), above(), [late])
+
+        assert question.cause([1, 0, 1, 1], 0) is late
+        assert question.cause([1, 0, 0, 1], 0) is None
+        assert question.cause([1, 0, 1, 0], 0) is None
+
     def test_burst_is_one_row_of_sums(self):
         """Which of several answers at once belongs to which input, nobody can tell."""
         found = asked(20.0, 31.0, 45.0, 30.0, burst=3)

@@ -6,7 +6,8 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.pilot import build, journey
 
 _draw = generator('pilot', 'inputs')
-_sizes = _draw.sample(range(50, 2000), 15)
+_small, _large = _draw.sample(range(50, 1000), 13), _draw.sample(range(1050, 2000), 2)
+_sizes = [*_small[:2], *_large, *_small[2:]]
 _signs = [_draw.choice((-1, 1)) for _ in _sizes]
 _signs[2:4] = (-_signs[0], -_signs[1])  # each topic has numbers above and below zero
 _values = [round(sign * size / 1000, 3) for sign, size in zip(_signs, _sizes)]

@@ -21,7 +21,6 @@ from autograder.judging.checks import require_field, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import endpoints_at, seconds_after_join
 from autograder.recording import Event
-from autograder.submission.code.acts import place_of
 from autograder.submission.code.learners_code import Code
 
 NODE = '/courier'
@@ -36,11 +35,18 @@ EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
 REMEMBER = 'Deliver only once: cancel the timer after the delivery, or set a flag and check it.'
 PUBLISH_IF = 'Publish when get_subscription_count() is above 0'
+WAITS_LONGER = Cause(
+    'waits_longer',
+    'After each check without a subscription, your node waits longer until the next one.',
+    'Check every tenth of a second, however long it takes: self.create_timer(0.1, ...).',
+    act='longer_pause',
+)
 LATE = Cause(
     'delivers_late',
     'The parcel arrives seconds after a subscription has connected: your node checks too rarely, '
     'or waits for something else.',
     'Check every tenth of a second: self.create_timer(0.1, ...).',
+    closer=[WAITS_LONGER],
 )
 WAITS = Cause(
     'delivers_late',
@@ -70,12 +76,14 @@ LOOKS_WRONG = Cause(
     'checking too early, checks too rarely, or its condition is wrong.',
     'Check every tenth of a second, deliver when get_subscription_count() > 0, and cancel the '
     'timer only after the delivery.',
+    closer=[WAITS_LONGER, GIVES_UP],
 )
 TOO_EARLY = Cause(
     'published_too_early',
     'No message arrived after a subscription had connected. Your node probably published the '
     'parcel before that, and a message without a subscription is lost.',
     f'{PUBLISH_IF}, or in the matched callback of PublisherEventCallbacks.',
+    closer=[GIVES_UP],
 )
 ALSO_EARLY = Cause(
     'published_too_early',
@@ -89,11 +97,18 @@ KEEPS_OLD = Cause(
     'Pass the depth 10 as quality of service.',
     about=['TRANSIENT_LOCAL', TOPIC],
 )
+FORGETS = Cause(
+    'forgets_delivery',
+    'Your node forgets that it has delivered, and delivers again after a subscription has left.',
+    'Leave out what sets the flag back: it stays set until the program ends.',
+    act='set_back',
+)
 DELIVERS_AGAIN = Cause(
     'delivers_again',
     'Your node delivers a parcel again after a subscription has left. The current number of '
     'subscriptions does not show whether you have delivered before.',
     REMEMBER,
+    closer=[FORGETS],
 )
 
 
@@ -175,8 +190,6 @@ def _why_nothing(run: Run) -> Cause:
         return why_no_message(run)
     if not ({'create_timer', 'PublisherEventCallbacks'} & code.names or code.loops):
         return CHECKS_ONCE
-    if place_of(code, GIVES_UP.act):
-        return GIVES_UP
     looks = {'get_subscription_count', 'PublisherEventCallbacks'} & code.names
     return LOOKS_WRONG if looks else TOO_EARLY
 

@@ -25,7 +25,6 @@ from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import seconds_between
 from autograder.judging.rows import delays, endpoints_at, rows, why_other_answer
 from autograder.recording import Event
-from autograder.submission.code.learners_code import Code
 
 TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
@@ -50,6 +49,7 @@ PUBLISHER_GONE = Cause(
     'publisher_gone',
     'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
     'Create one publisher in __init__, and publish every map with it.',
+    act='destroy_publisher()',
 )
 FIRST_LATE = Cause(
     'first_map_late',
@@ -65,11 +65,24 @@ NO_FIRST = Cause(
     'no_first_map',
     'No map was published before the first survey.',
     f'Publish String(data={FIRST!r}) at the end of __init__.',
+    closer=[PUBLISHER_GONE],
 )
 LIFESPAN = Cause(
     'lifespan',
     'The profile has a lifespan, after which the map expires.',
     'Leave lifespan out.',
+)
+KEEPS_ALL = Cause(
+    'keeps_all',
+    'With KEEP_ALL, the publisher keeps every map for late subscriptions, whatever its depth is.',
+    'Leave history out, or write HistoryPolicy.KEEP_LAST: then depth=1 keeps the last map.',
+    act='KEEP_ALL',
+)
+REPLACES_EMPTY = Cause(
+    'replaces_empty',
+    f'Your node publishes {FIRST!r} in place of an empty survey.',
+    'Publish String(data=survey.data) as it is, even if it is empty.',
+    act='or | truth | == !=',
 )
 REPEATS = Cause(
     'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
@@ -178,15 +191,24 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:
-        return FIRST_REPEATS
-    if FIRST not in found and 'destroy_publisher' in Code(run.files).calls:
-        return PUBLISHER_GONE
+        return REPLACES_EMPTY if _replaces_empty(run) else FIRST_REPEATS
     if not before:
         return NO_FIRST
     near = before[0].strip().lower() == FIRST
     matters = 'Upper and lower case and spaces matter.'
     slip = matters if near else 'The first map has a different text.'
     return Cause('wrong_text', slip, f'Write {FIRST!r}.')
+
+
+def _replaces_empty(run: Run) -> bool:
+    """Return whether the text of the first map comes again only after empty surveys."""
+    asked = run.asked('maps')
+    again = [
+        asked.inputs[one['after_input']]
+        for one in run.recording.messages('/map', 'early')
+        if one['after_input'] is not None and texts_of([one]) == (FIRST,)
+    ]
+    return bool(again) and not any(again)
 
 
 def _why_unmatched(run: Run, listener: str) -> Cause | None:
@@ -224,7 +246,9 @@ def _why_other_maps(run: Run) -> Cause | None:
     asked, found = run.asked('maps'), compared(run)
     if why := why_silent(run) or _why_unconnected(run, any(found)):
         return why
-    if slip := next((asked.cause(found, place) for place in asked.wrong(found)), None):
+    if _replaces_empty(run):
+        return REPLACES_EMPTY
+    if slip := asked.cause(found):
         return slip
     others = [text for text in _in_order(run) if text not in asked.inputs]
     if others and _bare(others[0]) in map(_bare, asked.inputs):
@@ -300,6 +324,7 @@ def _why_many(run: Run, kept: int) -> Cause | None:
         f'The publisher keeps {kept} maps or more for late subscriptions.',
         'Give its profile depth=1: keep the last one.',
         about=['map'],
+        closer=[KEEPS_ALL],
     )
 
 

@@ -189,7 +189,7 @@ def _why_other_lines(run: Run) -> Cause | None:
     """Explain seconds with a wrong line, several lines or no line."""
     asked = run.asked('levels')
     rows = levels_by_second(watches(run))[: len(asked.inputs)]
-    slip = next((asked.cause(rows, place) for place in asked.wrong(rows)[:1]), None)
+    slip = asked.cause(rows)
     if slip is ONLY_FIFTHS:
         return why_not_logged(run, [], INFO, _has_another) or slip
     if slip is FIFTH_MISSING:

@@ -23,10 +23,15 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm, why_paced
+from autograder.judging.rhythm import (
+    GRAIN_S,
+    is_flood,
+    why_late_start,
+    why_other_rhythm,
+    why_paced,
+)
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
-from autograder.submission.code.code_places import seed_in_callback
 
 NODE = '/temperature_publisher'
 TOPIC = '/temperature_topic'
@@ -49,6 +54,23 @@ NOT_FINITE = Cause(
     'not_finite',
     'NaN and infinity are floats, but not temperatures.',
     'Publish a finite number each time.',
+)
+SEEDED = Cause(
+    'seeded_each_time',
+    'Each call of your callback restarts the random numbers with the same seed, so every reading '
+    'is the first random number.',
+    'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
+    act=' '.join(
+        f'{seed}@to:create_timer()'
+        for seed in ('seed()', 'Random()', 'RandomState()', 'default_rng()')
+    ),
+)
+CONSTANT = Cause(
+    'constant',
+    'The value never changes.',
+    'Compute it in the callback, not once in __init__(), and from something that changes from '
+    'call to call, such as self.elapsed.',
+    closer=[SEEDED],
 )
 EXERCISE = 'Exercise 2: the publisher node'
 
@@ -138,9 +160,12 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
         return sleeps
     clock: RosClock = run.facts['clock']
     # Start at the first message, so that a late start does not look like an early end.
-    late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
-    during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
-    return why_other_rhythm(found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
+    late_s = (found[0]['clock_ns'] - _begin_ns(run)) / SECOND * clock.rate if found else 0.0
+    steady = all(abs(gap / SECOND * clock.rate - 1.0) <= clock.step_s for gap in gaps)
+    if late_s > BEGINS_S and steady:
+        return why_late_start('message')
+    during_s = run.facts['seconds'] - late_s
+    return why_other_rhythm(run, found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
 
 
 def names_the_unit(run: Run) -> None:
@@ -187,25 +212,8 @@ def readings_are_plausible(run: Run) -> None:
         raise Failed(
             expected='readings that change from one to the next, as a real sensor has',
             observed=f'{values[0]:.4g} °C in all {len(values)} readings',
-            why=_why_constant(run),
+            why=CONSTANT,
         )
-
-
-def _why_constant(run: Run) -> Cause:
-    """Explain a constant reading, for example by random numbers seeded in the callback."""
-    if seed := seed_in_callback(run.files):
-        return Cause(
-            'seeded_each_time',
-            f'{seed[:60]}() restarts the random numbers with the same seed, so every reading is '
-            'the first random number.',
-            'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
-        )
-    return Cause(
-        'constant',
-        'The value never changes.',
-        'Compute it in the callback, not once in __init__(), and from something that changes '
-        'from call to call, such as self.elapsed.',
-    )
 
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:

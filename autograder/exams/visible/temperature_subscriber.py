@@ -88,6 +88,9 @@ def _why_not_logged(
     if group.count(INFO):
         came = [None if one.row is None else one.numbers(INFO) for _, one in proper]
         return run.asked('shown').cause(came, place) or monitor.NO_VALUE
+    warnings = [line for line in group.logs if line['level'] == WARN]
+    if reading.hot and warnings:
+        return replace(monitor.ONLY_WARNED, line=warnings[0].get('line'))
     before = sent(run)[: sent(run).index(group)][-1:]
     if any(one.showing(reading) and one.inputs == group.inputs for one in before):
         return SKIPS_EQUAL

@@ -339,7 +339,7 @@ def build(runs: Sequence[MadeRun]) -> Exam:
         (3, 'refuses_other_warnings', other, 'It refuses a run with a wrong warning.'),
         (2, 'refuses_wrong_units', units, 'It refuses a run with a mistaken unit.'),
     ):
-        judged = claim(name, sentence)(partial(_require, places=places, due=places is right))
+        judged = claim(name, sentence, partial(_require, places=places, due=places is right))
         exam.check(points=points, needs=['returns_true_or_false'])(judged)
     return exam
 

@@ -15,7 +15,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes import not_answering
 from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.exceptions import exception_cause
-from autograder.judging.causes.text_table import cause_of
+from autograder.judging.causes.text_table import cause_of, rows_of
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.packages import why_no_program
 from autograder.submission.code.learners_code import Code
@@ -26,35 +26,7 @@ _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 LONG_S = 50.0
 """A period longer than in any exercise: the student probably meant milliseconds [s]."""
 
-LIMITS = {
-    'waits_outside': (
-        'it waited outside Python and ROS, and nothing could end this wait',
-        'a lock on a file, a low-level system call, or another program that does not end',
-    ),
-    'probe_broken': (
-        "it sent packets that are not valid in ROS, which stopped the grader's probe",
-        'code that writes to sockets',
-    ),
-    'cpu_limit': ('it used more than 20 s of processor time', 'a loop without a pause'),
-    'busy_before_node': (
-        'it computed for 3 s without a pause, and no node appeared',
-        'a loop without a pause, before the node is created or around publish()',
-    ),
-    'memory_limit': ('it used more than 1 GiB of memory', 'a list that grows without limit'),
-    'output_limit': ('it printed more than 8 MB', 'print() in a loop without a pause'),
-    'inode_limit': ('it created more than 20000 files', 'a loop that creates files'),
-    'disk_limit': ('it wrote more than 64 MB to files', 'a loop that writes to a file'),
-    'too_much_recorded': ('it sent more than 32 MB', 'publish() in a loop without a pause'),
-    'too_many_events': (
-        'it sent thousands of messages',
-        'publish() in a loop without a pause, or create_timer() in a callback',
-    ),
-}
-CPU = {
-    'package': 'its build and its run used more than 50 s of processor time together',
-    'build': 'it used more than 30 s of processor time, three times what it needs',
-}
-"""Descriptions of the CPU limit for builds and packages, whose limits differ."""
+LIMITS = {name: words for name, *words in rows_of('by_limit.txt')}
 
 
 def why_it_ended(run: Run) -> Cause | None:
@@ -86,8 +58,7 @@ def why_killed(limit: str, what: str) -> Cause:
 
     :param what: ``program``, ``package`` or ``build``, whose limits differ
     """
-    how, why = LIMITS[limit]
-    how = CPU.get(what, how) if limit == 'cpu_limit' else how
+    how, why = LIMITS.get(f'{limit}|{what}', LIMITS[limit])
     subject = 'build' if what == 'build' else 'program'
     return Cause(limit, f'The grader stopped your {subject}: {how}.', f'Look for {why}.')
 

@@ -77,7 +77,7 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
         known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
         if severity == LEVELS[level] and not known and (belongs is None or belongs(text)):
             return OTHER_LOGGER
-    if run.recording.logs(level=level) or not logs_with_python(run.files, _names(level)):
+    if run.recording.logs(level=level) or not logs_with_python(run.files, CALLS[level]):
         return None
     return cause_of('logging', call=CALLS[level])
 
@@ -89,18 +89,13 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
     :param found: lines that were logged; their line numbers identify the call
     """
     lines = {int(one['line']) for one in found if one.get('line')}
-    if name := leaves_out(run.files, _names(level), lines):
+    if name := leaves_out(run.files, CALLS[level], lines):
         return cause_of('left_out', name=name, call=CALLS[level])
     for call in Code(run.files).calls.get('set_level', ()):
         named = set(map(last_name, ast.walk(call)))
         if hidden := [one for number, one in LEVELS.items() if number > level and one in named]:
             return cause_of('set_level', level=hidden[0], call=CALLS[level])
     return None
-
-
-def _names(level: int) -> Sequence[str]:
-    """Return the names of the functions that log at a level."""
-    return (CALLS[level], 'warn') if CALLS[level] == 'warning' else (CALLS[level],)
 
 
 def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
@@ -133,7 +128,7 @@ def _on_stdout(run: Run) -> Iterator[tuple[str, str, str]]:
 def why_dropped(run: Run, level: int) -> Cause | None:
     """Explain a line that was logged at level DEBUG or suppressed by the logger."""
     code = Code(run.files)
-    if 'debug' in code.calls and not code.calls.keys() & set(_names(level)):
+    if 'debug' in code.calls and not any(one.calls(CALLS[level]) for one in code.programs):
         return cause_of('debug_level', call=CALLS[level])
     return why_left_out(run, level)
 

@@ -12,6 +12,8 @@ from collections.abc import Iterator
 
 from autograder.submission.code.program import assigned, last_name, names_in, Program
 
+_WAITS = ('create_timer', 'Timer', 'sleep')
+
 
 def counts(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that add 1 to a name or an attribute."""
@@ -57,6 +59,18 @@ def kept_first(program: Program) -> Iterator[ast.AST]:
         value = getattr(node, 'value', None)
         if isinstance(value, ast.BoolOp) and not _set_by(node).isdisjoint(names_in(value)):
             yield node
+
+
+def kept_messages(program: Program) -> Iterator[ast.AST]:
+    """Yield the statements that store a message for later, in place of the one before."""
+    for body in program.passed('create_subscription'):
+        names = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
+        for node in ast.walk(body):
+            target = node.targets[0] if isinstance(node, ast.Assign) else node
+            if isinstance(node, ast.Assign) and isinstance(target, ast.Attribute):
+                own = names.isdisjoint(names_in(target))
+                if own and not names.isdisjoint(names_in(node.value)):
+                    yield node
 
 
 def forgotten(program: Program) -> Iterator[ast.AST]:
@@ -105,6 +119,24 @@ def resets(program: Program) -> Iterator[ast.AST]:
     for node in program.nodes:
         kept = (value for target, value in assigned(node) if isinstance(target, ast.Attribute))
         if any(map(_is_fixed, kept)) and _is_later(program, node):
+            yield node
+
+
+def set_back(program: Program) -> Iterator[ast.AST]:
+    """Yield the statements that give an attribute its first value again."""
+    for node in resets(program):
+        for target, value in assigned(node):
+            given = program.values.get((None, ast.unparse(target)), ())
+            first = (one for one in given if one and not _is_later(program, one))
+            if value and any(ast.dump(one) == ast.dump(value) for one in first):
+                yield node
+
+
+def longer_pauses(program: Program) -> Iterator[ast.AST]:
+    """Yield the statements that change the period of a timer or of a pause."""
+    given = {last_name(one) for name in _WAITS for one in program.arguments(name, 0)} - {''}
+    for node in program.nodes:
+        if isinstance(node, ast.AugAssign) and last_name(node.target) in given:
             yield node
 
 

@@ -1,5 +1,5 @@
 """
-Find mistakes in student code: log calls that skip lines, fixed seeds, pauses, unset fields.
+Find mistakes in student code: log calls that skip lines, pauses, unset fields.
 
 As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
 """
@@ -16,20 +16,17 @@ from autograder.submission.code.program import last_name, Program
 SHORT_S = 0.1
 """Calls of ``sleep`` for less than this time [s] are ignored."""
 _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
-_SEEDS = ('seed', 'Random', 'RandomState', 'default_rng')
 
 
-def leaves_out(
-    files: Mapping[str, str], names: Collection[str], lines: Collection[int] = ()
-) -> str:
+def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()) -> str:
     """
     Return the argument with which all log calls in callbacks skip lines; empty if one does not.
 
-    :param names: names of the log calls, such as ``warn`` and ``warning``
+    :param level: the log calls, such as ``warning``
     :param lines: consider only calls in these lines; empty for all calls
     """
     programs = Code(files).programs
-    made = (one for code in programs for one in code.calls(*names) if code.is_working(one))
+    made = (one for code in programs for one in code.calls(level) if code.is_working(one))
     found = [_leaves_out(call) for call in made if not lines or call.lineno in lines]
     return found[0] if found and all(found) else ''
 
@@ -43,16 +40,16 @@ def _leaves_out(call: ast.Call) -> str:
     return ''
 
 
-def logs_with_python(files: Mapping[str, str], names: Collection[str]) -> bool:
+def logs_with_python(files: Mapping[str, str], level: str) -> bool:
     """
     Return whether all log calls of a level use Python's module ``logging``.
 
-    :param names: names of the log calls, such as ``warn`` and ``warning``
+    :param level: the log calls, such as ``warning``
     """
     found: list[bool] = []
     for program in Code(files).programs:
         theirs = set(_logging_names(program)) - {''}  # '' is for targets without a name: items[0]
-        for call in program.calls(*names):
+        for call in program.calls(level):
             if isinstance(call.func, ast.Attribute):
                 by = call.func.value
                 made = isinstance(by, ast.Call) and last_name(by.func) == 'getLogger'
@@ -68,16 +65,6 @@ def _logging_names(program: Program) -> Iterator[str]:
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
             made = last_name(node.value.func) == 'getLogger'
             yield from map(last_name, node.targets if made else ())
-
-
-def seed_in_callback(files: Mapping[str, str]) -> str:
-    """Return the function that seeds random numbers with a constant in a callback, or ''."""
-    for program in Code(files).programs:
-        for call in program.calls(*_SEEDS):
-            fixed = call.args and isinstance(program.origin(call.args[0]), ast.Constant)
-            if fixed and program.is_working(call):
-                return last_name(call.func)
-    return ''
 
 
 @dataclass(frozen=True)

@@ -187,6 +187,7 @@ def _truths(program: Program) -> Iterator[ast.AST]:
         for test in _parts(node.test) if isinstance(node, (ast.If, ast.IfExp)) else ():
             if isinstance(test, (ast.Name, ast.Attribute)):
                 yield test
+    yield from program.calls('bool')
 
 
 def _parts(test: ast.AST) -> Iterator[ast.AST]:
@@ -228,6 +229,28 @@ def _catches_all(program: Program) -> Iterator[ast.AST]:
         everything = caught is None or not names_in(caught).isdisjoint(_EVERYTHING)
         if isinstance(node, ast.ExceptHandler) and everything:
             yield node
+
+
+def _calls_of_callback(program: Program) -> list[ast.Call]:
+    """Return the calls of functions that a timer calls too."""
+    return program.calls(*(getattr(one, 'name', '') for one in program.passed('create_timer')))
+
+
+def _publishing_timers(program: Program) -> Iterator[ast.AST]:
+    """Yield the calls that create a timer whose callback publishes."""
+    publishing = set(program.calls('publish'))
+    for call in program.calls('create_timer'):
+        given = (*call.args, *(one.value for one in call.keywords))
+        bodies = program.reached(
+            one for name in given for one in program.functions(last_name(name))
+        )
+        if any(not publishing.isdisjoint(ast.walk(one)) for one in bodies):
+            yield call
+
+
+def _named_loggers(program: Program) -> Iterator[ast.AST]:
+    """Yield the calls that create a logger with a name."""
+    return (one for one in program.calls('get_logger', 'getLogger') if one.args)
 
 
 def _functions_named(program: Program) -> list[ast.AST]:
@@ -272,6 +295,7 @@ def _covers(node: ast.AST, lines: Collection[int]) -> bool:
 
 
 ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
+    'calls_of_callback': _calls_of_callback,
     'catch_all': _catches_all,
     'compared_count': assignments.compared_counts,
     'conversion': _conversions,
@@ -285,15 +309,20 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'field': _fields,
     'joined': _joined,
     'kept_first': assignments.kept_first,
+    'kept_message': assignments.kept_messages,
     'limit': _limits,
     'list': _lists,
     'log': _log_calls,
+    'longer_pause': assignments.longer_pauses,
+    'named_logger': _named_loggers,
     'own_arguments': _own_arguments,
     'period': _periods,
     'profile': _profiles,
+    'publishing_timer': _publishing_timers,
     'recount': assignments.recounts,
     'reset': assignments.resets,
     'says': _sayings,
+    'set_back': assignments.set_back,
     'short_pause': _short_pauses,
     'slow_period': _slow_periods,
     'slice': _slices,

@@ -168,8 +168,9 @@ class Program:
         for node in self.nodes:
             if isinstance(node, ast.keyword) and node.arg == name:
                 yield node.value
-            if isinstance(node, ast.Assign):
-                for target in node.targets:
+            if isinstance(node, (ast.Assign, ast.AugAssign)):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                for target in targets:
                     if isinstance(target, ast.Attribute) and name in names_in(target):
                         yield node.value
 
@@ -196,10 +197,28 @@ class Program:
         value = None if isinstance(node, (ast.Name, ast.Attribute)) else self.number(node)
         return value is not None and abs(value - due) <= due / 50
 
-    def numbers(self, name: str) -> Iterator[float]:
-        """Yield the first argument of each call of a function if it is a number."""
-        found = (self.number(call.args[0]) for call in self.calls(name) if call.args)
-        return (one for one in found if one is not None)
+    def numbers(self, name: str) -> Sequence[float]:
+        """Return the first argument of each call of a function, where it is a number."""
+        with suppress(RecursionError):  # hostile code: a name with thousands of dots
+            given = (one for call in self.arguments(name, 0) for one in self.sources(call))
+            found = map(self.number, given)
+            return [one for one in found if one is not None]
+        return ()
+
+    def sources(self, node: ast.AST) -> Sequence[ast.AST]:
+        """Return the value of a name; a parameter has one for each call of its function."""
+        node = self.origin(node)
+        function = self.function_around(node)
+        names = [one.arg for one in function.args.args] if function else []
+        if function is None or not isinstance(node, ast.Name) or node.id not in names:
+            return [node]
+        owner, method = self.parents[function], names[0] == 'self'
+        called = function.name
+        if isinstance(owner, ast.ClassDef) and called == '__init__':
+            called = owner.name
+        place = names.index(node.id) - method
+        given = (argument(call, place, node.id) for call in self.calls(called))
+        return [one for one in given if one is not None]
 
     def number(self, node: ast.AST, most: int = _MOST) -> float | None:
         """
