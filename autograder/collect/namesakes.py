@@ -60,7 +60,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         got = problems[0].got if problems else 'something else'
         raise NotTakenInError(
             f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
-            'Try: delete the file, collect again, and look for people with one name in the table',
+            'Try: delete the file, collect again, and look for equal names in the table',
         ) from error
 
 
