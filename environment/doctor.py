@@ -323,10 +323,10 @@ def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
 
 
 def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:
-    """Report whether the next make goal has to prepare anything."""
+    """Report whether the next make command has to prepare anything."""
     if stamps.is_ready(places, environ):
         return Finding('set-up', OK, 'complete and up to date')
-    return Finding('set-up', WEAK, 'the next make goal will prepare something first', PREPARE)
+    return Finding('set-up', WEAK, 'the next make command will prepare something first', PREPARE)
 
 
 def check_exchange(root: Path) -> Finding:

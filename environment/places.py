@@ -119,7 +119,7 @@ class Places:
 
     @property
     def for_students(self) -> bool:
-        """Whether this copy of the course lacks the hidden exams, as students' copies do."""
+        """True if this copy of the course lacks the hidden exams, as students' copies do."""
         exams = stated(self.project, 'exams').split('.')
         return not self.project.joinpath(*exams, 'hidden').is_dir()
 

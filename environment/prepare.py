@@ -154,7 +154,7 @@ def check_system(plan: Plan, job: Job) -> None:
     request = plan.environ.get('PYTHON', '')
     if plan.interpreter is None and request:
         raise StepError(
-            f'PYTHON={request}: expected CPython 3.10 to 3.13, found no working one',
+            f'PYTHON={request}: this is not a working CPython 3.10 to 3.13',
             'leave out PYTHON, or name a different interpreter',
         )
     system.install_missing(job, plan.environ, plan.interpreter)
@@ -305,7 +305,7 @@ def package_sources(plan: Plan, job: Job) -> Path:
         return package
     packed = package / packed_package.FILE
     if not packed.is_file():
-        raise StepError(f'{package}: expected the ROS package, found no package.xml')
+        raise StepError(f'{package}: expected a ROS package, found no package.xml')
     sources = plan.places.workspace / 'src' / name
     shutil.copytree(package, sources)
     packed_package.unpack(packed.read_bytes(), sources)

@@ -79,7 +79,7 @@ def main(arguments: list[str], environ: Mapping[str, str]) -> int:
         return 1
     variables = overlaid(environ, ros)
     if real := installed_ros2(ros, environ.get('PATH', '')):
-        print(f"ros2: {real} is the installation's own, so that one is started", file=sys.stderr)
+        print(f'ros2: starting {real}, which belongs to the ROS 2 installation', file=sys.stderr)
         os.execve(real, [real, *rest], variables)
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
         # Ctrl-C waits until Python has started again; the program then unblocks it.

@@ -113,7 +113,7 @@ class Watch:
 
     @property
     def full(self) -> bool:
-        """Whether the record has reached its limit."""
+        """True if the record has reached its limit."""
         return len(self._found) >= MAX_CALLS
 
     @property

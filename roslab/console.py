@@ -87,7 +87,7 @@ class ConsoleLines:
     def __init__(self) -> None:
         self._rest = ''
         self.marks = 0
-        """How often :data:`MARK` was read."""
+        """Number of times that :data:`MARK` was read."""
 
     def feed(self, text: str) -> str:
         """

@@ -32,7 +32,7 @@ from roslab.output import current_cell
 from roslab.tracebacks import is_library, where
 
 _SHOWN = 44
-"""How many characters of a cell's first line are shown, enough to find the cell."""
+"""Number of characters shown of a cell's first line, enough to find the cell."""
 _INIT_TWICE = 'Context.init() must only be called once'
 _ORDER = (
     'This cell uses what cells above it do, and not all of those were run to their end, in order. '

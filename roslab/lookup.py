@@ -1,8 +1,8 @@
 """
 Look up names in the live ROS graph: a topic, its type, the class of its messages.
 
-Nodes of this kernel are visible at once, nodes of other processes only after discovery.  So a
-missing name is searched for some seconds before it counts as unknown.
+Nodes of this kernel are visible at once, nodes of other processes only after discovery.  So the
+functions look for a missing name for some seconds before they call it unknown.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from roslab.session import Session
 from roslab.waiting import wait_in
 
 DISCOVERY_S = 3.0
-"""How long discovery of a topic or a node of another process may take [s]."""
+"""Maximum time to discover a topic or a node of another process [s]."""
 
 _QUIET = ('/parameter_events', '/rosout')
 

@@ -30,7 +30,7 @@ from roslab.logtable import LogLine, show_logs
 from roslab.output import Cell, current_cell
 
 MOST_IN_CELL = 50
-"""How many node lines a running cell shows; further lines go into the block."""
+"""Maximum number of node lines that a running cell shows; further lines go into the block."""
 MOST_IN_BLOCK = 12
 _UPDATE_S = 0.25
 _SETTLE_S = 2.0  # upper limit [s]; the wait normally takes a fraction of a millisecond

@@ -25,7 +25,7 @@ from roslab.silence import no_publisher
 from roslab.waiting import timeout_error, wait_in
 
 _LOOK_S = 0.1
-"""How often to look for new topics [s]."""
+"""Time between two looks for new topics [s]."""
 PLAYER = 'rosbag2_player'
 
 

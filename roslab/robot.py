@@ -49,12 +49,12 @@ class Robot:
 
     @property
     def x(self) -> float:
-        """Where it is now [m]."""
+        """Its current position, ahead of its start [m]."""
         return self._now().pose.x
 
     @property
     def y(self) -> float:
-        """Where it is now, to the left of its start [m]."""
+        """Its current position to the left of its start [m]."""
         return self._now().pose.y
 
     @property

@@ -28,7 +28,7 @@ from roslab.errors import RoslabError
 from roslab.executor import GuardedExecutor
 
 _SLICE_NS = 50_000_000
-"""How long an interrupt may remain unnoticed [ns]."""
+"""Maximum time for which an interrupt may remain unnoticed [ns]."""
 _ENTITIES = ('subscription', 'guard_condition', 'timer', 'client', 'service')
 _WaitSet: Any = rclpy_implementation.WaitSet
 

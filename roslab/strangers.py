@@ -18,7 +18,7 @@ from roslab.output import say
 from roslab.ros2.discovery import full_name, node_names, wait_for_graph
 
 LOOK_S = 0.3
-"""How long to search [s]; the course's kernels announce themselves ten times a second."""
+"""Duration of the search [s]; the course's kernels announce themselves ten times a second."""
 MOST_NAMED = 4
 _PROCESS_BYTES = 8
 """Number of bytes at the beginning of an endpoint's id that are equal in one process."""

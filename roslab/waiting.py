@@ -12,7 +12,7 @@ from roslab.session import Session
 T = TypeVar('T')
 
 _SLICE_S = 0.05
-"""How often to evaluate the condition when no callback runs, for example in discovery [s]."""
+"""Time between two looks at the condition when no callback runs, as in discovery [s]."""
 
 
 def wait_in(session: Session, condition: Callable[[], T], timeout_s: float) -> T:

@@ -44,7 +44,7 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
     Return the extra time of single students, by student and assignment.
 
-    :returns: None without the file: then the gradebook decides alone
+    :returns: None if there is no such file, so that extensions in the gradebook count
     :raises GraderError: if the file cannot be read, or has an unknown assignment or no hours
     """
     if not layout.extensions.exists():

@@ -18,7 +18,7 @@ from autograder.submission.reading import read_file
 @dataclass(frozen=True)
 class Delivered:
     """
-    Where a collected notebook was in its source.
+    The place of a collected notebook in its source.
 
     :param kind: of the source, such as ``canvas``
     :param place: name of its file or folder there

@@ -191,7 +191,9 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
         one = Seen(handed, piece, named=course.named(piece.file.parts))
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
-                raise UnreadableError(f'not read: {count} other notebooks come first')
+                raise UnreadableError(
+                    f'not read: only the first {count} notebooks of a delivery are read'
+                )
             data = piece.file.read()
             left -= len(data)
             seen.append(replace(one, shared=course.shared(data)))

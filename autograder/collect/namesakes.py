@@ -60,7 +60,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         got = problems[0].got if problems else 'something else'
         raise NotTakenInError(
             f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
-            'Try: delete the file, and look in the table for people with the same name',
+            'Try: delete the file, collect again, and look for equal names in the table',
         ) from error
 
 
@@ -88,9 +88,9 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     before = known.numbers.get(student, {}).get(assignment, one.number)
     if one.number and student in known.shared:
         return (
-            f'two people are called {name!r}: unpack the zip, add an id to the names of their '
-            f'folders as in "{name} ID_{one.number}_assignsubmission_file", always the same id, '
-            f'and find out whose submitted/{student} is'
+            f'two people are called {name!r}: unpack the zip, add the same id to all folders of '
+            f'one person, as in "{name} ID_{one.number}_assignsubmission_file", and find out '
+            f'whose work is in submitted/{student}'
         )
     if one.number and before != one.number:
         return (

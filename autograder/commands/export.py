@@ -246,7 +246,7 @@ def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Mad
 def _autograder(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     assignment = layout.assignment_named(chosen.assignment)
     data = autograder_zip(layout, assignment, chosen.visibility, chosen.allow_weak)
-    said = 'It holds the hidden exams and the secret of the course: keep it as secret as they are.'
+    said = 'It contains the hidden exams and the secret of the course: keep it secret.'
     return {path: data}, False, said
 
 
@@ -277,7 +277,7 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
     'feedback': (
         _feedback,
         '.feedback.zip',
-        'pack feedback pages under the names that Canvas and Moodle take back',
+        'pack feedback pages with the file names that Canvas and Moodle expect',
     ),
     'gradescope': (_gradescope, '.gradescope', 'write a results.json per submission'),
     'gradescope-autograder': (

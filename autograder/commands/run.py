@@ -225,4 +225,4 @@ def summary(results: Sequence[ExamResult], visible: bool) -> str:
     most = number(sum(one.max_points for one in results))
     modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'
     kind = 'visible checks' if visible else 'full exams'
-    return f'Together {points} of {most} points; {kind}; isolation: {modes}.'
+    return f'Total: {points} of {most} points; {kind}; isolation: {modes}.'

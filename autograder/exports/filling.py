@@ -110,14 +110,14 @@ def factor_for(
     got = f'{where}: expected {number(most)} points possible for {column}, got {number(possible)}'
     if possible <= 0:
         raise GraderError(
-            f'{got}: scaled to that, everybody would have nothing.',
-            f'Try: set the points of the assignment there to {number(most)}, and export again',
+            f'{got}, which would scale all marks to 0.',
+            f'Try: set the points of the assignment on the platform to {number(most)}',
         )
     if scale:
         return possible / most
     raise GraderError(
         f'{got}.',
-        'Try: change the points of the assignment there, or --scale to multiply by '
+        'Try: change the points of the assignment on the platform, or --scale to multiply by '
         f'{number(possible / most)}',
     )
 

@@ -57,7 +57,7 @@ def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> Sub
     """
     engine = grading_engine(layout, allow_weak=allow_weak)
     if not getattr(engine, 'hidden', True):
-        raise GraderError('Only visible checks can run here, and they give no grade.')
+        raise GraderError('Only visible checks can run here, so there is no grade.')
     lesson = load_lesson(layout, assignment, engine)
     opened = open_one(open_folder(folder, 'submission', lesson.notebook), lesson)
     return grade_opened(opened, 'submission', lesson, engine)

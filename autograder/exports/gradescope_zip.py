@@ -49,8 +49,8 @@ def autograder_zip(
     """
     if allow_weak and not MODES[allow_weak].keeps_secrets:
         raise GraderError(
-            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so it gives '
-            'no grade.'
+            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so '
+            'there would be no grades.'
         )
     if not (layout.exams / 'hidden').is_dir():
         raise GraderError(

@@ -76,7 +76,7 @@ def _review(result: SubmissionResult) -> ElementTree.Element:
     suite = _new_suite(f'{result.assignment}/{result.student}/for review')
     case = _case(suite, result.assignment, result.student, 'grading')
     error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
-    error.text = 'There is no score. A person has to look.'
+    error.text = 'There is no score. A person must decide.'
     return _counted(suite, 0.0)
 
 

@@ -22,7 +22,7 @@ from autograder.layout import read_toml
 INSTALL = 'Try: .venv/bin/python -m pip install --no-deps -r environment/requirements-lti.txt'
 SCORE = 'https://purl.imsglobal.org/spec/lti-ags/scope/score'
 IDS = ('lis_person_sourcedid', 'ext_user_username', 'email', 'user_id')
-"""What a platform may say of a member that can be a student id."""
+"""Facts about a member of a platform that can be a student id."""
 LOOPBACK = ('localhost', '127.0.0.1', '::1')
 TIMEOUT_S = 30.0
 
@@ -63,7 +63,7 @@ def read_platform(path: Path) -> Platform:
         found = read_toml(path)
         key = (path.parent / str(found.get('key', ''))).read_text(encoding='ascii')
     except (OSError, ValueError) as error:
-        raise GraderError(f'{path}: the settings or the key: {error}.', fix) from error
+        raise GraderError(f'{path}: cannot read the settings or the key: {error}.', fix) from error
     known = {one.name for one in fields(Platform)}
     if wrong := sorted(found.keys() - known):
         raise GraderError(f'{path}: unknown name {wrong[0]!r}.', fix)
@@ -120,7 +120,7 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
             done.filled += 1
     except (LtiServiceException, requests.RequestException, ValueError) as error:
         raise GraderError(
-            f'The platform did not take the marks: {error} ({done.filled} were sent before).',
+            f'Sending the marks failed: {error} ({done.filled} were sent before).',
             'Try: the same command again; it sends all marks, and the platform keeps the newest',
         ) from error
     return done

@@ -94,7 +94,7 @@ def order_of(
     except (AttributeError, TypeError, ValueError) as error:
         raise UsageError(
             f'{file}: expected seconds as numbers, inputs={{topic: [(second, message), ...]}} and '
-            f'late={{topic: second}}, got another form: {error}.'
+            f'late={{topic: second}}, got something else: {error}.'
         ) from error
     order.check()
     return order

@@ -26,7 +26,7 @@ from environment.places import PROJECT
 
 LOOK_S = 0.3
 STOP_S = 60.0
-"""How long the servers of all users may take to stop [s]."""
+"""Maximum time that the servers of all users may take to stop [s]."""
 
 
 def main(arguments: Sequence[str]) -> int:

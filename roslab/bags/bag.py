@@ -1,4 +1,4 @@
-"""What a bag holds, in the words of ``ros2 bag info`` and of ``metadata.yaml``."""
+"""Describe a bag as ``ros2 bag info`` and ``metadata.yaml`` do."""
 
 from __future__ import annotations
 

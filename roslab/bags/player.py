@@ -17,7 +17,7 @@ from roslab.bags.reader import BagError, messages_of
 from roslab.ros2.interface_files import interface_class
 
 CONNECT_S = 3.0
-"""How long subscriptions of other nodes may take to connect before the first message [s]."""
+"""Maximum time for subscriptions of other nodes to connect before the first message [s]."""
 LONGEST_WAIT_S = 0.5
 """A signal that arrives just before a wait begins does not end it, so each wait is short."""
 _ACKNOWLEDGED = Duration(seconds=2.0)

@@ -23,7 +23,7 @@ from roslab.ros2.discovery import ros_node, wait_for, wait_for_graph
 from roslab.ros2.topic_pub import positive_float
 
 _LOOK_S = 0.1
-"""How often to look for new topics, as ``--polling-interval`` of the real command [s]."""
+"""Time between two looks for new topics, as ``--polling-interval`` of the real command [s]."""
 
 
 def add_arguments(group: argparse.ArgumentParser) -> None:

@@ -36,13 +36,13 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 QUIET_S = 0.12
-"""How long the graph must not change; longer than the 0.1 s between two announcements [s]."""
+"""Time without a change of the graph; longer than the 0.1 s between two announcements [s]."""
 QUIET_LOOKS = 8
 """Minimum number of polls without a change, so that a process without CPU time keeps polling."""
 ALONE_S = 0.5
-"""How long to wait for a first other node; ``--spin-time`` of the real command [s]."""
+"""Maximum wait for a first other node; ``--spin-time`` of the real command [s]."""
 AGAIN_S = (0.2, 0.2, 0.2)
-"""How long each new participant waits: others answer its second announcement, after 0.1 s [s]."""
+"""Wait of each new participant: others answer its second announcement, after 0.1 s [s]."""
 LIMIT_S = 3.0
 """Maximum time to wait for discovery, or for the entity that a command is about [s]."""
 LOOK_S = 0.01

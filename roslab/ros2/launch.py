@@ -28,7 +28,7 @@ TAGS = {
 }
 """The supported tags and their attributes."""
 PATIENCE_S = 5.0
-"""How long programs may take to end after Ctrl-C [s]."""
+"""Maximum time for programs to end after Ctrl-C [s]."""
 _SHARE = re.compile(r'\$\(find-pkg-share ([a-z][a-z0-9_]*)\)')
 
 

@@ -292,7 +292,7 @@ class TestRuns:
 
         said = capsys.readouterr()
         assert said.out.count('[pass]') == 8
-        assert 'Together 15 of 15 points; visible checks; isolation: ' in said.out
+        assert 'Total: 15 of 15 points; visible checks; isolation: ' in said.out
         times = [line for line in said.err.splitlines() if '/temperature_topic: ' in line]
         assert len(times) == 10
         assert times[0].strip().startswith('0.800s  /temperature_topic: temperature_value: 21.0')

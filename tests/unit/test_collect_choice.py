@@ -312,7 +312,7 @@ class TestBounds:
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN]
         (left,) = [row for row in rows if row.done == LEFT]
-        assert f'not read: {choice.MOST_NOTEBOOKS} other notebooks' in left.notes[0]
+        assert f'not read: only the first {choice.MOST_NOTEBOOKS} notebooks' in left.notes[0]
         assert left.notes[0].endswith('18 more')
 
     def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
@@ -323,7 +323,7 @@ class TestBounds:
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN, TAKEN]
-        assert any('not read: 3 other notebooks' in '; '.join(row.notes) for row in rows)
+        assert any('not read: only the first 3 notebooks' in '; '.join(row.notes) for row in rows)
 
     def test_a_notebook_that_is_too_large_is_told_beside_the_others(
         self, tmp_path, layout, monkeypatch

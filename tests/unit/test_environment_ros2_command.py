@@ -115,7 +115,7 @@ def test_command_called_beside_a_real_one_starts_that(places, sourced):
     done = run_main(places, sourced, 'topic', 'list')
 
     assert done.stdout == 'the real one: topic list\n'
-    assert "is the installation's own" in done.stderr
+    assert 'belongs to the ROS 2 installation' in done.stderr
 
 
 def test_command_without_description_says_what_to_do(places):

@@ -239,15 +239,6 @@ def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
     assert 'setup.bash' in caught.value.try_this
 
 
-def test_the_sample_in_environment_md_shows_the_steps_as_they_are():
-    """Numbers, titles and hints; the first step is for machines that lack a program."""
-    page = (PROJECT / 'environment.md').read_text(encoding='utf-8')
-    steps = prepare.steps_of(SimpleNamespace(places=Places.of('.venv')))
-    for number, step in list(enumerate(steps, start=1))[1:]:
-        label = f'[{number}/{len(steps)}] {step.title}'
-        assert f'{label} ...{f" ({step.about})" if step.about else ""}\n{label}: done in' in page
-
-
 def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
     """A failed step must not print "done", because users believe it."""
     one, two, three = fake.steps()

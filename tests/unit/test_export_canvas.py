@@ -220,9 +220,9 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
 
 @pytest.mark.parametrize('scale', [True, False])
 def test_an_assignment_without_points_possible_takes_none(scale):
-    """Scaled to nothing, everybody would have nothing."""
+    """It would scale all marks to 0."""
     data = book().decode().replace('10.00', '0.00').encode()
-    with pytest.raises(GraderError, match='got 0: scaled to that') as error:
+    with pytest.raises(GraderError, match='got 0, which would scale all marks to 0') as error:
         fill(marks(ada=3.25), data, column='101', scale=scale)
 
     assert '--scale' not in error.value.fix

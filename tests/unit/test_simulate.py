@@ -97,7 +97,7 @@ def test_program_that_ends_at_once_gets_no_inputs():
             'inputs of /in: expected a time from 0 to 10 s',
         ),
         ({'late': {'out': float('nan')}}, 'late /out: expected a time from 0 to 10 s, got nan'),
-        ({'inputs': {'in': [1, 2]}}, 'got another form'),
+        ({'inputs': {'in': [1, 2]}}, 'got something else'),
         ({'inputs': {'in': [(1, 'text')]}}, "'text' is neither a message nor a dict"),
     ],
 )
