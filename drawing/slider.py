@@ -9,13 +9,26 @@ from drawing import svg
 
 MAX_MOMENTS = 200
 """Moments of a slider; of more, as many are chosen at equal distances."""
-# The whole state of a step is in the page, so it also works in a page without a kernel.
+_HALF_A_THUMB_PX = 8
+"""The thumb stays inside the slider, so a slider begins and ends this much beyond its axis."""
+# The whole state of a step is in the page, so it also works in a page without a kernel.  A mouse
+# chooses the moment that is nearest on the axis, a key goes on by `by` moments.
 _MOVE = (
-    'const [x, words] = JSON.parse(this.dataset.moments)[this.value];'
-    'const all = this.closest("[data-slider]");'
-    'all.querySelector("[data-cursor]").setAttribute("transform", `translate(${x})`);'
-    'all.querySelector("output").textContent = words;'
+    'const all = JSON.parse(this.dataset.moments), by = this.by;'
+    'const far = i => Math.abs(all[i][0] - this.value);'
+    'const near = all.reduce((best, _, i) => far(i) > far(best) ? best : i, 0);'
+    'const at = by ? Math.max(0, Math.min(all.length - 1, Number(this.dataset.at) + by)) : near;'
+    'const [x, words] = all[at];'
+    'this.by = 0; this.dataset.at = at; this.value = x;'
+    'const whole = this.closest("[role=group]");'
+    'whole.querySelector("[data-cursor]").setAttribute("transform", `translate(${x})`);'
+    'whole.querySelector("output").textContent = words;'
     'this.setAttribute("aria-valuetext", words)'
+)
+_KEY = (
+    'this.by = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1,'
+    ' PageUp: 10, PageDown: -10}[event.key];'
+    'if (this.by) { event.preventDefault(); this.dispatchEvent(new Event("input")) }'
 )
 
 
@@ -25,24 +38,28 @@ def cursor(x: float, top: float, bottom: float) -> str:
     return f'<g data-cursor="" transform="translate({x:.1f})">{drawn}</g>'
 
 
-def with_slider(picture: str, title: str, moments: Sequence[tuple[float, str]]) -> str:
+def slider(
+    title: str, moments: Sequence[tuple[float, str]], axis: tuple[float, float], width: float
+) -> str:
     """
-    Return a picture with a slider below it, which begins at the last moment.
+    Return a slider to put below a picture, which begins at the last moment.
 
-    :param picture: HTML, with a :func:`cursor` at the place of the last moment
-    :param title: what it is a picture of
+    :param title: what it is a picture of; it has a :func:`cursor` at the place of the last moment
     :param moments: in their order: the place of the cursor, and the state in words
+    :param axis: places of both ends of the picture's axis, which the slider has too
+    :param width: of the picture, in the same unit
     """
     step = max(1, -(-len(moments) // MAX_MOMENTS))
     shown = [(round(x, 1), words) for x, words in reversed(moments[::-1][::step])]
-    last, end = svg.escape(shown[-1][1]), len(shown) - 1
+    (x, words), (left, right) = shown[-1], axis
     return (
-        f'<div data-slider="">{picture}'
         # JupyterLab would otherwise take the arrow keys to move between cells.
-        '<input type="range" data-lm-suppress-shortcuts="true" style="width: 100%; margin: 0" '
-        f'min="0" max="{end}" value="{end}" aria-label="Moment: {svg.escape(title)}" '
-        f'aria-valuetext="{last}" data-moments="{svg.escape(json.dumps(shown))}" '
-        f'oninput="{svg.escape(_MOVE)}">'
-        '<output style="display: block; color: var(--jp-content-font-color1, currentColor)">'
-        f'{last}</output></div>'
+        '<input type="range" data-lm-suppress-shortcuts="true" style="display: block; '
+        f'box-sizing: border-box; margin: 0 0 0 calc({left / width:.2%} - {_HALF_A_THUMB_PX}px); '
+        f'width: calc({(right - left) / width:.2%} + {2 * _HALF_A_THUMB_PX}px)" '
+        f'min="{left:.1f}" max="{right:.1f}" step="any" value="{x}" data-at="{len(shown) - 1}" '
+        f'aria-label="Moment: {svg.escape(title)}" aria-valuetext="{svg.escape(words)}" '
+        f'data-moments="{svg.escape(json.dumps(shown))}" '
+        f'oninput="{svg.escape(_MOVE)}" onkeydown="{svg.escape(_KEY)}">'
+        f'<output style="display: block">{svg.escape(words)}</output>'
     )

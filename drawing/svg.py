@@ -43,6 +43,7 @@ def picture(
     description: str,
     parts: Iterable[str],
     table: Table = (),
+    below: str = '',
 ) -> str:
     """
     Return a complete picture as HTML, with its data in a table that opens below it.
@@ -52,11 +53,14 @@ def picture(
     :param description: the contents of the picture as text
     :param parts: elements of the drawing, as SVG
     :param table: the data, for :func:`data_table`; empty if the page shows the data elsewhere
+    :param below: HTML below the drawing, as wide as the drawing
     """
     drawn = ''.join(parts)
     # Equal pictures have equal ids, so that equal results give identical pages.
     whole = f'{title}|{description}|{drawn}'
     name = f'picture-{hashlib.sha256(whole.encode()).hexdigest()[:12]}'
+    least = f'min-width: {min(width, _LEAST):.0f}px'
+    below = below and f'<div style="max-width: {width:.0f}px; {least}">{below}</div>'
     return (
         # Focusable, so that users can scroll it on a narrow page without a mouse.
         f'<div role="group" aria-label="{escape(title)}" tabindex="0" '
@@ -64,11 +68,11 @@ def picture(
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" '
         f'aria-labelledby="{name}-title {name}-words" width="{width:.0f}" '
         f'viewBox="0 0 {width:.0f} {height:.0f}" '
-        f'style="max-width: 100%; min-width: {min(width, _LEAST):.0f}px; height: auto" '
+        f'style="max-width: 100%; {least}; height: auto" '
         f'font-family="{html.escape(FONT)}" font-size="12" fill="currentColor">'
         f'<title id="{name}-title">{escape(title)}</title>'
         f'<desc id="{name}-words">{escape(description)}</desc>'
-        f'{drawn}</svg></div>{data_table(title, table) if table else ""}'
+        f'{drawn}</svg>{below}</div>{data_table(title, table) if table else ""}'
     )
 
 

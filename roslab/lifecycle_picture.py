@@ -83,7 +83,7 @@ class LifecyclePicture:
             f'<text x="10" y="24" stroke="none" fill="currentColor">{escape(self.name)}: '
             f'<tspan font-weight="bold">{escape(self.state)}</tspan>{self._on_the_way()}</text>'
             '<text x="10" y="234" stroke="none" fill="currentColor" font-size="11">'
-            f'solid: can be asked for now · dashed: not now</text>{"".join(parts)}</svg>'
+            f'solid: possible now · dashed: not now</text>{"".join(parts)}</svg>'
             f'{data_table(f"states of {self.name}", self._table())}'
         )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeVar
 
 from drawing import svg
-from drawing.slider import cursor, with_slider
+from drawing.slider import cursor, slider
 from roslab.cli_text import message_yaml
 from roslab.errors import RoslabError
 from roslab.silence import type_name
@@ -230,11 +230,12 @@ def draw_rows(
         marks += row.mark
         top += row.height
     moments = [(place(time), words) for time, words in _moments(rows)]
+    below = ''
     if moments:
         parts.append(cursor(moments[-1][0], _MARGIN, bottom + 4))
+        below = slider(title, moments, (place(begin), place(begin + span)), _WIDTH)
     height = bottom + (46 if legend else 28)
-    drawn = svg.picture(_WIDTH, height, title, described, parts, table)
-    return with_slider(drawn, title, moments) if moments else drawn
+    return svg.picture(_WIDTH, height, title, described, parts, table, below)
 
 
 def _labels(row: Row, y: float, left: float, right: float) -> str:

@@ -50,12 +50,18 @@ def test_line_that_was_cleared_is_left_out():
 
 
 def test_exercise_keeps_its_stub_and_has_no_output():
-    """A line says where it is written."""
-    stub = '# YOUR CODE HERE'
-    cell, note = made(new_output('stream', text='x'), source=stub, solution=True, grade_id='one')
+    """One line after the last cell of an exercise says that a right answer gave the outputs."""
+    marks = {'nbgrader': {'solution': True, 'grade_id': 'one'}}
+    output = new_output('stream', text='x')
+    release = [new_code_cell('# YOUR CODE HERE', id=name, metadata=marks) for name in 'ab']
+    release += [new_code_cell('look', id='c'), new_code_cell('again', id='d')]
+    solved = [new_code_cell('x', id=name, outputs=[output]) for name in 'abcd']
+    cells = page(lesson(*release), lesson(*solved)).cells
 
-    assert (cell.source, cell.outputs) == (stub, [])
-    assert note.source == YOURS
+    assert [cell.get('source') for cell in cells] == [
+        *('# YOUR CODE HERE', '# YOUR CODE HERE', YOURS, 'look', 'again')
+    ]
+    assert [cell.get('outputs', []) for cell in cells] == [[], [], [], [output], [output]]
 
 
 def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():

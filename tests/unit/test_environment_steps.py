@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from environment import prepare, system
-from environment.places import Places, PROJECT
+from environment.places import Places
 from environment.plan import make_plan
 from environment.steps import locked, run_steps, Screen, Step, StepError
 

@@ -18,7 +18,7 @@ from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray
 from autograder.simulated import TopicRecord
 from drawing import svg
 from drawing.graph_layout import arrange
-from drawing.slider import MAX_MOMENTS, with_slider
+from drawing.slider import MAX_MOMENTS, slider
 from roslab.cli_text import (
     echo_text,
     hz_text,
@@ -351,7 +351,7 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
 
 def test_slider_of_many_moments_is_short_and_keeps_the_last():
     """A run of an hour has thousands of messages."""
-    page = with_slider('', 'Run', [(n, f'step {n}') for n in range(1001)])
+    page = slider('Run', [(n, f'step {n}') for n in range(1001)], (0.0, 1000.0), 1000.0)
     held = json.loads(html.unescape(re.search('data-moments="([^"]*)"', page)[1]))
 
     assert len(held) <= MAX_MOMENTS

@@ -20,5 +20,6 @@ html_static_path = ['style.css']
 html_css_files = ['style.css']
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 # Shell commands in cells are not Python, so they cannot be highlighted.
 suppress_warnings = ['misc.highlighting_failure']

@@ -99,16 +99,20 @@ def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbfor
     :param solved: the executed solution of this lesson, with the same cell ids
     """
     outputs = {cell.id: list(_shown(cell)) for cell in solved.cells if 'outputs' in cell}
-    cells = []
+    cells, after = [], 0
     for cell in release.cells:
         cells.append(cell)
         if cell.cell_type == 'markdown':
             text = DIAGRAM.sub(r'> **\1.** \2', cell.source)
             cell.source = text.replace(START_HERE, INDEX)
         elif marks_of(cell).get('solution'):
-            cells.append(new_markdown_cell(YOURS, id=f'{cell.id}-yours'[:64]))
+            after = len(cells)  # of several in a row, only the last one has the note
         else:
             cell.outputs = outputs[cell.id]
+            if cell.outputs and after:
+                note = new_markdown_cell(YOURS, id=f'{cells[after - 1].id}-yours'[:64])
+                cells.insert(after, note)
+                after = 0
     release.cells = cells
     release.metadata.language_info.pygments_lexer = LEXER
     return release
