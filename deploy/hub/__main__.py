@@ -10,8 +10,9 @@ The environment variable HUB names the settings file.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+import fcntl
 import os
 from pathlib import Path
 import shutil
@@ -42,10 +43,28 @@ def main(arguments: Sequence[str]) -> int:
             shutil.rmtree(settings.folder, ignore_errors=True)
             return 0
         prepare(settings)
+        if command == 'prepare':
+            return 0
+        with _alone(settings):
+            return _run(settings, path)
     except (SettingsError, HubError) as error:
         print(f'hub: {error}', file=sys.stderr)
         return 2
-    return 0 if command == 'prepare' else _run(settings, path)
+
+
+@contextmanager
+def _alone(settings: Settings) -> Iterator[None]:
+    """
+    Hold the lock of a running hub: a second one would end the proxy of the first.
+
+    :raises HubError: if a hub of the same folder runs
+    """
+    with (settings.run / 'lock').open('w') as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise HubError(f'{settings.folder}: this hub runs already. Try: stop it') from error
+        yield
 
 
 def _run(settings: Settings, path: Path) -> int:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -120,6 +123,17 @@ def test_a_wrong_password_and_an_unknown_user_stay_outside(hub: Hub) -> None:
         page = hub.log_in(user, password)
         page.locator('.login_error, .alert, #login-main .error').first.wait_for()
         assert '/user/' not in page.url
+
+
+def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
+    """It would end the proxy of the first, which goes on."""
+    environ = {**os.environ, 'HUB': str(hub.settings.folder / 'hub.toml')}
+    second = subprocess.run(
+        [sys.executable, '-m', 'deploy.hub'], cwd=ROOT, env=environ, capture_output=True, text=True
+    )
+    assert second.returncode == 2
+    assert f'{hub.settings.folder}: this hub runs already' in second.stderr
+    hub.lab_of(ANN)
 
 
 def test_no_message_leaves_a_kernel(hub: Hub) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import subprocess
 
 import pytest
 
@@ -54,6 +55,21 @@ def test_a_value_that_cannot_be_used_is_named(
     """The error says which line is wrong and what is expected."""
     with pytest.raises(SettingsError, match=said):
         read(written(tmp_path, **changed))
+
+
+def test_the_trial_of_a_world_reads_no_file_of_the_project(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A user may not be able to read it, for example below /root."""
+    commands: list[list[str]] = []
+
+    def run(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 0, '', '')
+
+    monkeypatch.setattr(worlds.subprocess, 'run', run)
+    assert worlds.refused('bob') == ''
+    assert not any(str(HERE) in word for word in commands[0])
 
 
 def test_a_kernel_starts_in_its_own_world_and_the_server_reaches_it(tmp_path: Path) -> None:
