@@ -20,17 +20,23 @@ import time
 from nbclient import NotebookClient
 import nbformat
 import pytest
+import yaml
 
 from autograder.authoring.portions import portions
 from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED
 from autograder.submission.outline import read_outline
+from roslab import gallery
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 LESSONS = lesson_files(ROOT / 'solutions')
 START_HERE = ROOT / 'notebooks' / 'START_HERE.ipynb'
 RELEASES = [START_HERE, *lesson_files(ROOT / 'notebooks')]
+
+GALLERY_LESSON = next(path for path in LESSONS if path.parent.name == gallery.LESSON)
+GALLERY_ROWS = {row['key']: row for row in yaml.safe_load(gallery.FILE.read_text('utf-8'))}
+TERMINAL_COLOURS = re.compile(r'\x1b\[[0-9;]*m')
 
 KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60
@@ -79,7 +85,7 @@ AT_ONCE = 2
 def executions(request: pytest.FixtureRequest) -> Iterator[None]:
     """Begin with all notebooks that the chosen tests need; ``run`` waits for the one it wants."""
     wanted = [
-        item.callspec.params['path']
+        item.callspec.params.get('path', GALLERY_LESSON)
         for item in request.session.items
         if item.path == Path(__file__) and item.get_closest_marker('notebooks')
     ]
@@ -248,6 +254,29 @@ def test_start_here_shows_a_row_for_each_lesson(path: Path) -> None:
     assert len(rows) == len(lessons)
     for row, lesson in zip(rows, lessons):
         assert row.startswith(f'{lesson.number} {lesson.title}  ')
+
+
+def shown_in_gallery(key: str) -> str:
+    """Return what a cell of the executed gallery of errors shows, as one line."""
+    outputs = next(cell.outputs for cell in run(GALLERY_LESSON).cells if cell.id == key)
+    said = [
+        output.text if output.output_type == 'stream' else output.data.get('text/plain', '')
+        for output in outputs
+        if output.output_type != 'display_data'
+    ]
+    return TERMINAL_COLOURS.sub('', ' '.join(' '.join(said).split()))
+
+
+@executed
+@pytest.mark.parametrize('entry', gallery.entries(), ids=lambda entry: entry.key)
+def test_cell_of_the_gallery_prints_what_its_entry_says(entry: gallery.Entry) -> None:
+    """The cell prints the message of its entry, and no other entry is nearer to the message."""
+    text = shown_in_gallery(entry.key)
+
+    if 'shows' in GALLERY_ROWS[entry.key]:
+        assert re.search(GALLERY_ROWS[entry.key]['shows'], text), text
+    else:
+        assert gallery.nearest(text)[0] == entry, text
 
 
 @lessons
