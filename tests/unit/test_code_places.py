@@ -41,7 +41,7 @@ def node(line: str, call: str = '') -> dict[str, str]:
     ],
 )
 def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
-    """What is said once in __init__() explains nothing, and neither does another level."""
+    """Other levels and what __init__() logs once do not explain a missing line."""
     assert leaves_out(node(line), ('info',)) == found
 
 
@@ -63,7 +63,7 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
     ],
 )
 def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
-    """Only where nothing else logs at that level."""
+    """A logger of Python is named only if nothing else logs at that level."""
     assert logs_with_python(node(line), names) is found
 
 
@@ -80,5 +80,5 @@ def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
     ],
 )
 def test_seed_counts_where_a_callback_comes_to_it(line, call, found):
-    """A seed in __init__() or in what main() calls is as it should be."""
+    """A seed counts only in code that a callback reaches."""
     assert seed_in_callback(node(line, call)) == found
