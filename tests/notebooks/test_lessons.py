@@ -153,7 +153,7 @@ def test_lesson_executed_raises_nothing(path: Path) -> None:
 @lessons
 @executed
 def test_lesson_executed_leaves_stderr_empty(path: Path) -> None:
-    """Nothing goes to stderr, which nbgrader would take for a failed cell."""
+    """A solved lesson writes nothing to stderr, which nbgrader would read as a failed cell."""
     written = [
         (where, output.text)
         for where, output in run(path).outputs('stream')
@@ -205,7 +205,7 @@ SHOWN = {
     ],
 )
 def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
-    """The learner sees it happen; a sentence would be no more than told."""
+    """The cell prints what the text of the lesson says."""
     said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
 
     # What `!` prints has the line ends of a terminal.
@@ -229,7 +229,7 @@ def test_lesson_executed_is_quick(path: Path) -> None:
 @releases
 @executed
 def test_release_executed_raises_only_not_implemented(path: Path) -> None:
-    """An untouched release says what is still to be written, and fails in no other way."""
+    """An untouched release raises NotImplementedError where code is missing, and nothing else."""
     code = [cell for cell in read(path) if cell.cell_type == 'code']
     to_be_written = any(UNSOLVED in cell.source for cell in code)
     result = run(path)
@@ -281,13 +281,13 @@ def test_cell_of_the_gallery_prints_what_its_entry_says(entry: gallery.Entry) ->
 
 @lessons
 def test_lesson_has_its_release(path: Path) -> None:
-    """Each lesson was released under the same name."""
+    """Each lesson has a release with the same name."""
     assert (ROOT / 'notebooks' / path.parent.name / path.name).is_file()
 
 
 @lessons
 def test_lesson_is_stored_clean(path: Path) -> None:
-    """Sources keep no outputs, name the course's kernel and have readable cell ids."""
+    """A source has no outputs, the course's kernel and readable cell ids."""
     notebook = nbformat.read(path, as_version=4)
     code = [cell for cell in notebook.cells if cell.cell_type == 'code']
 
@@ -304,12 +304,12 @@ def test_lesson_is_stored_clean(path: Path) -> None:
 
 @lessons
 def test_lesson_comes_in_small_portions(path: Path) -> None:
-    """Texts and cells of code have the length that learners read."""
+    """Texts and code cells have the length that learners read."""
     assert list(portions(nbformat.read(path, as_version=4)).problems()) == []
 
 
 def test_grade_ids_are_unique_in_the_course() -> None:
-    """No two cells of the course share a grade id, and none has a generated name."""
+    """Each grade id occurs once in the course and has a chosen name."""
     ids = [
         grader_data(cell)['grade_id']
         for path in LESSONS
@@ -323,7 +323,7 @@ def test_grade_ids_are_unique_in_the_course() -> None:
 
 @lessons
 def test_grade_cell_holds_one_readable_line(path: Path) -> None:
-    """What is graded is named in the notebook and hidden outside it."""
+    """The exam is named in the notebook, and its checks are elsewhere."""
     for cell in read(path):
         data = grader_data(cell)
         if cell.cell_type == 'code' and data.get('grade'):
@@ -337,7 +337,7 @@ def test_grade_cell_holds_one_readable_line(path: Path) -> None:
 
 @lessons
 def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
-    """Whatever a learner has to write is in a cell that nbgrader clears."""
+    """Code that a learner has to write is in a cell that nbgrader clears."""
     for cell in read(path):
         marked = 'BEGIN SOLUTION' in cell.source
 
@@ -347,7 +347,7 @@ def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
 
 @releases
 def test_release_shows_no_solution(path: Path) -> None:
-    """Each answer cell of a release holds its stub instead."""
+    """Each answer cell of a release has its stub."""
     for cell in read(path):
         data = grader_data(cell)
 
