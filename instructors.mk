@@ -24,6 +24,9 @@
 
 .PHONY: grade quick hub test test-browser test-hub test-cluster test-lti test-postgres test-routes check coverage judgement release execute book bench soak
 
+# Without cached bytecode, each process would compile all tests and the grader again.
+quick test: export PYTHONDONTWRITEBYTECODE =
+
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
 
@@ -37,7 +40,7 @@ quick: prepare
 # Files side by side, more than there are processors, because most tests wait for something; each
 # file's tests in their order. ARGS='-n 0' runs one after the other.
 test: prepare
-	@exec $(WITH_ROS) python -m pytest -n 4 --dist loadfile $(ARGS)
+	@exec $(WITH_ROS) python -m pytest -n 6 --dist loadfile $(ARGS)
 
 # HUB=FILE names other settings than deploy/hub/hub.toml.
 hub: export HUB := $(HUB)

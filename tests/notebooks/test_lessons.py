@@ -20,17 +20,23 @@ import time
 from nbclient import NotebookClient
 import nbformat
 import pytest
+import yaml
 
 from autograder.authoring.portions import portions
 from autograder.layout import lesson_files
 from autograder.submission.cells import UNSOLVED
 from autograder.submission.outline import read_outline
+from roslab import gallery
 from tests.own_domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 LESSONS = lesson_files(ROOT / 'solutions')
 START_HERE = ROOT / 'notebooks' / 'START_HERE.ipynb'
 RELEASES = [START_HERE, *lesson_files(ROOT / 'notebooks')]
+
+GALLERY_LESSON = next(path for path in LESSONS if path.parent.name == gallery.LESSON)
+GALLERY_ROWS = {row['key']: row for row in yaml.safe_load(gallery.FILE.read_text('utf-8'))}
+TERMINAL_COLOURS = re.compile(r'\x1b\[[0-9;]*m')
 
 KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60
@@ -79,7 +85,7 @@ AT_ONCE = 2
 def executions(request: pytest.FixtureRequest) -> Iterator[None]:
     """Begin with all notebooks that the chosen tests need; ``run`` waits for the one it wants."""
     wanted = [
-        item.callspec.params['path']
+        item.callspec.params.get('path', GALLERY_LESSON)
         for item in request.session.items
         if item.path == Path(__file__) and item.get_closest_marker('notebooks')
     ]
@@ -147,7 +153,7 @@ def test_lesson_executed_raises_nothing(path: Path) -> None:
 @lessons
 @executed
 def test_lesson_executed_leaves_stderr_empty(path: Path) -> None:
-    """Nothing goes to stderr, which nbgrader would take for a failed cell."""
+    """A solved lesson writes nothing to stderr, which nbgrader would read as a failed cell."""
     written = [
         (where, output.text)
         for where, output in run(path).outputs('stream')
@@ -199,7 +205,7 @@ SHOWN = {
     ],
 )
 def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
-    """The learner sees it happen; a sentence would be no more than told."""
+    """The cell prints what the text of the lesson says."""
     said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
 
     # What `!` prints has the line ends of a terminal.
@@ -223,7 +229,7 @@ def test_lesson_executed_is_quick(path: Path) -> None:
 @releases
 @executed
 def test_release_executed_raises_only_not_implemented(path: Path) -> None:
-    """An untouched release says what is still to be written, and fails in no other way."""
+    """An untouched release raises NotImplementedError where code is missing, and nothing else."""
     code = [cell for cell in read(path) if cell.cell_type == 'code']
     to_be_written = any(UNSOLVED in cell.source for cell in code)
     result = run(path)
@@ -250,15 +256,38 @@ def test_start_here_shows_a_row_for_each_lesson(path: Path) -> None:
         assert row.startswith(f'{lesson.number} {lesson.title}  ')
 
 
+def shown_in_gallery(key: str) -> str:
+    """Return what a cell of the executed gallery of errors shows, as one line."""
+    outputs = next(cell.outputs for cell in run(GALLERY_LESSON).cells if cell.id == key)
+    said = [
+        output.text if output.output_type == 'stream' else output.data.get('text/plain', '')
+        for output in outputs
+        if output.output_type != 'display_data'
+    ]
+    return TERMINAL_COLOURS.sub('', ' '.join(' '.join(said).split()))
+
+
+@executed
+@pytest.mark.parametrize('entry', gallery.entries(), ids=lambda entry: entry.key)
+def test_cell_of_the_gallery_prints_what_its_entry_says(entry: gallery.Entry) -> None:
+    """The cell prints the message of its entry, and no other entry is nearer to the message."""
+    text = shown_in_gallery(entry.key)
+
+    if 'shows' in GALLERY_ROWS[entry.key]:
+        assert re.search(GALLERY_ROWS[entry.key]['shows'], text), text
+    else:
+        assert gallery.nearest(text)[0] == entry, text
+
+
 @lessons
 def test_lesson_has_its_release(path: Path) -> None:
-    """Each lesson was released under the same name."""
+    """Each lesson has a release with the same name."""
     assert (ROOT / 'notebooks' / path.parent.name / path.name).is_file()
 
 
 @lessons
 def test_lesson_is_stored_clean(path: Path) -> None:
-    """Sources keep no outputs, name the course's kernel and have readable cell ids."""
+    """A source has no outputs, the course's kernel and readable cell ids."""
     notebook = nbformat.read(path, as_version=4)
     code = [cell for cell in notebook.cells if cell.cell_type == 'code']
 
@@ -275,12 +304,12 @@ def test_lesson_is_stored_clean(path: Path) -> None:
 
 @lessons
 def test_lesson_comes_in_small_portions(path: Path) -> None:
-    """Texts and cells of code have the length that learners read."""
+    """Texts and code cells have the length that learners read."""
     assert list(portions(nbformat.read(path, as_version=4)).problems()) == []
 
 
 def test_grade_ids_are_unique_in_the_course() -> None:
-    """No two cells of the course share a grade id, and none has a generated name."""
+    """Each grade id occurs once in the course and has a chosen name."""
     ids = [
         grader_data(cell)['grade_id']
         for path in LESSONS
@@ -294,7 +323,7 @@ def test_grade_ids_are_unique_in_the_course() -> None:
 
 @lessons
 def test_grade_cell_holds_one_readable_line(path: Path) -> None:
-    """What is graded is named in the notebook and hidden outside it."""
+    """The exam is named in the notebook, and its checks are elsewhere."""
     for cell in read(path):
         data = grader_data(cell)
         if cell.cell_type == 'code' and data.get('grade'):
@@ -308,7 +337,7 @@ def test_grade_cell_holds_one_readable_line(path: Path) -> None:
 
 @lessons
 def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
-    """Whatever a learner has to write is in a cell that nbgrader clears."""
+    """Code that a learner has to write is in a cell that nbgrader clears."""
     for cell in read(path):
         marked = 'BEGIN SOLUTION' in cell.source
 
@@ -318,7 +347,7 @@ def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
 
 @releases
 def test_release_shows_no_solution(path: Path) -> None:
-    """Each answer cell of a release holds its stub instead."""
+    """Each answer cell of a release has its stub."""
     for cell in read(path):
         data = grader_data(cell)
 

@@ -37,12 +37,15 @@ def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+def copied(root: Path, folder: Path) -> Layout:
+    """Return a copy of a course, in a new folder of this one."""
+    return Layout(shutil.copytree(root, folder / 'course'))
+
+
 @pytest.fixture
 def course(released: Path, tmp_path: Path) -> Layout:
-    """Return a course of its own for each test."""
-    root = tmp_path / 'course'
-    shutil.copytree(released, root)
-    return Layout(root)
+    """Return a separate course for each test."""
+    return copied(released, tmp_path)
 
 
 @pytest.fixture(scope='session')

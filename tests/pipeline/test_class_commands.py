@@ -1,4 +1,4 @@
-"""After the grading: marks with manual grades, the commands of a class, Gradescope's container."""
+"""After grading: marks with manual grades, the commands of a class, Gradescope's container."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import subprocess
 import sys
 import zipfile
 
-from conftest import ASSIGNMENT
+from conftest import ASSIGNMENT, copied
 from fake_engine import CANARY, FakeEngine
 import pytest
 
@@ -51,9 +51,10 @@ def solved(course: Layout, **changes: str) -> bytes:
     return text.encode()
 
 
-@pytest.fixture
-def graded(course, monkeypatch):
+@pytest.fixture(scope='module')
+def graded_class(released, tmp_path_factory):
     """Return a course in which four students were graded, two of them for review."""
+    course = copied(released, tmp_path_factory.mktemp('graded'))
     for student, data in {
         'ann': solved(course),
         'bob': solved(course, temperature_topic='temprature_topic'),
@@ -68,12 +69,19 @@ def graded(course, monkeypatch):
     done = grade_class(there, lesson, FakeEngine(), 2)
     record(course, lesson, done)
     write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
+    return course
+
+
+@pytest.fixture
+def graded(graded_class, tmp_path, monkeypatch):
+    """Return such a course for each test, as the one that commands find."""
+    course = copied(graded_class.root, tmp_path)
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     return course
 
 
 def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0) -> None:
-    """Do what formgrader does, and what a late policy does."""
+    """Give a manual grade and a penalty, as formgrader and a late policy do."""
     from nbgrader.api import Gradebook
 
     with Gradebook(f'sqlite:///{course.work}/gradebook.db') as gradebook:
@@ -88,10 +96,10 @@ def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0
 
 @pytest.mark.nbgrader
 class TestMarks:
-    """What a student gets."""
+    """The mark of a student."""
 
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
-        """The written question waits; for review stays for review; who is not there is told."""
+        """A written answer waits, a review stays a review, and a missing student is named."""
         found = {
             one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
@@ -101,7 +109,7 @@ class TestMarks:
         assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
 
     def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
-        """Until then it has none; the next grading keeps it."""
+        """The work has no mark until a person gives one, and the next grading keeps it."""
         folder = course.submitted / 'cut' / ASSIGNMENT
         folder.mkdir(parents=True)
         (folder / NOTEBOOK).write_bytes(solved(course)[:9000])
@@ -121,7 +129,7 @@ class TestMarks:
         assert mark().points == 10.0  # for each of four checks and the written question
 
     def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
-        """50 of the checks and 4 by hand, 2 for being late."""
+        """The checks give 50, the person 4, and lateness costs 2."""
         grade_by_hand(graded, 'ann', 4.0, late=2.0)
         grade_by_hand(graded, 'eve', 4.0)
         found = {
@@ -133,7 +141,7 @@ class TestMarks:
         assert found['eve'].points is None
 
     def test_visible_checks_alone_make_no_mark_whatever_the_gradebook_has(self, graded):
-        """It has a mark for work that is perhaps another one by now."""
+        """The mark in the gradebook may belong to other work."""
         grade_by_hand(graded, 'ann', 4.0)
         seen = replace(
             last(graded, ASSIGNMENT)[0],
@@ -144,7 +152,7 @@ class TestMarks:
         assert (mark.points, mark.status) == (None, NO_GRADE)
 
     def test_automatic_marks_are_those_of_the_checks(self, graded):
-        """Whatever the gradebook has."""
+        """The gradebook does not change automatic marks."""
         found = {one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], AUTOMATIC)}
 
         assert (found['ann'].points, found['ann'].max_points) == (50.0, 50.0)
@@ -156,7 +164,7 @@ class TestCommands:
     """``python -m autograder export | stats | report | similar``."""
 
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
-        """Exit code 1 names who has no score; a second run refuses without --force."""
+        """Exit code 1 names students without a score, and a second run needs --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
             assert command.main(['export', name]) == FOR_REVIEW
             said = capsys.readouterr()
@@ -170,7 +178,7 @@ class TestCommands:
             capsys.readouterr()
 
     def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Those without a mark keep their cells; who lost points for being late is named."""
+        """Students without a mark keep their cells, and penalties for lateness are named."""
         grade_by_hand(graded, 'ann', 5.0, late=2.0)
         mine = tmp_path / 'canvas.csv'
         mine.write_text(
@@ -193,7 +201,7 @@ class TestCommands:
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_feedback_is_packed_under_the_names_of_the_download(self, graded, tmp_path, capsys):
-        """With the mark after the penalty; who has no mark is named and not in the zip."""
+        """Pages have the mark after the penalty; a student without a mark has no page."""
         grade_by_hand(graded, 'ann', 4.0, late=10.0)
         keep_delivered(graded, {(ASSIGNMENT, 'ann'): Delivered('canvas', 'ann_7_88_t.ipynb')})
         (graded.work / 'class_list.csv').write_text('student\nann\nzoe\n', encoding='utf-8')
@@ -211,7 +219,7 @@ class TestCommands:
         assert not list(graded.work.glob('feedback_*'))
 
     def test_moodle_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Those without a mark keep their cells; who lost points for being late is named."""
+        """Students without a mark keep their cells, and penalties for lateness are named."""
         grade_by_hand(graded, 'ann', 5.0, late=2.0)
         mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
         mine.write_text(
@@ -246,7 +254,7 @@ class TestCommands:
         assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 50
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
-        """Review is an exit code for stats; similar shows the copy."""
+        """``stats`` ends with an exit code for a review, and ``similar`` shows the copy."""
         assert command.main(['stats', 'temperature_monitor', '--json']) == FOR_REVIEW
         (numbers,) = json.loads(capsys.readouterr().out)
         assert (numbers['submissions'], numbers['marks']['count']) == (4, 2)
@@ -259,7 +267,7 @@ class TestCommands:
         assert first['first'] == ['ann', 'bob', 'eve'][: len(first['first'])]
 
     def test_similarity_is_in_nothing_that_is_shown(self, graded):
-        """Reports, gradebook and exports do not speak of it."""
+        """Reports, gradebook and exports do not mention similar submissions."""
         command.main(['similar', ASSIGNMENT])
         command.main(['report'])
         command.main(['export', 'json'])
@@ -281,7 +289,7 @@ class TestCommands:
         ],
     )
     def test_mistakes_are_told_in_a_line(self, graded, capsys, arguments, said):
-        """Exit code 2."""
+        """A mistake is one line and exit code 2."""
         assert command.main(arguments) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
         assert said in line
@@ -289,7 +297,7 @@ class TestCommands:
 
 @pytest.fixture
 def container(tmp_path):
-    """Return a folder like /autograder, with the zip of a lesson unpacked in it."""
+    """Return a folder like /autograder with the unpacked zip of a lesson."""
 
     def unpack(assignment):
         source = tmp_path / 'source'
@@ -305,7 +313,7 @@ def container(tmp_path):
 
 
 def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Do what Gradescope does."""
+    """Run the autograder as Gradescope does."""
     return subprocess.run(
         ['/bin/bash', root / 'source' / 'run_autograder'],
         env={**os.environ, 'GRADESCOPE_ROOT': str(root), **environment},
@@ -317,7 +325,7 @@ def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProces
 
 
 def submit(root: Path, assignment: str, sample: str) -> None:
-    """Lay a sample submission where Gradescope lays an upload."""
+    """Put a sample submission where Gradescope puts an upload."""
     layout = Layout.here()
     data = compose(layout, assignment, layout.sample_class / assignment / sample)
     (root / 'submission' / layout.release(assignment).name).write_bytes(data)
@@ -329,7 +337,7 @@ class TestGradescope:
 
     @pytest.mark.slow
     def test_the_reference_gets_full_marks(self, container):
-        """Hidden exams, in the sandbox, from the unpacked course."""
+        """The unpacked course runs the hidden exams in the sandbox."""
         root = container(WITH_RUNS)
         submit(root, WITH_RUNS, 'pass__functions_style')
         done = run_autograder(root)
@@ -340,7 +348,7 @@ class TestGradescope:
         assert results['extra_data']['isolation']
 
     def test_no_upload_gets_a_reason_for_the_staff_and_no_file(self, container):
-        """It is for review, as in a class."""
+        """The submission is for review, as in a class."""
         root = container(TEXT_ONLY)
         done = run_autograder(root)
 
@@ -349,7 +357,7 @@ class TestGradescope:
         assert list((root / 'results').iterdir()) == []
 
     def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
-        """Not even that of an earlier run; the reason is for the staff."""
+        """A file of an earlier run is removed, and the staff sees the reason."""
         root = container(TEXT_ONLY)
         submit(root, TEXT_ONLY, 'pass__double_quotes_and_comments')
         (root / 'results' / 'results.json').write_text('{"score": 24}', encoding='utf-8')

@@ -5,9 +5,8 @@ from __future__ import annotations
 from html.parser import HTMLParser
 import json
 from pathlib import Path
-import shutil
 
-from conftest import ASSIGNMENT
+from conftest import ASSIGNMENT, copied
 import nbformat
 import pytest
 from test_nbgrader_round_trip import nbgrader
@@ -77,10 +76,8 @@ def facts_of(page):
 
 @pytest.fixture(scope='module')
 def course(released, tmp_path_factory):
-    """Return a course of its own for the one submission."""
-    root = tmp_path_factory.mktemp('words') / 'course'
-    shutil.copytree(released, root)
-    return Layout(root)
+    """Return a separate course for the one submission."""
+    return copied(released, tmp_path_factory.mktemp('words'))
 
 
 @pytest.fixture(scope='module')

@@ -7,7 +7,7 @@ from dataclasses import replace
 import json
 import sqlite3
 
-from conftest import ASSIGNMENT
+from conftest import ASSIGNMENT, copied
 from fake_engine import EXAMS, FakeEngine
 from gradebooks import book, by_hand, CHECK, hand_in, NOTEBOOK, scores, WRITTEN
 import pytest
@@ -26,7 +26,7 @@ NOWHERE = 'in no answer'
 
 
 class Edited(FakeEngine):
-    """Runs exams that an instructor has edited, by name."""
+    """An engine whose exams an instructor has edited, by name."""
 
     edits: dict[str, dict[str, object]] = {}  # noqa: RUF012 - replaced as a whole
 
@@ -35,17 +35,32 @@ class Edited(FakeEngine):
         return [replace(one, **self.edits.get(one.name, {})) for one in EXAMS]
 
 
-@pytest.fixture
-def here(course, monkeypatch):
-    """Let commands work on a course whose exams need no ROS, with one student."""
+def use(course, monkeypatch):
+    """Let commands work on a course, with exams that need no ROS."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     monkeypatch.setattr(grading, '_engine', lambda *_: nullcontext((Edited(), 1)))
     monkeypatch.setattr(rejudge, 'NothingRuns', Edited)
     monkeypatch.setattr(
         rejudge, 'again', lambda layout, exam, files, old: (Edited().run(exam, files), '')
     )
-    hand_in(course, 'ann')
-    assert grade() == OK
+
+
+@pytest.fixture(scope='module')
+def graded(released, tmp_path_factory):
+    """Return a course in which one student was graded."""
+    course = copied(released, tmp_path_factory.mktemp('graded'))
+    with pytest.MonkeyPatch.context() as patch:
+        use(course, patch)
+        hand_in(course, 'ann')
+        assert grade() == OK
+    return course
+
+
+@pytest.fixture
+def here(graded, tmp_path, monkeypatch):
+    """Let commands work on such a course, a separate one for each test."""
+    course = copied(graded.root, tmp_path)
+    use(course, monkeypatch)
     return course
 
 
@@ -65,7 +80,7 @@ def grade(*arguments: str) -> int:
 
 
 def give_points(folder, points: float) -> None:
-    """Change the points of the publisher's check cell in a notebook."""
+    """Change the points of the publisher's check cell."""
     path = folder / ASSIGNMENT / NOTEBOOK
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for cell in notebook['cells']:
@@ -76,13 +91,13 @@ def give_points(folder, points: float) -> None:
 
 
 class TestPoints:
-    """Cells and exams give the same points, or no mark is touched."""
+    """If cells and exams have different points, no mark is changed."""
 
     @pytest.mark.parametrize('arguments', [['grade'], ['rejudge', '--write'], ['grade', '--yes']])
     def test_an_exam_with_other_points_than_its_cell_is_refused(
         self, here, edit, capsys, arguments
     ):
-        """The line is that of ``course check``."""
+        """The error names the cell and the points of both."""
         edit(max_points=17)
         capsys.readouterr()
 
@@ -96,7 +111,7 @@ class TestPoints:
         assert results_of(here, ASSIGNMENT)[0].results[0].points == 50
 
     def test_a_release_of_before_is_refused(self, here, edit, capsys):
-        """The score would be more than the released cell may have."""
+        """The score would exceed the points of the released cell."""
         edit(max_points=17)
         give_points(here.solutions, 17)
 
@@ -109,10 +124,10 @@ class TestPoints:
 
 
 class TestLoweredMarks:
-    """They are listed first, and need ``--yes``."""
+    """Lowered marks are listed first and need ``--yes``."""
 
     def test_worse_work_is_listed_and_needs_yes(self, here, capsys):
-        """The others are entered, and the reports have the new points."""
+        """Other marks are entered, and the reports have the new points."""
         hand_in(here, 'ann', **TYPO)
         hand_in(here, 'bob')
         capsys.readouterr()
@@ -137,7 +152,7 @@ class TestLoweredMarks:
         assert 'points than before' not in capsys.readouterr().out
 
     def test_every_lowered_mark_is_listed(self, here, capsys):
-        """Each on a line, where the sentence names the first only."""
+        """Each lowered mark has a line; the sentence names only the first."""
         students = [f'student_{number}' for number in range(grading.MAX_NAMED + 2)]
         for student in students:
             hand_in(here, student)
@@ -154,7 +169,7 @@ class TestLoweredMarks:
         ]
 
     def test_a_mark_is_not_emptied_by_a_fault_of_the_grader(self, here, capsys):
-        """The old one stays until somebody decides."""
+        """The old mark stays until a person decides."""
         hand_in(here, 'ann', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
         capsys.readouterr()
 
@@ -167,7 +182,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')[CHECK] is None
 
     def test_a_grade_given_by_hand_counts(self, here, capsys):
-        """Where it takes the place of a score, the score lowers nothing."""
+        """If a grade was given by hand, a lower score changes no mark."""
         with book(here) as gradebook:
             given = gradebook.find_grade(CHECK, 'temperature_monitor', ASSIGNMENT, 'ann')
             given.manual_score, given.needs_manual_grade = 15, False
@@ -182,7 +197,7 @@ class TestLoweredMarks:
         assert 'ann 54 to 44.' in capsys.readouterr().out
 
     def test_a_penalty_for_lateness_counts(self, here, capsys):
-        """A new due date lowers marks too."""
+        """A new due date can lower a mark."""
         config = here.root / 'nbgrader_config.py'
         policy = "c.LateSubmissionPlugin.penalty_method = 'zero'"
         config.write_text(f'{config.read_text(encoding="utf-8")}\n{policy}\n', encoding='utf-8')
@@ -199,7 +214,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')['late'] == 50
 
     def test_rejudge_writes_nothing_without_yes(self, here, edit, capsys):
-        """Neither gradebook nor reports."""
+        """The gradebook and the reports stay unchanged."""
         edit(needle=NOWHERE)
         capsys.readouterr()
 
@@ -221,7 +236,7 @@ class TestCopies:
     """A damaged gradebook is never replaced silently."""
 
     def test_a_gradebook_without_its_marks_is_refused(self, here, capsys):
-        """An empty table would take its place, and grades given by hand would be lost."""
+        """A new table would lose grades that were given by hand."""
         with closing(sqlite3.connect(here.work / 'gradebook.db')) as file:
             file.execute('drop table grade')
         capsys.readouterr()
@@ -233,7 +248,7 @@ class TestCopies:
             assert len(said.splitlines()) == 1
 
     def test_an_emptied_gradebook_is_refused_and_restored(self, here, capsys):
-        """Nothing is run; the copy has the grades given by hand."""
+        """Nothing is run, and the copy has the grades that were given by hand."""
         by_hand(here, 'ann', 4)
         hand_in(here, 'bob')
         assert grade() == OK
@@ -278,7 +293,7 @@ class TestCopies:
 
 
 class TestStudents:
-    """Nobody becomes one by the name of a folder."""
+    """A folder never becomes a student by its name alone."""
 
     @pytest.mark.parametrize('deep', [True, False])
     def test_a_folder_of_another_layout_makes_no_student(self, here, tmp_path, capsys, deep):
@@ -300,7 +315,7 @@ class TestStudents:
             assert [student.id for student in gradebook.students] == ['ann']
 
     def test_folders_that_are_passed_over_are_named(self, here, capsys):
-        """Something may be wrong with them."""
+        """A folder that is left out is named, because something may be wrong with it."""
         (here.submitted / 'old stuff').mkdir()
         capsys.readouterr()
 

@@ -11,7 +11,7 @@ import sqlite3
 import subprocess
 import sys
 
-from conftest import ASSIGNMENT
+from conftest import ASSIGNMENT, copied
 from fake_engine import CANARY, FakeEngine
 import pytest
 
@@ -143,9 +143,7 @@ EXPECTED = {
 @pytest.fixture(scope='module')
 def graded_by_command(released, tmp_path_factory):
     """Return a course on which every nbgrader command was run once."""
-    root = tmp_path_factory.mktemp('commands') / 'course'
-    shutil.copytree(released, root)
-    course = Layout(root)
+    course = copied(released, tmp_path_factory.mktemp('commands'))
     class_of_five(course)
     shutil.rmtree(course.notebooks)
     (course.work / 'gradebook.db').unlink()

@@ -7,7 +7,7 @@ import json
 import shutil
 import time
 
-from conftest import ASSIGNMENT
+from conftest import ASSIGNMENT, copied
 from nbgrader.api import Gradebook
 import pytest
 
@@ -65,9 +65,7 @@ def fit(layout: Layout, exam: Exam) -> None:
 @pytest.fixture(scope='module')
 def graded(released, tmp_path_factory):
     """Return a course in which four students were graded for real."""
-    root = tmp_path_factory.mktemp('graded') / 'course'
-    shutil.copytree(released, root)
-    layout, here = Layout(root), Layout.here()
+    layout, here = copied(released, tmp_path_factory.mktemp('graded')), Layout.here()
     fit(layout, build(20, 0.07, 1.25))
     for name in STUDENTS:
         place = layout.submitted / name / ASSIGNMENT
@@ -87,9 +85,7 @@ def graded(released, tmp_path_factory):
 @pytest.fixture
 def layout(graded, tmp_path):
     """Return such a course for each test."""
-    root = tmp_path / 'course'
-    shutil.copytree(graded.root, root)
-    return Layout(root)
+    return copied(graded.root, tmp_path)
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """Real notebook kernels for the tests, and what their cells produced."""
 
-from contextlib import ExitStack
+from contextlib import contextmanager, ExitStack
 import os
 import queue
 import re
@@ -44,6 +44,15 @@ class Talker(Node):
         self.publisher.publish(String(data=str(self.count)))
 """
 
+EMPTY = """
+import os, sys, roslab
+roslab.stop_all()
+for name in [n for n, m in sys.modules.items() if os.getcwd() in str(vars(m).get('__file__'))]:
+    del sys.modules[name]
+os.chdir({folder!r})
+get_ipython().reset(new_session=True)
+"""
+
 
 def variables(until):
     """Return the variables of a kernel that nobody else hears, until a stack is closed."""
@@ -78,7 +87,6 @@ class Kernel:
         self, folder, *arguments, terminal=None, shared_memory=None, domain=None, user=None
     ):
         self.manager = jupyter_client.KernelManager(kernel_name=KERNEL)
-        self.manager.shutdown_wait_time = DEADLINE_S  # after it, the kernel is killed
         if shared_memory:
             spec = self.manager.kernel_spec
             spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
@@ -106,9 +114,10 @@ class Kernel:
         """Process id of the kernel."""
         return self.manager.provisioner.pid
 
-    def begin(self, code, cell_id=None):
+    def begin(self, code, cell_id=None, store_history=True):
         """Send a cell without waiting for it."""
-        content = {'code': code, 'silent': False, 'store_history': True, 'allow_stdin': False}
+        content = {'code': code, 'silent': False, 'store_history': store_history}
+        content['allow_stdin'] = False
         metadata = {'cellId': cell_id} if cell_id else {}
         message = self.client.session.msg('execute_request', content, metadata=metadata)
         self.client.shell_channel.send(message)
@@ -150,60 +159,84 @@ class Kernel:
         self.manager.interrupt_kernel()
         return self.collect(message_id)
 
-    def shut_down(self):
-        """End the kernel as a frontend does and return how long it took [s]."""
-        begin = time.monotonic()
+    def empty(self, folder):
+        """Stop its nodes, forget all names and modules of its cells, and go to another folder."""
+        cell = self.begin(EMPTY.format(folder=str(folder)), store_history=False)
+        assert self.collect(cell).error is None
+        self.other_cells, self.blocks = '', {}
+
+    def shut_down(self, patience_s=5.0):
+        """
+        End the kernel as a frontend does, which kills a kernel that does not end.
+
+        A kernel of ipykernel 7.4 rarely waits without end, after it has ended ROS: its control
+        thread sends a status to a thread that has just ended, and the main thread waits for it.
+
+        :param patience_s: the kernel is terminated after half of it, and then killed [s]
+        """
+        self.manager.shutdown_wait_time = patience_s
         self.manager.shutdown_kernel()
-        seconds = time.monotonic() - begin
         self.client.stop_channels()
         self.until.close()
-        return seconds
+
+
+@contextmanager
+def started(folder):
+    """Start a kernel, and end it afterwards."""
+    try:
+        kernel = Kernel(folder)
+    except NoSuchKernel:
+        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
+    try:
+        yield kernel
+    finally:
+        kernel.shut_down()
 
 
 @pytest.fixture
-def kernel(tmp_path):
-    """Return a kernel that works in an empty folder."""
-    try:
-        kernel = Kernel(tmp_path)
-    except NoSuchKernel:
-        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
-    yield kernel
-    if kernel.manager.has_kernel:
-        kernel.shut_down()
+def new_kernel(tmp_path):
+    """Return a kernel that has just been started in an empty folder."""
+    with started(tmp_path) as kernel:
+        yield kernel
+
+
+@pytest.fixture(scope='module')
+def kernel_to_share(tmp_path_factory):
+    """Start a kernel that the tests of a module use one after another."""
+    with started(tmp_path_factory.mktemp('shared')) as kernel:
+        yield kernel
+
+
+@pytest.fixture
+def kernel(kernel_to_share, tmp_path):
+    """Return a kernel without names and nodes that works in an empty folder."""
+    kernel_to_share.empty(tmp_path)
+    return kernel_to_share
 
 
 @pytest.fixture(scope='module')
 def kernel_of_module(tmp_path_factory):
     """Return one kernel for cells that leave nothing behind."""
-    folder = tmp_path_factory.mktemp('refused')
-    try:
-        kernel = Kernel(folder)
-    except NoSuchKernel:
-        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
-    kernel.run('import roslab; x = "hidden"')
-    yield kernel
-    kernel.shut_down()
+    with started(tmp_path_factory.mktemp('refused')) as kernel:
+        kernel.run('import roslab; x = "hidden"')
+        yield kernel
 
 
 @pytest.fixture(scope='module')
 def kernel_with_node(tmp_path_factory):
     """Return one kernel in which a node runs, and another node is idle."""
-    try:
-        kernel = Kernel(tmp_path_factory.mktemp('interrupts'))
-    except NoSuchKernel:
-        pytest.skip(f'kernel {KERNEL} is not installed: make prepare')
-    kernel.run(
-        'from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor\n'
-        f'from rclpy.wait_for_message import wait_for_message\n{TALKER}'
-    )
-    kernel.run('node = start(Talker); idle = rclpy.create_node("idle")')
-    kernel.run(
-        'from time import monotonic\nfrom weakref import ref\n'
-        'class Thing: pass\nthing = Thing()\n'
-        'def for_a_second(_):\n  end = monotonic() + 1\n  while monotonic() < end: pass\n'
-    )
-    yield kernel
-    kernel.shut_down()
+    with started(tmp_path_factory.mktemp('interrupts')) as kernel:
+        kernel.run(
+            'from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor\n'
+            f'from rclpy.wait_for_message import wait_for_message\n{TALKER}'
+        )
+        kernel.run('node = start(Talker); idle = rclpy.create_node("idle")')
+        kernel.run(
+            'from time import monotonic\nfrom weakref import ref\n'
+            'class Thing: pass\nthing = Thing()\n'
+            'def for_a_second(_):\n  end = monotonic() + 1\n  while monotonic() < end: pass\n'
+        )
+        yield kernel
 
 
 def execute(cells, folder):

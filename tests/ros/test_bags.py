@@ -1,4 +1,4 @@
-"""Recordings in MCAP files: what is written, who can read it, and what is published again."""
+"""Recordings in MCAP files: what they contain, who can read them, and their replay."""
 
 from contextlib import ExitStack
 import json
@@ -14,7 +14,6 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-from live_kernels import kernel  # noqa: F401 - a fixture
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from rclpy.context import Context
@@ -23,7 +22,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Int32, String
 from test_ros2_command import bare_shell
-from test_roslab_messages import CMAKE, PACKAGE, TEMPERATURE
 import yaml
 
 from autograder.simulated import LogRecord, Simulation, TopicRecord
@@ -92,7 +90,7 @@ def _single(described, old):
 
 
 def plain(value):
-    """Return fields as JSON has them."""
+    """Return fields in the form of JSON."""
     if isinstance(value, dict):
         return {name: plain(one) for name, one in value.items()}
     if isinstance(value, list):
@@ -115,7 +113,7 @@ def everything(tmp_path_factory):
 
 
 def test_python_reads_every_message_type_of_the_course(everything):
-    """The mcap package gives back the bytes, the names of the types and the profile."""
+    """The mcap package returns the bytes, the names of the types and the profile."""
     file, sent = everything
     read = {}
     with file.open('rb') as stream:
@@ -132,7 +130,7 @@ def test_python_reads_every_message_type_of_the_course(everything):
 
 @pytest.mark.skipif(not shutil.which('npm'), reason='needs npm: apt-get install npm')
 def test_foxglove_reads_every_message_type_of_the_course(everything, tmp_path):
-    """Its decoders need nothing but the file: the definitions in it are complete."""
+    """Foxglove's decoders need only the file, because its definitions are complete."""
     file, sent = everything
     shutil.copytree(HERE / 'foxglove', tmp_path, dirs_exist_ok=True)
     install = ['npm', 'ci', '--no-audit', '--no-fund', '--prefer-offline']
@@ -172,7 +170,7 @@ def session(domain):
 
 
 def talk(session, qos=KEPT, period_s=0.02, then=lambda count: None):
-    """Start a node that publishes numbers as texts while somebody listens."""
+    """Start a node that publishes numbers as strings while a subscription exists."""
 
     class Talker(Node):
         def __init__(self):
@@ -197,7 +195,7 @@ def texts_of(file):
 
 @pytest.mark.claim('T16')
 def test_record_and_replay_keep_messages_and_qos(session, tmp_path):
-    """What a listener receives is what was recorded, from a publisher with the same QoS."""
+    """A listener receives what was recorded, from a publisher with the same QoS."""
     talk(session)
     file = tmp_path / 'run.mcap'
     bag = record_to(session, file, ['chatter'], 1.0)
@@ -223,7 +221,7 @@ def test_record_and_replay_keep_messages_and_qos(session, tmp_path):
 
 
 def test_all_topics_are_recorded_when_none_is_named(session, tmp_path):
-    """Also one that appears later, and what nodes log."""
+    """Topics that appear later and the log are recorded too."""
     talk(session, then=lambda count: count == 3 and session.start(lambda: late(session)))
 
     def late(session):
@@ -321,7 +319,7 @@ def test_nothing_heard_writes_no_file(session, tmp_path):
 def test_wrong_arguments_of_record_are_named(
     session, tmp_path, monkeypatch, file, sources, seconds, why
 ):
-    """Before anything is recorded."""
+    """Wrong arguments are refused before anything is recorded."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(RoslabError) as raised:
         record_to(session, file, sources, seconds)
@@ -373,7 +371,7 @@ def test_unusable_file_is_refused_with_a_reason(everything, tmp_path, make, why)
 
 
 def test_changed_type_is_not_published(session, tmp_path, monkeypatch):
-    """Bytes of older fields would arrive as nonsense."""
+    """The bytes of an older type would be read as wrong values."""
     file = tmp_path / 'run.mcap'
     monkeypatch.setattr(writer, 'hash_of', lambda _: 'RIHS01_older')
     with writer.BagWriter(file) as bag:
@@ -409,7 +407,7 @@ def test_simulation_is_saved_with_its_inputs_and_logs(session, tmp_path):
 
 
 def test_profiles_survive_the_file_and_older_releases(everything):
-    """Numbers stand for policies in recordings of releases before Jazzy."""
+    """In recordings of releases before Jazzy, numbers stand for policies."""
     stored = plain_profiles([KEPT])
     again = profile_to_offer(yaml.safe_load(yaml.safe_dump(stored)))
     numbers = [{**stored[0], 'history': 3, 'reliability': 1, 'durability': 1, 'liveliness': 1}]
@@ -421,38 +419,9 @@ def test_profiles_survive_the_file_and_older_releases(everything):
     assert profile_to_offer(stored + best_effort).reliability == ReliabilityPolicy.RELIABLE
 
 
-def test_learners_own_message_is_recorded_and_replayed(kernel):
-    """Built in the notebook, recorded, described by the command, and received again."""
-    kernel.run('from roslab import *')
-    for cell in (TEMPERATURE, PACKAGE, CMAKE):
-        assert kernel.run(cell).error is None
-    kernel.run('report = build_messages()')
-    kernel.run(
-        'from temp_monitor_pkg.msg import Temperature\nfrom rclpy.node import Node\n'
-        'class Sender(Node):\n'
-        '  def __init__(self):\n'
-        '    super().__init__("sender")\n'
-        '    self.out = self.create_publisher(Temperature, "readings", 10)\n'
-        '    self.create_timer(0.02, self.send)\n'
-        '  def send(self):\n'
-        '    self.out.publish(Temperature(made_by_the_learner=7))\n'
-    )
-    recorded = kernel.run('start(Sender); record("run.mcap", "readings", seconds=1.0)')
-    told = kernel.run('!ros2 bag info run.mcap')
-    kernel.run('stop_all(); heard = listen("readings", Temperature)')
-    replayed = kernel.run('replay("run.mcap", rate=10); heard.wait(1)[0].made_by_the_learner')
-
-    assert recorded.error is None, recorded.error
-    assert 'Type: temp_monitor_pkg/msg/Temperature' in recorded.value
-    assert recorded.value in told.text.replace('\r', '')
-    assert replayed.error is None, replayed.error
-    assert replayed.value == '7'
-    assert replayed.streams['stderr'] == ''
-
-
 @pytest.fixture
 def command(tmp_path, domain):
-    """Return a function that starts the ros2 command in a folder and the domain of the test."""
+    """Return a function that starts the ros2 command in a folder and a separate domain."""
 
     def begin(*arguments):
         return subprocess.Popen(
@@ -472,7 +441,7 @@ def command(tmp_path, domain):
 
 @pytest.mark.parametrize('ending', [signal.SIGINT, signal.SIGTERM])
 def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_path, ending):
-    """The folder is what ros2 bag writes; info and play read it."""
+    """The folder is the one of ``ros2 bag``, and info and play can read it."""
     sent = threading.Event()
     talk(session, then=lambda count: count == 100 and sent.set())
     recorder = command('bag', 'record', '-o', 'run', '/chatter')
@@ -501,7 +470,7 @@ def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_pat
 
 
 def test_command_refuses_what_it_cannot_use(command, tmp_path):
-    """One line, and exit code 1."""
+    """The refusal is one line and exit code 1."""
     (tmp_path / 'there').mkdir()
     for arguments, why in (
         (['info', 'none.mcap'], 'none.mcap: there is no such file'),

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from live_kernels import execute, kernel  # noqa: F401 - a fixture
+from live_kernels import execute, kernel, kernel_to_share  # noqa: F401 - fixtures
 
 from autograder.simulated import TopicRecord
 from roslab.errors import RoslabError
@@ -29,7 +29,7 @@ go.linear.x = 1.0
 
 
 def test_robot_obeys_stops_and_publishes_its_pose(kernel):
-    """Its pose is the same in its attributes and on the topic."""
+    """The attributes and the topic have the same pose."""
     kernel.run(DRIVER)
     out = kernel.run(
         'bot = robot()\n'
@@ -48,7 +48,7 @@ def test_robot_obeys_stops_and_publishes_its_pose(kernel):
 
 
 def test_robot_drives_into_the_wall_if_its_driver_falls_silent(kernel):
-    """Nothing tells it to stop; with a deadline, the middleware does."""
+    """A silent driver does not stop the robot, but a missed deadline does."""
     kernel.run(DRIVER)
     out = kernel.run(
         'bot = robot()\n'
@@ -88,7 +88,7 @@ def test_robot_names_the_policy_of_a_refused_publisher(kernel):
 
 
 def test_robot_of_an_earlier_call_is_replaced_and_stays_where_it_is(kernel):
-    """A cell that runs again leaves one robot; a stopped robot does not drive on."""
+    """A second run of the cell leaves one robot, and a stopped robot does not move."""
     kernel.run(DRIVER)
     out = kernel.run(
         'old = robot()\n'
@@ -108,7 +108,7 @@ def test_robot_of_an_earlier_call_is_replaced_and_stays_where_it_is(kernel):
 
 
 def test_executed_notebook_keeps_the_picture_of_what_arrived(tmp_path):
-    """Without a viewer, the robot's own cell has the picture from the end of the drive."""
+    """Without a frontend, the cell keeps the picture from the end of the drive."""
     drive = (
         'wheel = driver.create_publisher(Twist, "cmd_vel", 10)\n'
         'wheel.publish(go)\nwait_until(lambda: bot.at_wall, 60)\nbot'
@@ -125,7 +125,7 @@ def test_executed_notebook_keeps_the_picture_of_what_arrived(tmp_path):
 
 
 def test_robot_replays_a_simulation():
-    """The commands and times of a record give the pose; another type is refused."""
+    """The commands of a record give the pose, and another type is refused."""
     go = {'linear': {'x': 0.5}, 'angular': {'z': 0.0}}
     stop = {'linear': {'x': 0.0}}
     record = TopicRecord(

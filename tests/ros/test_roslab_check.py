@@ -1,4 +1,4 @@
-"""Visible checks in a notebook: the grader's own engine in a child process."""
+"""Visible checks in a notebook, which the grader runs in a child process."""
 
 import os
 import re
@@ -10,7 +10,7 @@ import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-kernel = live_kernels.kernel
+kernel, kernel_to_share = live_kernels.kernel, live_kernels.kernel_to_share
 
 TWICE_A_SECOND = """%%node temp_publisher
 import rclpy
@@ -37,7 +37,7 @@ CHECK = "report = check('temperature_publisher')"
 
 
 def test_check_judges_what_the_saved_node_does(kernel):
-    """Right and wrong things are told apart, with points and facts, and nothing on stderr."""
+    """The table shows passed and failed checks with points and facts, and stderr is empty."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     outputs = kernel.run(CHECK)
@@ -52,7 +52,7 @@ def test_check_judges_what_the_saved_node_does(kernel):
 
 
 def test_check_never_runs_the_file_in_the_kernel(kernel, tmp_path):
-    """A file that was not even typed in a cell is judged in the child, not here."""
+    """A file that no cell has saved is judged in the child process, and not in the kernel."""
     folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
     folder.mkdir(parents=True)
     (folder / 'temp_publisher.py').write_text('import builtins\nbuiltins.ran_here = True\n')
@@ -63,7 +63,7 @@ def test_check_never_runs_the_file_in_the_kernel(kernel, tmp_path):
 
 
 def test_unfinished_cell_is_named_and_still_checked(kernel):
-    """A stub is not an error of check(): it says which file is not finished."""
+    """A stub does not stop check(), which names the unfinished file."""
     kernel.run('from roslab import *')
     kernel.run('%%node temp_publisher\n# YOUR CODE HERE\nraise NotImplementedError()')
     outputs = kernel.run(CHECK)
@@ -74,7 +74,7 @@ def test_unfinished_cell_is_named_and_still_checked(kernel):
 
 
 def test_cell_that_was_not_run_is_asked_for(kernel):
-    """Another file than the exam's was saved: the cell to run is what helps."""
+    """If another file was saved, the message asks for the cell of the exercise."""
     kernel.run('from roslab import *')
     kernel.run('%%node something_else\npass')
 
@@ -82,7 +82,7 @@ def test_cell_that_was_not_run_is_asked_for(kernel):
 
 
 def test_unknown_exercise_is_named(kernel):
-    """A typing mistake is answered with a near name, or else with all names."""
+    """A misspelt name gets a similar name, and any other name gets all names."""
     kernel.run('from roslab import *')
     near, far = kernel.run("check('temperature_publsher')"), kernel.run("check('unheard')")
 
@@ -92,7 +92,7 @@ def test_unknown_exercise_is_named(kernel):
 
 
 def test_check_without_a_name_says_which_exercises_there_are(kernel, tmp_path):
-    """Those that the notebook checks, or else all."""
+    """The message lists the exercises of the notebook, or else all exercises."""
     kernel.run('from roslab import *')
     of_all = ' '.join(kernel.run('report = check()').text.split())
     lesson = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("check('courier')")])
@@ -116,10 +116,10 @@ def test_check_without_a_name_says_which_exercises_there_are(kernel, tmp_path):
     ],
 )
 def test_check_of_an_object_names_the_exercise_of_its_file(kernel, call, got):
-    """The class, a function of the same cell and a node all lead to the name."""
+    """A class, a function of the same cell and a node lead to the name of the exercise."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
-    kernel.run('import rclpy; rclpy.init(); node = TemperaturePublisher()')
+    kernel.run('import rclpy; rclpy.ok() or rclpy.init(); node = TemperaturePublisher()')
     said = ' '.join(kernel.run(f'report = {call}').text.split())
 
     assert got.format('the name of an exercise, in quotes, got ') in said
@@ -127,7 +127,7 @@ def test_check_of_an_object_names_the_exercise_of_its_file(kernel, call, got):
 
 
 def test_check_of_a_bare_name_asks_for_quotes(kernel):
-    """Also if a cell of the notebook would define that name."""
+    """A bare name asks for quotes, even if a cell could define it."""
     kernel.run('from roslab import *')
     error = kernel.run('check(talker)').error
 
@@ -138,7 +138,7 @@ def test_check_of_a_bare_name_asks_for_quotes(kernel):
 
 
 def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
-    """A file that this kernel did not write, or that changed since, is of no cell."""
+    """A file that changed, or that this kernel did not save, has no cell."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     by_cell = kernel.run(CHECK).text
@@ -154,7 +154,7 @@ def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
 
 
 def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
-    """The notebook as saved last has another text, and is newer than the file."""
+    """The saved notebook has another text for the cell, and is newer than the file."""
     kernel.run('from roslab import *')
     kernel.run(TWICE_A_SECOND)
     path = tmp_path / 'lesson.ipynb'
@@ -175,7 +175,7 @@ def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
 
 
 def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):
-    """It is judged, and will not be handed in: the first line of its cell was changed."""
+    """The file is judged, but its cell has another first line, so it would not be handed in."""
     folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
     folder.mkdir(parents=True)
     (folder / 'temp_publisher.py').write_text(TWICE_A_SECOND.partition('\n')[2])
@@ -193,7 +193,7 @@ def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):
 
 
 def test_interrupted_check_leaves_no_process(kernel):
-    """Interrupt ends the checker and the sandbox, and the next check works."""
+    """An interrupt ends the checker and the sandbox, and the next check works."""
     kernel.run('from roslab import *; import psutil')
     kernel.run(TWICE_A_SECOND)
     outputs = kernel.interrupt_at(f'print("go", flush=True); {CHECK}', 'go')
@@ -204,7 +204,7 @@ def test_interrupted_check_leaves_no_process(kernel):
 
 
 def test_validate_button_fails_on_a_failed_check(monkeypatch, tmp_path):
-    """Under nbgrader's Validate a failed check is a failed cell; elsewhere it is a table."""
+    """With nbgrader's Validate, a failed check is a failed cell; elsewhere it is a table."""
     monkeypatch.setitem(os.environ, 'NBGRADER_EXECUTION', 'validate')
     validating = live_kernels.Kernel(tmp_path)
     validating.run('from roslab import *')

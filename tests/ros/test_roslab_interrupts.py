@@ -1,4 +1,4 @@
-"""Interrupts in real notebook kernels: what blocks ends, ROS and the nodes survive."""
+"""Interrupts in real notebook kernels end a blocking cell, and ROS and the nodes stay."""
 
 import ast
 import random
@@ -9,12 +9,13 @@ import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-kernel = live_kernels.kernel
+kernel, kernel_to_share = live_kernels.kernel, live_kernels.kernel_to_share
+new_kernel = live_kernels.new_kernel
 kernel_with_node = live_kernels.kernel_with_node
 
 
 def test_interrupt_ends_a_wait_and_nothing_else(kernel):
-    """After an interrupt ROS is up, the node goes on, and the next wait works."""
+    """After the interrupt, the node runs on and the next wait works."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker)')
     outputs = kernel.interrupt_at(
@@ -48,7 +49,7 @@ BLOCKING = {
 @pytest.mark.claim('J2')
 @pytest.mark.parametrize('code', BLOCKING.values(), ids=BLOCKING.keys())
 def test_interrupt_ends_whatever_blocks(kernel_with_node, code):
-    """Each way to block a cell can be interrupted, even with an idle node, and ROS survives it."""
+    """Each way to block a cell can be interrupted, and the node runs on."""
     outputs = kernel_with_node.interrupt_at(f'print("now", flush=True)\n{code}', 'now')
 
     assert outputs.error['ename'] == 'KeyboardInterrupt'
@@ -60,29 +61,32 @@ def test_interrupt_ends_whatever_blocks(kernel_with_node, code):
     assert after.value == 'True'
 
 
-def test_interrupt_in_the_cell_that_starts_ros_keeps_the_context(kernel):
-    """With rclpy's own signal handlers this interrupt would shut ROS down."""
-    outputs = kernel.interrupt_at(
+def test_interrupt_in_the_cell_that_starts_ros_keeps_the_context(new_kernel):
+    """With rclpy's own signal handlers, the interrupt would shut ROS down."""
+    outputs = new_kernel.interrupt_at(
         TALKER + 'node = start(Talker); heard = listen("chatter", String); heard.wait(1)\n'
         'print("waiting", flush=True); heard.wait(10**9, timeout=60)',
         'waiting',
     )
 
     assert outputs.error['ename'] == 'KeyboardInterrupt'
-    assert kernel.run('rclpy.ok(), len(heard.wait(2)) >= 2').value == '(True, True)'
+    assert new_kernel.run('rclpy.ok(), len(heard.wait(2)) >= 2').value == '(True, True)'
 
 
-def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(kernel):
-    """rclpy.init() and spin() in one cell, as in a program: ROS is still up afterwards."""
+def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(new_kernel):
+    """ROS runs on after an interrupt in a cell with rclpy.init() and spin(), as in a program."""
     code = TALKER + 'rclpy.init()\nidle = rclpy.create_node("idle")\nprint("now", flush=True)\n'
-    outputs = kernel.interrupt_at(f'{code}rclpy.spin(idle)', 'now')
+    outputs = new_kernel.interrupt_at(f'{code}rclpy.spin(idle)', 'now')
 
     assert outputs.error['ename'] == 'KeyboardInterrupt'
-    assert kernel.run('rclpy.ok(), rclpy.create_node("next").get_name()').value == "(True, 'next')"
+    assert (
+        new_kernel.run('rclpy.ok(), rclpy.create_node("next").get_name()').value
+        == "(True, 'next')"
+    )
 
 
 def test_interrupt_inside_a_finalizer_is_not_lost(kernel):
-    """Python drops an exception raised in __del__; the interrupt comes when that is over."""
+    """Python drops an exception in __del__, so the interrupt is raised after it."""
     kernel.run(TALKER)
     outputs = kernel.interrupt_at(
         """
@@ -105,7 +109,7 @@ wait_until(lambda: False, 60)
 
 
 def test_interrupt_while_an_error_is_shown_leaves_the_guide_in_place(kernel):
-    """IPython gives up a guide that raises, and an interrupt may fall into it."""
+    """IPython would drop a guide that raises, which an interrupt can cause."""
     awkward = kernel.run(
         """
 import os, signal
@@ -124,7 +128,7 @@ raise Awkward
 
 
 def test_interrupts_anywhere_leave_no_node_behind(kernel):
-    """Interrupted while nodes come and go, the kernel knows every node that there is."""
+    """After interrupts while nodes start and stop, the kernel knows all nodes."""
     kernel.run(TALKER)
     coming_and_going = """
 step = 0
@@ -159,12 +163,12 @@ while True:
     ids=['executor', '!command'],
 )
 def test_what_an_interrupt_left_half_made_is_thrown_away_quietly(kernel, making):
-    """Its finalizer comes with some later cell, and would talk of what it misses."""
+    """A finalizer that misses an attribute writes nothing to stderr."""
     assert kernel.run(f'{making}; del left').streams['stderr'] == ''
 
 
 def test_a_finalizer_of_ones_own_that_fails_is_shown(kernel):
-    """Only what libraries leave is kept quiet."""
+    """Only errors in finalizers of libraries are hidden."""
     outputs = kernel.run(
         'class Own:\n  def __del__(self): return self.nothing\nleft = Own(); del left'
     )

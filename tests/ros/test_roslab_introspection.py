@@ -10,7 +10,7 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-from live_kernels import execute, kernel  # noqa: F401 - a fixture
+from live_kernels import execute, kernel, kernel_to_share  # noqa: F401 - fixtures
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
@@ -80,7 +80,7 @@ def seen(session, text, **options):
 
 
 def test_live_nodes_that_fit_are_connected(session):
-    """The publisher, the topic with its type and the subscriber are on one line."""
+    """One line has the publisher, the topic with its type and the subscriber."""
     session.start(Wave)
     session.start(Hearing)
 
@@ -91,7 +91,7 @@ def test_live_nodes_that_fit_are_connected(session):
 
 
 def test_live_nodes_whose_qos_differs_are_not_connected(session):
-    """The reason is the policy that the middleware refused."""
+    """The line names the policies that do not match."""
     session.start(Wave)
     node = session.start(lambda: Hearing(String, '/name', LATCHED))
 
@@ -102,7 +102,7 @@ def test_live_nodes_whose_qos_differs_are_not_connected(session):
 
 
 def test_live_nodes_of_different_types_are_not_connected(session):
-    """Two contexts, like two programs, may use one name for two types; neither hears the other."""
+    """Two programs can use one name for two types, and neither hears the other."""
     session.start(Wave)
     other = Session(Context(), domain_id=session.helper.context.get_domain_id())
     try:
@@ -116,7 +116,7 @@ def test_live_nodes_of_different_types_are_not_connected(session):
 
 
 def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
-    """The notebook's own node, /rosout and /parameter_events appear with all=True only."""
+    """The notebook's own node, /rosout and /parameter_events are shown only with all=True."""
     session.start(Wave)
     listener = Listener(session, '/lab/number', Float64, RELIABLE)
 
@@ -130,7 +130,7 @@ def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
 
 
 def test_graph_of_one_topic_leaves_the_others_out(session):
-    """A relative name is enough."""
+    """A relative name of the topic is enough."""
     session.start(Wave)
 
     graph = graph_now(session, 'name')
@@ -149,7 +149,7 @@ def test_graph_of_one_topic_leaves_the_others_out(session):
     ],
 )
 def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
-    """A typing mistake costs one sentence."""
+    """The error suggests the name of an existing topic."""
     session.start(Wave)
 
     with pytest.raises(NotHereError, match=r'no topic.* /nam now\. Did you mean /name\?'):
@@ -157,14 +157,14 @@ def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
 
 
 def test_impossible_name_of_a_topic_is_refused_with_the_rule(session):
-    """The reason is rcl's, without the place in its source."""
+    """The error has the rule of rcl, without the place in its source."""
     with pytest.raises(RoslabError, match="'two words' cannot be the name of a topic: ") as caught:
         graph_now(session, 'two words')
     assert '.c:' not in str(caught.value)
 
 
 def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
-    """A best-effort publisher is heard without being told how."""
+    """A best-effort publisher is heard without a profile."""
     session.start(Wave)
     print_messages(session, 'name', 2, SOON_S, None)
 
@@ -172,7 +172,7 @@ def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
 
 
 def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
-    """With a QoS that does not fit, the timeout names the publisher and the policy."""
+    """The timeout names the publisher and the policy that does not match."""
     wave = session.start(Wave)
 
     with pytest.raises(TimeoutError, match=r'there, but the QoS does not match\. .*subscription$'):
@@ -181,7 +181,7 @@ def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
 
 
 def test_rate_of_a_timer_is_measured(session, capsys):
-    """A 50 Hz timer gives about 50 messages a second, in the tool's layout."""
+    """The layout is that of ``ros2 topic hz``."""
     wave = session.start(Wave)
     print_rate(session, '/lab/number', 20, SOON_S)
 
@@ -195,7 +195,7 @@ def test_rate_of_a_timer_is_measured(session, capsys):
 
 
 def test_info_describes_a_topic_or_a_node(session, capsys):
-    """Endpoints with type hash and QoS; publishers, services and the rest of a node."""
+    """A topic has endpoints with QoS; a node has publishers and services."""
     session.start(Wave)
     print_info(session, '/lab/number')
     topic = capsys.readouterr().out
@@ -213,7 +213,7 @@ def test_info_describes_a_topic_or_a_node(session, capsys):
 
 
 def test_topics_are_listed_with_their_types(session, capsys):
-    """Sorted by name, one a line."""
+    """The topics are sorted by name, one per line."""
     session.start(Wave)
     print_topics(session, True)
 
@@ -223,7 +223,7 @@ def test_topics_are_listed_with_their_types(session, capsys):
 
 
 def test_reception_times_belong_to_their_messages(session):
-    """One time a message, in order, after the listener began; clear() forgets both."""
+    """Each message has a time after the beginning, and clear() removes both."""
     session.start(Wave)
     heard = Listener(session, '/lab/number', Float64, RELIABLE)
     heard.wait(10)
@@ -240,7 +240,7 @@ def test_reception_times_belong_to_their_messages(session):
 
 
 def test_timeline_counts_what_listeners_heard(session):
-    """The second listener's times are moved onto the axis of the first."""
+    """The times of the second listener are moved to the axis of the first."""
     session.start(Wave)
     first = Listener(session, '/lab/number', Float64, RELIABLE)
     first.wait(5)
@@ -253,7 +253,7 @@ def test_timeline_counts_what_listeners_heard(session):
 
 
 def test_plot_waits_for_values_and_shows_them(session):
-    """The values are the numbers that were published, the text form has the newest of them."""
+    """The values are those that were published, and the text shows the newest."""
     session.start(Wave)
     plot = Plot(session, '/lab/number', 'data', 20.0, 3.0)
     values = plot.wait(6, SOON_S)
@@ -266,7 +266,7 @@ def test_plot_waits_for_values_and_shows_them(session):
 
 
 def test_plot_of_a_wrong_field_leaves_no_subscription(session):
-    """The mistake is answered before anything is drawn."""
+    """The error appears before anything is drawn."""
     wave = session.start(Wave)
 
     with pytest.raises(RoslabError, match='Numeric fields: data'):
@@ -307,7 +307,7 @@ def pictures(kernel, seconds, until=lambda found: False):
 
 
 def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
-    """With somebody looking, the picture is drawn again a few times a second, then no more."""
+    """In a frontend, the picture changes a few times per second until it is stopped."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data", threshold=5.0)', cell_id='b')
     found = pictures(kernel, 20.0, until=lambda found: len(found) > 5)
@@ -324,7 +324,7 @@ def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
 
 
 def test_plot_of_the_same_field_replaces_the_older_one(kernel):
-    """Running the cell again leaves one listener and one thread."""
+    """A second run of the cell leaves one listener and one thread."""
     kernel.run(COUNTER, cell_id='a')
     for _ in range(3):
         assert kernel.run('curve = plot("number", "data")', cell_id='b').error is None
@@ -340,7 +340,7 @@ def test_plot_of_the_same_field_replaces_the_older_one(kernel):
 
 
 def test_plot_goes_on_after_stop_all(kernel):
-    """Waiting for a node that was started again makes the plot live again."""
+    """The plot works again when its node is started again."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data"); curve.wait(3); stop_all()', cell_id='b')
     out = kernel.run(
@@ -352,7 +352,7 @@ def test_plot_goes_on_after_stop_all(kernel):
 
 
 def test_executed_notebook_keeps_the_last_picture_of_a_plot(tmp_path):
-    """Without a viewer, the plot's own cell keeps the picture from the time of the wait."""
+    """Without a frontend, the cell keeps the picture from the end of the wait."""
     notebook = execute(
         [COUNTER, 'curve = plot("number", "data")', 'curve.wait(30); curve.stop()'], tmp_path
     )

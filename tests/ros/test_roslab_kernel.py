@@ -8,13 +8,14 @@ import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-kernel = live_kernels.kernel
+kernel, kernel_to_share = live_kernels.kernel, live_kernels.kernel_to_share
+new_kernel = live_kernels.new_kernel
 kernel_of_module = live_kernels.kernel_of_module
 kernel_with_node = live_kernels.kernel_with_node
 
 
 def test_notebook_with_live_cells_executes_without_stderr(tmp_path):
-    """A node that one cell starts is heard by the next; a re-run replaces it."""
+    """A node that one cell starts is heard in the next cell, and a re-run replaces it."""
     begin = 'node = start(Talker); heard = listen("chatter", String)'
     notebook = execute(
         [TALKER, begin, 'print(len(heard.wait(3)) >= 3)', begin, 'heard.wait(3); list(nodes())'],
@@ -27,7 +28,7 @@ def test_notebook_with_live_cells_executes_without_stderr(tmp_path):
 
 
 def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
-    """The kernel's extension is there from its start; one that is missing stops nothing."""
+    """The kernel starts with the extension, and a missing extension does not stop it."""
     loaded = kernel.run('"roslab.guide" in get_ipython().extension_manager.loaded')
     assert loaded.value == 'True'
 
@@ -47,7 +48,7 @@ def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
     ],
 )
 def test_explain_repeats_the_hint_that_was_shown_last(kernel_of_module, cell, words):
-    """An error that is shown as a sentence is the last one, like one with a traceback."""
+    """An error that is shown as a sentence is the last one, as one with a traceback is."""
     kernel_of_module.run('{}["older"]')
     shown = kernel_of_module.run(cell)
 
@@ -73,7 +74,7 @@ def test_node_cell_is_saved_run_and_exported(tmp_path):
 
 
 def test_bare_main_call_does_not_block_the_cell(tmp_path):
-    """A file that calls main() at its end is left without that call, and says so."""
+    """A call of main() at the end of a file is left out, and the cell says so."""
     body = 'def main():\n    import time\n    time.sleep(1e6)\n\nmain()'
     notebook = execute(['import roslab', f'%%node talker\n{body}'], tmp_path)
 
@@ -100,7 +101,7 @@ def test_bare_main_call_does_not_block_the_cell(tmp_path):
     ],
 )
 def test_refused_cell_says_why_in_one_short_text(kernel_of_module, cell, said):
-    """A wrong name or an unsolved stub is one clear error without frames, and not on stderr."""
+    """A wrong name or an unsolved stub is one clear error, without frames or stderr."""
     outputs = kernel_of_module.run(cell)
 
     shown = '\n'.join(outputs.error['traceback'])
@@ -111,7 +112,7 @@ def test_refused_cell_says_why_in_one_short_text(kernel_of_module, cell, said):
 
 
 def test_node_does_not_hide_roslab_names(kernel):
-    """A learner's own `check` stays out of the notebook, which needs roslab's."""
+    """A learner's own `check` does not replace the one that the notebook needs."""
     kernel.run('from roslab import *; import roslab')
     outputs = kernel.run('%%node mine\ndef check():\n    return 1\ndef other():\n    return 2')
 
@@ -120,7 +121,7 @@ def test_node_does_not_hide_roslab_names(kernel):
 
 
 def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
-    """The first thing a learner sees goes wrong: their own line, and what to do about it."""
+    """The traceback ends in the learner's line, with what to do about it."""
     kernel.run('from roslab import *; from rclpy.node import Node')
     stub = 'class Mine(Node):\n    def __init__(self):\n        raise NotImplementedError()\n'
     outputs = kernel.run(f'{stub}start(Mine)')
@@ -134,7 +135,7 @@ def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
 
 
 def test_node_without_a_name_is_an_error_of_the_node_class(kernel):
-    """The message names the method that the learner called."""
+    """The message names the method that the learner calls."""
     kernel.run('from roslab import *; from rclpy.node import Node')
     named = 'class Mine(Node):\n    def __init__(self):\n        super().__init__()\n'
     outputs = kernel.run(f'{named}start(Mine)')
@@ -152,7 +153,7 @@ def test_node_without_a_name_is_an_error_of_the_node_class(kernel):
     ],
 )
 def test_code_of_a_program_typed_in_a_cell_is_answered_in_one_line(kernel_with_node, code, said):
-    """What would start ROS twice, or take the node away, says so; the node goes on."""
+    """A call that would start ROS again, or spin the node, is refused, and the node runs on."""
     outputs = kernel_with_node.run(code)
 
     assert said in outputs.error['traceback'][0]
@@ -162,7 +163,7 @@ def test_code_of_a_program_typed_in_a_cell_is_answered_in_one_line(kernel_with_n
 
 
 def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
-    """Tracebacks count as the checks do: the magic line is line 1."""
+    """A traceback counts the magic line as line 1, as the checks do."""
     kernel.run('import roslab')
     kernel.run('%%node broken\ndef f():\n    return 1 / 0')
     shown = re.sub(r'\x1b\[[\d;]*m', '', '\n'.join(kernel.run('f()').error['traceback']))
@@ -181,7 +182,7 @@ def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
     ],
 )
 def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, cell, error):
-    """A beginner sees lines of the cell and what is wrong with them, and nothing else."""
+    """The error shows only lines of the cell, and what is wrong with them."""
     kernel_of_module.run('import roslab')
     raised = kernel_of_module.run(cell).error
     shown = '\n'.join(raised['traceback'])
@@ -191,16 +192,16 @@ def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, 
     assert 'site-packages' not in shown
 
 
-def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
-    """As of a notebook with the same domain; nodes of the notebook itself are left out."""
-    kernel.run('import os\nfrom roslab import *\nfrom rclpy.node import Node')
-    domain = kernel.run('os.environ["ROS_DOMAIN_ID"]').value.strip("'")
+def test_nodes_that_are_here_before_the_first_are_told_once(new_kernel, tmp_path):
+    """Nodes of a notebook in the same domain are named; the notebook's own are not."""
+    new_kernel.run('import os\nfrom roslab import *\nfrom rclpy.node import Node')
+    domain = new_kernel.run('os.environ["ROS_DOMAIN_ID"]').value.strip("'")
     world = live_kernels.Kernel(tmp_path, domain=domain)
     try:
         quiet = world.run(TALKER + 'talker = start(Talker)', cell_id='a')
-        kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 60.0')
+        new_kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 60.0')
         begin = 'one = start(lambda: Node("one"))'
-        first, again = kernel.run(begin, cell_id='b'), kernel.run(begin, cell_id='b')
+        first, again = new_kernel.run(begin, cell_id='b'), new_kernel.run(begin, cell_id='b')
     finally:
         world.shut_down()
 
@@ -214,7 +215,7 @@ def test_nodes_that_are_here_before_the_first_are_told_once(kernel, tmp_path):
 
 
 def test_stop_all_leaves_no_node_and_no_subscription(kernel):
-    """After a lesson's last cell nothing is in the graph; a listener can begin again."""
+    """No node and no subscription stays in the graph, and a listener can start again."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker); heard = listen("chatter", String); heard.wait(2)')
     kernel.run('stop_all(); probe = rclpy.create_node("probe")')
@@ -226,7 +227,7 @@ def test_stop_all_leaves_no_node_and_no_subscription(kernel):
 
 
 def test_rclpy_shutdown_in_a_cell_can_be_followed_by_a_start(kernel):
-    """The chapter's shutdown cell does not cost the kernel."""
+    """A start after rclpy.shutdown() works in the same kernel."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker); rclpy.shutdown()')
     outputs = kernel.run('node = start(Talker); wait_until(lambda: node.count > 2)')
@@ -236,7 +237,7 @@ def test_rclpy_shutdown_in_a_cell_can_be_followed_by_a_start(kernel):
 
 
 def test_check_without_saved_files_says_what_to_run(kernel):
-    """check() before the exercise's cells is one clear sentence."""
+    """One sentence says to run the cells of the exercise."""
     kernel.run('from roslab import check')
     outputs = kernel.run("report = check('temperature_publisher')")
 
@@ -246,7 +247,7 @@ def test_check_without_saved_files_says_what_to_run(kernel):
 
 
 def test_check_is_shown_once_as_html_in_a_frontend(kernel):
-    """A frontend gets one table, not a second copy as the cell's value."""
+    """A frontend gets one table, and not a second one as the value of the cell."""
     kernel.run('from roslab import check')
     outputs = kernel.run("report = check('temperature_publisher')\nreport", cell_id='a')
     again = kernel.run('report', cell_id='b')

@@ -6,7 +6,7 @@ import shutil
 import live_kernels
 import pytest
 
-kernel = live_kernels.kernel
+kernel = live_kernels.new_kernel
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
@@ -63,14 +63,21 @@ def write(kernel, *cells):
         assert outputs.error is None, outputs.error
 
 
-def test_learners_messages_take_the_place_of_the_courses(kernel):
-    """A learner's message is built once and reused; a changed one asks for a restart."""
-    write(kernel, TEMPERATURE, PACKAGE, CMAKE)
-    built = kernel.run('report = build_messages()')
+@pytest.fixture(scope='module')
+def built(tmp_path_factory):
+    """Return a kernel in which a learner's package was written and built, and what it said."""
+    with live_kernels.started(tmp_path_factory.mktemp('built')) as kernel:
+        write(kernel, TEMPERATURE, PACKAGE, CMAKE)
+        yield kernel, kernel.run('report = build_messages()')
+
+
+def test_learners_messages_take_the_place_of_the_courses(built):
+    """A learner's message is built once, and the notebook and its commands use it."""
+    kernel, outputs = built
     again = kernel.run('bool(build_messages())')
 
-    assert 'Ready: from temp_monitor_pkg.msg import Temperature' in built.text
-    assert built.streams['stderr'] == ''
+    assert 'Ready: from temp_monitor_pkg.msg import Temperature' in outputs.text
+    assert outputs.streams['stderr'] == ''
     assert 'unchanged' in again.text
     assert again.value == 'True'
     used = kernel.run(USE)
@@ -83,17 +90,50 @@ def test_learners_messages_take_the_place_of_the_courses(kernel):
     assert loaded
     assert all('/ros_ws/install/' in path for path in loaded)
 
+
+def test_learners_own_message_is_recorded_and_replayed(built):
+    """A bag holds the learner's type, the command describes it, and a replay sends it again."""
+    kernel, _ = built
+    kernel.run('stop_all()')
+    kernel.run(
+        'from temp_monitor_pkg.msg import Temperature\nfrom rclpy.node import Node\n'
+        'class Sender(Node):\n'
+        '  def __init__(self):\n'
+        '    super().__init__("sender")\n'
+        '    self.out = self.create_publisher(Temperature, "readings", 10)\n'
+        '    self.create_timer(0.02, self.send)\n'
+        '  def send(self):\n'
+        '    self.out.publish(Temperature(made_by_the_learner=7))\n'
+    )
+    recorded = kernel.run('start(Sender); record("run.mcap", "readings", seconds=1.0)')
+    told = kernel.run('!ros2 bag info run.mcap')
+    kernel.run('stop_all(); heard = listen("readings", Temperature)')
+    replayed = kernel.run('replay("run.mcap", rate=10); heard.wait(1)[0].made_by_the_learner')
+
+    assert recorded.error is None, recorded.error
+    assert 'Type: temp_monitor_pkg/msg/Temperature' in recorded.value
+    assert recorded.value in told.text.replace('\r', '')
+    assert replayed.error is None, replayed.error
+    assert replayed.value == '7'
+    assert replayed.streams['stderr'] == ''
+
+
+def test_changed_message_asks_for_a_restart(built):
+    """The kernel keeps using the message that it has loaded, although its files were replaced."""
+    kernel, _ = built
+    kernel.run('stop_all()')
+    assert kernel.run(USE).value == '7'
+
     write(kernel, TEMPERATURE.replace('made_by_the_learner', 'changed'))
     rebuilt = kernel.run('report = build_messages()')
     assert 'restart the kernel' in rebuilt.text
     assert kernel.run('bool(report), report.restart').value == '(True, True)'
-    # What was loaded goes on working, although its files have been replaced.
     assert kernel.run(USE).value == '7'
 
 
 @pytest.mark.claim('J7')
 def test_course_messages_that_are_in_use_stay(kernel):
-    """After the course's own messages were imported, a build says that a restart is needed."""
+    """If the course's messages are imported already, a build asks for a restart."""
     kernel.run('from temp_monitor_pkg.msg import Temperature')
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
     built = kernel.run('report = build_messages()')
@@ -124,7 +164,7 @@ def test_course_messages_that_are_in_use_stay(kernel):
     ids=['unknown type', 'no ament_package', 'no messages'],
 )
 def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
-    """One decisive line with its place and one line of advice; the whole log is kept."""
+    """The output has one line with the place and one with advice, and the log is saved."""
     write(kernel, *cells)
     outputs = kernel.run('report = build_messages()')
 
@@ -136,7 +176,7 @@ def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
 
 
 def test_build_before_the_cells_names_the_cell_to_run(kernel):
-    """Without a package there is one sentence and no build."""
+    """Without a package, one sentence names the cell to run, and nothing is built."""
     kernel.run('from roslab import *')
     outputs = kernel.run('build_messages()')
 
@@ -144,7 +184,7 @@ def test_build_before_the_cells_names_the_cell_to_run(kernel):
 
 
 def test_build_of_a_stub_is_not_started(kernel, tmp_path):
-    """A file that still is a stub is named at once."""
+    """A file that is still a stub is named, and nothing is built."""
     write(kernel, TEMPERATURE, CMAKE)
     kernel.run('%%rospkg package.xml\n<!-- YOUR CODE HERE -->')
     outputs = kernel.run('build_messages()')
@@ -154,7 +194,7 @@ def test_build_of_a_stub_is_not_started(kernel, tmp_path):
 
 
 def test_interrupted_build_leaves_no_process(kernel, tmp_path):
-    """Interrupt ends colcon and all that it has started; the next build works."""
+    """An interrupt ends colcon and its children, and the next build works."""
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
     outputs = kernel.interrupt_at('build_messages()', 'Building')
 

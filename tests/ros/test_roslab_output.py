@@ -1,4 +1,4 @@
-"""What nodes say in real notebook kernels: beside which cell, how often, and nowhere else."""
+"""The output of nodes in real notebook kernels: in which cell, and how often."""
 
 import re
 import threading
@@ -14,11 +14,11 @@ from roslab.console import ConsoleLines
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-kernel = live_kernels.kernel
+kernel, kernel_to_share = live_kernels.kernel, live_kernels.kernel_to_share
 
 
 def test_callback_exception_is_printed_with_the_cell_line(kernel):
-    """The learner sees the node, the cell and the line; other nodes go on."""
+    """The learner sees the node, the cell and the line, and other nodes run on."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker, name="steady")')
     source = 'class Bad(Talker):\n    def on_timer(self):\n        return self.missing\n'
@@ -35,7 +35,7 @@ def test_callback_exception_is_printed_with_the_cell_line(kernel):
 
 
 def test_callback_exception_appears_beside_the_cell_that_started_the_node(kernel):
-    """In a frontend the traceback goes to the node's own cell, not to the one that runs."""
+    """A frontend shows the traceback in the node's own cell, and not in the running one."""
     kernel.run(TALKER)
     kernel.run('go = False\nclass Bad(Talker):\n    def on_timer(self):\n        if go: 1 / 0')
     kernel.run('node = start(Bad, name="bad")', cell_id='first')
@@ -59,7 +59,7 @@ class Loud(Talker):
 
 @pytest.mark.claim('J3', 'J4')
 def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
-    """An executed notebook keeps what a node says later below the cell that started it."""
+    """An executed notebook keeps the later output of a node below its cell."""
     start, later = (
         'node = start(Loud); n = wait_until(lambda: node.count > 1)',
         'before = node.count; n = wait_until(lambda: node.count > before + 20, 60)',
@@ -76,7 +76,7 @@ def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
 
 
 def test_lines_of_a_node_are_shown_once(kernel):
-    """What rclpy sends through C code does not come back as a second line."""
+    """A line that rclpy writes with C code does not appear a second time."""
     kernel.run(TALKER + LOUD)
     outputs = kernel.run('node = start(Loud); wait_until(lambda: node.count > 3); stop_all()')
     logged = re.findall(r'logged (\d+)', outputs.text)
@@ -86,7 +86,7 @@ def test_lines_of_a_node_are_shown_once(kernel):
 
 
 def test_nothing_is_written_to_the_terminal_of_the_server(tmp_path):
-    """The kernel copies there what C code prints, which would be every line of every node."""
+    """The kernel would copy the output of C code, and so every line of a node, to the terminal."""
     with (tmp_path / 'terminal.txt').open('w') as terminal:
         kernel = Kernel(tmp_path, terminal=terminal)
     kernel.run(TALKER + LOUD)
@@ -99,7 +99,7 @@ def test_nothing_is_written_to_the_terminal_of_the_server(tmp_path):
 
 
 def test_lines_of_c_code_are_shown_like_others(kernel):
-    """A warning that ROS itself writes reaches the cell without the marks around it."""
+    """A warning of ROS itself is shown without the marks around it."""
     kernel.run(TALKER)
     outputs = kernel.run('stop_all(); start(Talker); twin = rclpy.create_node("talker")')
 
@@ -109,7 +109,7 @@ def test_lines_of_c_code_are_shown_like_others(kernel):
 
 
 def test_line_of_c_code_does_not_get_into_the_middle_of_a_printed_one(monkeypatch):
-    """`print` writes a line and its end one after the other; C code is read by another thread."""
+    """`print` writes a line and its end separately, while another thread reads C code's output."""
     monkeypatch.setattr(pages, '_LINE_S', 60.0, raising=False)
     shown = []
     stream = SimpleNamespace(write=shown.append)
@@ -127,10 +127,10 @@ def test_line_of_c_code_does_not_get_into_the_middle_of_a_printed_one(monkeypatc
 
 
 def test_log_line_arrives_on_stdout(kernel):
-    """A line from a node's logger is not error output."""
+    """A line of a node's logger is not written to stderr."""
     kernel.run(TALKER)
-    outputs = kernel.run('start(Talker).get_logger().warning("hot"); logs().messages')
+    outputs = kernel.run('start(Talker).get_logger().warning("hot"); logs().messages[-1]')
 
-    assert outputs.value == "['hot']"
+    assert outputs.value == "'hot'"
     message_id = kernel.begin('nodes()["talker"].get_logger().error("hotter"); 1')
     assert kernel.collect(message_id).streams['stderr'] == ''

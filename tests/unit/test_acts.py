@@ -1,4 +1,4 @@
-"""Where a program does what a cause speaks about: one line, else the function, else nothing."""
+"""Find the place where a program does what a cause speaks about: a line, a function or nothing."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ if __name__ == '__main__':
 
 
 class TestPlace:
-    """The narrowest place that contains all of an act."""
+    """An act has the narrowest place that contains all of it."""
 
     @pytest.mark.parametrize(
         ('acts', 'line'),
@@ -141,7 +141,7 @@ class TestPlace:
         ],
     )
     def test_act_with_one_place_is_found_in_its_line(self, acts, line):
-        """The words of an act say what is looked for."""
+        """The words of an act describe the code that is found."""
         assert place(acts) == (line, '')
 
     @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ class TestPlace:
         ],
     )
     def test_statement_that_sets_something_is_found_by_what_it_does(self, acts, line, about):
-        """Of several that look alike, the one that does it."""
+        """Of several similar statements, the one with the act is found."""
         assert place(acts, about, code=LATER) == (line, '')
 
     @pytest.mark.parametrize(
@@ -175,7 +175,7 @@ class TestPlace:
         ],
     )
     def test_what_only_looks_alike_is_no_place(self, act, about):
-        """A longer pause, who runs the file, and what counts nothing."""
+        """A longer pause, the code that runs the file and other look-alikes are not found."""
         found = place(act, about, code=LATER)
 
         assert found is None or found[1]
@@ -192,22 +192,22 @@ class TestPlace:
         ],
     )
     def test_act_with_several_places_is_found_in_their_function(self, acts, line, name):
-        """The line is that of its def."""
+        """If the places share only a function, the line of its def is named."""
         assert place(acts) == (line, name)
 
     @pytest.mark.parametrize(
         'acts', ['self.x()', 'publish()+', 'info() warning()', 'while', 'abs()']
     )
     def test_act_without_a_common_place_has_none(self, acts):
-        """No line is better than a wrong one."""
+        """No line is named if no place contains the whole act."""
         assert place(acts) is None
 
     def test_callback_is_chosen_of_several_places(self):
-        """Line 13 rounds too, in __init__, which no message reaches."""
+        """Line 13 also rounds, but it is in __init__, which no message reaches."""
         assert place('round() int()') == (18, '')
 
     def test_what_a_callback_calls_belongs_to_it(self):
-        """Line 2 compares for the callback, and line 9 does not."""
+        """Line 2 is found because the callback calls it; it does not call line 9."""
         code = (
             'def hot(value):\n    return value > 30.0\ndef judge(message):\n'
             '    if hot(message.data):\n        warn()\ndef warn():\n    log.warning(1)\n'
@@ -218,23 +218,23 @@ class TestPlace:
         assert place('if:warning()', code=code) == (4, '')
 
     def test_log_lines_of_the_run_choose_between_functions(self):
-        """The recording has the line of each log call."""
+        """The recording has the line of each log call, which decides between two functions."""
         assert place('warning() info()', lines=[19]) == (19, '')
         assert place('log', lines=[26]) == (26, '')
         assert place('warning() info()', lines=[26]) == (25, 'tock')
 
     def test_lines_of_several_files_would_be_ambiguous(self):
-        """So none is named."""
+        """No line is named if there are two files, or a file that Python cannot read."""
         assert place_of(Code({'a.py': NODE, 'b.py': NODE}), 'publish()') is None
         assert place_of(Code({'a.py': 'def ('}), 'publish()') is None
 
     def test_unknown_statement_is_a_mistake_of_the_exam(self):
-        """The author of the exam is told what there is."""
+        """The error lists the statements that an exam may name."""
         with pytest.raises(ExamInvalid, match='Use one of: to, if, while'):
             place('wenn:publish()')
 
     def test_words_of_a_place_are_those_of_the_cell(self):
-        """The magic line comes before the file."""
+        """A place in a cell counts the magic line as line 1."""
         code = Code({'watch.py': NODE})
 
         assert place_of(code, 'publish()').words == 'Line 25: '
@@ -269,11 +269,11 @@ class TestKnownActs:
         ],
     )
     def test_act_is_found_by_what_the_run_shows(self, act, about, line):
-        """A number, a name or a text of the run chooses between several places."""
+        """A number, a name or a string of the run chooses between several places."""
         assert place(act, about)[0] == line
 
     def test_innocent_timer_is_not_the_place_of_another_rhythm(self):
-        """Both timers are known, and neither has the period that was seen."""
+        """The program has two timers, and neither has the period that was observed."""
         assert place('period', ['0.7']) is None
 
     @pytest.mark.parametrize(
@@ -290,12 +290,12 @@ class TestKnownActs:
         ],
     )
     def test_act_is_found_in_one_statement(self, act, line):
-        """Another statement before it does not do it."""
+        """An earlier statement that does not do the act is not found."""
         assert place(act, code=f'rclpy.init(args=args)\n{line}\n') == (2, '')
 
     @pytest.mark.parametrize('act', sorted(ACTS))
     def test_hostile_code_takes_no_time(self, act):
-        """Names of names, and sums of sums, are followed only a little."""
+        """Chains of names and nested sums are followed only to a small depth."""
         names = '\n'.join(f'a{n} = a{n + 1} + a{n + 1}' for n in range(60))
         deep = f'create_timer({"+".join(["1"] * 500)}, f)\ncreate_timer({10**400}, a0)\n'
 
@@ -314,7 +314,7 @@ class TestTable:
         assert sorted(causes) == sorted(acts_by_cause())
 
     def test_cause_of_the_table_exists(self):
-        """A misspelled cause would never be looked up."""
+        """The cause of each row exists; a misspelt one would never be looked up."""
         root = FOLDER.parent.parent
         text = '\n'.join(
             path.read_text(encoding='utf-8')
@@ -331,7 +331,7 @@ class TestTable:
         assert causes - names - policies - {'qos_lifespan'} == set()
 
     def test_act_of_the_table_is_a_word_that_is_known(self):
-        """A misspelled act would be taken for a name that no code uses."""
+        """The table has only known acts; a misspelt one would be read as a name in the code."""
         shapes = re.compile(
             r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|nan|inf|\w+Group'
         )

@@ -1,4 +1,4 @@
-"""What the grader adds to a Python package that came as cells."""
+"""The grader adds missing files to a Python package that was handed in as cells."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def written(folder, *files):
 
 
 def test_cells_become_a_package(build_package, tmp_path):
-    """The node goes into the inner folder; what is no node stays."""
+    """A node goes into the inner folder, and every other file stays where it is."""
     folder = written(tmp_path, 'setup.py', 'a.py', 'config/a.yaml')
     build_package.add_what_no_cell_is(folder, 'pack')
 
@@ -47,7 +47,7 @@ def test_cells_become_a_package(build_package, tmp_path):
     ],
 )
 def test_whole_package_stays_as_it_is(build_package, tmp_path, files):
-    """Its mistakes are the student's."""
+    """The grader adds nothing to a whole package: its mistakes are the student's."""
     before = names(written(tmp_path, *files))
     build_package.add_what_no_cell_is(tmp_path, 'pack')
 

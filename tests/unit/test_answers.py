@@ -1,4 +1,4 @@
-"""Graded multiple choice: the letter of an ``%%answer`` cell, and the exam that reads it."""
+"""Multiple-choice questions: the letter of an ``%%answer`` cell, and the exam that reads it."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ STUB = "None  # YOUR CODE HERE: 'a', 'b', 'c' or 'd' in place of None\n"
     ],
 )
 def test_letter_is_read_however_it_is_written(body):
-    """Quotes, capitals, blanks and comments are a matter of taste."""
+    """Quotes, capitals, blanks and comments around the letter are ignored."""
     assert chosen_letter(body) == 'b'
 
 
 @pytest.mark.parametrize('body', ['', '\n', STUB, 'None', "# 'b'\n"])
 def test_cell_without_an_answer_has_no_letter(body):
-    """That is no mistake yet."""
+    """A cell without a letter is not an error."""
     assert chosen_letter(body) is None
 
 
@@ -74,7 +74,7 @@ def test_cell_without_an_answer_has_no_letter(body):
     ],
 )
 def test_anything_else_is_refused_with_a_printable_reason(body, reason):
-    """Whatever it is, reading it ends, warns about nothing and says what it got."""
+    """Any other content is refused without a warning, and the reason shows it."""
     with pytest.raises(NotALetterError) as caught:
         chosen_letter(body)
 
@@ -93,7 +93,7 @@ def test_code_in_an_answer_is_never_executed(tmp_path):
 
 
 class TestMagic:
-    """What a learner sees who runs an ``%%answer`` cell."""
+    """The output of an ``%%answer`` cell in a notebook."""
 
     @pytest.fixture(autouse=True)
     def folder(self, tmp_path, monkeypatch):
@@ -106,14 +106,14 @@ class TestMagic:
         return [path.read_text() for path in folder.rglob('answers/q07.txt')]
 
     def test_answer_is_saved_and_said(self, folder, capsys):
-        """The letter is the one that will be graded."""
+        """The cell shows and saves the letter that will be graded."""
         run_cell('answer', 'q07', '"B"  # sure\n', {})
 
         assert capsys.readouterr() == ('Saved your answer to q07: b\n', '')
         assert self.saved(folder) == ['"B"  # sure\n']
 
     def test_stub_is_not_written_yet(self, folder):
-        """As in every other exercise."""
+        """An unchanged stub says that it is not written yet, as in other exercises."""
         with pytest.raises(NotImplementedError, match='%%answer q07 is not written yet') as caught:
             run_cell('answer', 'q07', STUB, {})
 
@@ -128,7 +128,7 @@ class TestMagic:
         ],
     )
     def test_no_letter_is_refused_and_replaces_the_older_answer(self, folder, body, said):
-        """The file is what the cell says, so that no older letter is checked instead."""
+        """The file gets what the cell holds, so that no earlier letter is checked."""
         run_cell('answer', 'q07', "'a'\n", {})
         with pytest.raises(AnswerRefusedError, match=re.escape(said)):
             run_cell('answer', 'q07', body, {})
@@ -137,12 +137,12 @@ class TestMagic:
 
 
 def answers(**letters):
-    """Return the files of somebody who answers 'a' where nothing else is said."""
+    """Return files that answer 'a' to every question that is not given."""
     return {path_of(name): f"'{letters.get(name, 'a')}'\n" for name in QUESTIONS}
 
 
 def results(files, hidden):
-    """Return the results of the exam by check; nothing may be run for it."""
+    """Return the results of the exam by check, without running a program."""
     exam = catalog.load(EXAM, hidden=hidden)
     assert not worth_running(exam, files)
     return {one.check: one for one in judge(exam, Run(files, Recording({}, ()), exam.facts))}
@@ -152,7 +152,7 @@ RIGHT = {name: entry['right'] for name, entry in key().items()}
 
 
 def test_visible_check_looks_at_the_form_only():
-    """The same for right letters and for wrong ones."""
+    """A visible check gives the same result for right and for wrong letters."""
     right, wrong = (results(answers(**letters), hidden=False) for letters in (RIGHT, {}))
 
     assert right == wrong
@@ -160,7 +160,7 @@ def test_visible_check_looks_at_the_form_only():
 
 
 def test_visible_check_names_the_questions_without_a_letter():
-    """Some of them, and how many more."""
+    """The message names some of the questions and says how many more there are."""
     files = {path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}
     (one,) = results(files, hidden=False).values()
 
@@ -171,7 +171,7 @@ def test_visible_check_names_the_questions_without_a_letter():
 
 
 def test_each_question_counts_for_itself():
-    """One wrong letter and one missing file cost one point each."""
+    """A wrong letter and a missing file cost one point each."""
     files = answers(**{**RIGHT, 'q22': 'c'})
     del files[path_of('q03')]
     found = results(files, hidden=True)
@@ -182,7 +182,7 @@ def test_each_question_counts_for_itself():
 
 @pytest.mark.parametrize('letter', 'abcd')
 def test_wrong_answer_is_explained_without_the_right_letter(letter):
-    """The misconception and where to read on; no sentence names a letter."""
+    """The misconception and the section to read are shown, and no letter is named."""
     found = results(answers(**dict.fromkeys(QUESTIONS, letter)), hidden=True)
     for name, one in found.items():
         assert (one.verdict is Verdict.PASSED) == (RIGHT[name] == letter)
@@ -193,12 +193,12 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
 
 
 def test_blind_guessing_does_not_pay():
-    """Each letter is right equally often."""
+    """Each letter is the right one equally often."""
     assert sorted(list(RIGHT.values()).count(letter) for letter in 'abcd') == [6, 6, 6, 6]
 
 
 def test_key_stays_with_the_instructor():
-    """Neither the file nor any of its sentences is in what students receive."""
+    """The students' copy has neither the file nor any of its sentences."""
     layout = Layout.here()
     names = bundled_files(layout)
     texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]
@@ -210,7 +210,7 @@ def test_key_stays_with_the_instructor():
 
 
 def test_release_asks_every_question_with_four_options():
-    """Text and answer cell follow one another, and the stub shows the letters."""
+    """An answer cell follows each question, and its stub shows the four letters."""
     cells = read_release(Layout.here().release('09_check_your_understanding'))['cells']
     asked = {}
     for text, cell in pairwise(cells):

@@ -1,4 +1,4 @@
-"""The pages of the book: students' text, outputs of a solved lesson, nothing of a solution."""
+"""The book shows the students' text and the outputs of solved lessons, but no solution."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def lesson(*cells):
 
 
 def made(*outputs, source='show()', **marks):
-    """Return the cells of the page of a one-cell lesson, whose solved cell has these outputs."""
+    """Return the cells of a page for a lesson of one cell with these outputs."""
     metadata = {'nbgrader': marks} if marks else {}
     one = new_code_cell(source, id='one', metadata=metadata)
     solved = new_code_cell('the solution', id='one', outputs=list(outputs))
@@ -32,7 +32,7 @@ def made(*outputs, source='show()', **marks):
 
 
 def test_demonstration_has_its_picture():
-    """The page keeps the best form of each output that needs no kernel."""
+    """The page keeps the best form of each output that works without a kernel."""
     widget = {'application/vnd.jupyter.widget-view+json': {}, 'text/html': '<p>?</p>'}
     (cell,) = made(new_output('display_data', PICTURE), new_output('display_data', widget))
 
@@ -43,7 +43,7 @@ def test_demonstration_has_its_picture():
 
 
 def test_line_that_was_cleared_is_left_out():
-    """A cell that waited has cleared its counter of seconds."""
+    """A counter of seconds that a cell cleared is not on the page."""
     (cell,) = made(new_output('display_data', {'text/plain': ''}), new_output('stream', text='a'))
 
     assert [one.output_type for one in cell.outputs] == ['stream']
@@ -65,7 +65,7 @@ def test_exercise_keeps_its_stub_and_has_no_output():
 
 
 def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():
-    """Nothing on a page needs a script."""
+    """The pages work without scripts, so a diagram is shown as text."""
     text = (
         '# A\n\n```mermaid\nflowchart LR\n  accTitle: Two\n  accDescr: A to B.\n  A --> B\n```\n'
     )
@@ -77,7 +77,7 @@ def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_page_of_a_lesson_has_no_line_of_a_solution(path):
-    """What students write is on no page, whatever the solved notebook holds."""
+    """No page contains a line of a solution, whatever the solved notebook holds."""
     solved = nbformat.read(PROJECT / 'solutions' / path.parent.name / path.name, as_version=4)
     released = nbformat.read(path, as_version=4)
     known = {line.strip() for cell in released.cells for line in cell.source.splitlines()}
@@ -97,7 +97,7 @@ def test_page_of_a_lesson_has_no_line_of_a_solution(path):
 
 
 def test_first_page_links_to_all_lessons():
-    """In their order."""
+    """The first page lists all lessons in their order."""
     text = nbformat.writes(first_page(Layout(PROJECT)))
 
     assert [text.index(f'({path.parent.name}/{path.name})') for path in LESSONS] == sorted(

@@ -1,4 +1,4 @@
-"""An exam file that cannot be imported, or a check that breaks: one line with file and line."""
+"""An exam that cannot be imported or a check that raises is reported with file and line."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def forget() -> None:
 
 @pytest.mark.parametrize('line', BROKEN)
 def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, capsys, line):
-    """File, line and message; a learner who checks is sent to the instructor."""
+    """The error has file, line and message, and sends learners to the instructor."""
     broken_exam(f'"""A docstring."""\n\n{line}\n')
 
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']
@@ -65,7 +65,7 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
 
 
 def test_check_that_breaks_is_named_with_its_line(broken_exam):
-    """The exam is at fault, and says where."""
+    """The message blames the exam and names the line of its check."""
     broken_exam('def sums(run):\n    """It sums."""\n    return 1 / 0\n\nexam = None\n')
     with pytest.raises(ExamInvalid, match='does not define a complete exam'):
         catalog.load('sample', hidden=False)

@@ -1,4 +1,4 @@
-"""What a learner reads when a build fails, from what the tools of ROS 2 Jazzy really print."""
+"""The explanations of failed builds, tested on output of the tools of ROS 2 Jazzy."""
 
 import pytest
 
@@ -106,7 +106,7 @@ PYTHON_PRINTED = {
 
 @pytest.mark.parametrize('mistake', MISTAKES, ids=lambda mistake: mistake.cause)
 def test_every_mistake_of_the_table_is_recognised(mistake):
-    """Each entry is found by its own output, with nothing left to fill in."""
+    """Each entry of the table is found by its own output and fills in all its places."""
     diagnosis = diagnose(PRINTED[mistake.cause], {})
 
     assert diagnosis.cause == mistake.cause
@@ -120,7 +120,7 @@ def test_every_mistake_of_the_table_is_recognised(mistake):
     'mistake', [one for one in PYTHON_MISTAKES if one not in MISTAKES], ids=lambda one: one.cause
 )
 def test_every_mistake_of_a_python_package_is_recognised(mistake):
-    """Only where there is a setup.py."""
+    """A mistake of a Python package is recognised only if there is a setup.py."""
     printed = 'WARNING:colcon.colcon_ros.task.ament_python\n' + PYTHON_PRINTED[mistake.cause]
 
     assert diagnose(printed, {'setup.py': ''}).cause == mistake.cause
@@ -128,7 +128,7 @@ def test_every_mistake_of_a_python_package_is_recognised(mistake):
 
 
 def test_line_of_setup_py_is_named():
-    """As Python counts it."""
+    """The line number is the one that Python reports."""
     found = diagnose(PYTHON_PRINTED['setup_py'], {'setup.py': ''})
 
     assert found.where == 'setup.py, line 7'
@@ -136,7 +136,7 @@ def test_line_of_setup_py_is_named():
 
 
 def test_missing_message_package_of_others_is_named_with_the_file_to_edit():
-    """It may be spelled right."""
+    """A package that is not installed is named, because its name may be misspelt."""
     printed = PRINTED['package_not_found'].replace('builtin_interface', 'toy_msgs')
 
     diagnosis = diagnose(printed, {})
@@ -147,7 +147,7 @@ def test_missing_message_package_of_others_is_named_with_the_file_to_edit():
 
 
 def test_the_line_of_the_mistake_is_named(tmp_path):
-    """The place is the learner's own line, whatever spaces it has."""
+    """The line is found in the learner's file, whatever spaces it has."""
     message = tmp_path / 'msg' / 'Temperature.msg'
     message.parent.mkdir()
     message.write_text('# one reading\nstring unit\nfloat   temperature_value  # wrong\n')
@@ -160,12 +160,12 @@ def test_the_line_of_the_mistake_is_named(tmp_path):
 
 
 def test_line_numbers_of_cmake_are_kept():
-    """CMake's own line number is the file's."""
+    """A line number of CMake is passed on unchanged."""
     assert diagnose(PRINTED['cmake_syntax'], {}).where == 'CMakeLists.txt, line 6'
 
 
 def test_unknown_failure_shows_its_first_error():
-    """What is not in the table is not explained away: the first error line is shown."""
+    """If the table does not know the failure, its first error line is shown."""
     output = 'all is well\nfoo.c:1:2: error: no such thing\nbar.c:3:4: error: another\n'
     diagnosis = diagnose(output, {})
 
@@ -174,14 +174,14 @@ def test_unknown_failure_shows_its_first_error():
 
 
 def test_unknown_failure_of_a_generator_shows_the_exception():
-    """The command line of a generator says nothing, its exception does."""
+    """The exception of a generator is shown instead of its command line."""
     output = ADAPTER + '  File "parser.py", line 5, in parse\n\n  LookupError: no such thing\n'
 
     assert diagnose(output, {}).error == 'LookupError: no such thing'
 
 
 def test_words_of_cmake_are_passed_on_whole_and_without_folders():
-    """A sentence that is cut off, or a path of this machine, helps nobody."""
+    """A wrapped sentence of CMake is shown in full, without the folders of this machine."""
     said = '  ament_export_x() must be called before ament_package().  It reads\n  /opt/a/b.cmake'
     output = f'CMake Error at /opt/ros/share/x.cmake:2 (message):\n{said} {"and so on " * 30}\n\n'
     own = 'CMake Error at CMakeLists.txt:7 (include):\n  cannot find:\n\n    /opt/a/b.cmake\n'
@@ -193,12 +193,12 @@ def test_words_of_cmake_are_passed_on_whole_and_without_folders():
 
 
 def test_names_of_packages_may_be_wrong_ones():
-    """The names are compared even if one of them contains a dash."""
+    """A package name with a dash is compared too."""
     output = PRINTED['name_mismatch'].replace("'temp_monitor_pkg'", "'temp-monitor-pkg'")
 
     assert "'temp-monitor-pkg'" in diagnose(output, {}).error
 
 
 def test_output_without_any_line_is_said_to_be_empty():
-    """An empty log gets a sentence, not an exception."""
+    """An empty log leads to a sentence and not to an exception."""
     assert 'nothing' in diagnose('', {}).error

@@ -1,4 +1,4 @@
-"""Packages that are built: which can be, what runs instead, and how a failure is told."""
+"""Packages that colcon builds: which ones, what runs instead, and how a failure is explained."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EXAM = as_package(catalog.load('temperature_publisher', hidden=False), 'thermo')
 
 
 def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
-    """A folder with modules alone, or with a manifest alone, is laid out as it is."""
+    """A folder with only modules or only a manifest is graded without a build."""
     assert package_name({'package.xml': XML, 'setup.py': ''}) == 'thermo'
     assert package_name({'package.xml': XML, 'CMakeLists.txt': ''}) == 'thermo'
     assert package_name({'package.xml': XML}) == ''
@@ -30,7 +30,7 @@ def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
 
 
 def test_the_exam_stays_the_same_but_for_what_runs():
-    """Same checks and inputs; the course's own exam is not changed."""
+    """The exam of the package has the same checks and inputs, and the original is unchanged."""
     exam = catalog.load('temperature_publisher', hidden=False)
 
     assert EXAM.checks == exam.checks
@@ -43,14 +43,14 @@ def test_the_exam_stays_the_same_but_for_what_runs():
 
 
 def test_an_exam_that_builds_anyway_stays_as_it_is():
-    """The message exam builds whatever was handed in."""
+    """The message exam builds every submission already."""
     exam = catalog.load('temperature_message', hidden=False)
 
     assert as_package(exam, 'thermo') is exam
 
 
 def told(code, stderr, files):
-    """Return the first check as it is told after a run that ended with a code."""
+    """Return the first check of a run that ended with this exit code."""
     checks = (
         CheckResult(
             'starts_its_node', 'It starts.', Verdict.FAILED, 0, 2, 'a node', 'none', 'It died.'
@@ -63,7 +63,7 @@ def told(code, stderr, files):
 
 
 def there(**places):
-    """Return the line that says which executables were installed."""
+    """Return the line that lists the installed executables."""
     return MARK + json.dumps({'lib': [], 'bin': [], **places})
 
 
@@ -79,7 +79,7 @@ def there(**places):
 def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     files, installed, cause_id, words
 ):
-    """Also what is there instead."""
+    """The cause also lists the executables that were installed."""
     check = told(97, there(**installed), dict.fromkeys(files, ''))
 
     assert check.cause_id == cause_id
@@ -97,7 +97,7 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     ],
 )
 def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
-    """The traceback has no line of the student."""
+    """The entry point is named, because the traceback has no line of the student."""
     head = 'Traceback (most recent call last):\n  File "/ws/lib/thermo/temp_publisher", line 33\n'
     process = {'event': 'process', 'exit': 1, 'stderr': f'{head}{error}\n'}
     why = packages.why_no_program(Run({'setup.py': ''}, Recording({}, [process]), EXAM.facts))
@@ -110,12 +110,12 @@ def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
     'line', ['', 'run_package: {', 'run_package: [1]', 'run_package: {"lib": 3}']
 )
 def test_what_a_build_prints_is_not_believed(line):
-    """It may look like the line that says what was installed."""
+    """A build that prints a list of executables does not change the cause."""
     assert told(97, line, {'setup.py': ''}).cause_id == 'entry_point_missing'
 
 
 def test_a_failed_build_says_what_is_wrong():
-    """Not that a node is missing."""
+    """The cause is the failed build and not a missing node."""
     check = told(98, 'CMake Error: something odd', {'CMakeLists.txt': ''})
 
     assert check.expected == 'a package that colcon builds'
@@ -123,13 +123,13 @@ def test_a_failed_build_says_what_is_wrong():
 
 
 def test_any_other_end_keeps_the_words_of_the_exam():
-    """A program that dies is explained as everywhere."""
+    """A program that dies is explained as in an exam without a build."""
     assert told(1, '', {}).cause == 'It died.'
 
 
 @pytest.mark.parametrize('words', ['Line {}: It fails.', 'Line {}, in tick(): It fails.'])
 def test_lines_are_those_of_the_file(words):
-    """A file has no magic line above it."""
+    """Lines count from the beginning of the file, which has no magic line."""
     check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause=words.format(8))
     result = explained(EXAM, ExamResult('x', (check,)), None, {})
 
@@ -137,7 +137,7 @@ def test_lines_are_those_of_the_file(words):
 
 
 def test_both_sides_mean_the_same_codes(monkeypatch):
-    """The script in the sandbox imports nothing of the project."""
+    """The script in the sandbox repeats the codes, because it imports nothing of the project."""
     inside = HERE / 'inside'
     monkeypatch.syspath_prepend(str(inside))
     run_package = importlib.import_module('run_package')

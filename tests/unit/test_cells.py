@@ -1,4 +1,4 @@
-"""The magic line of a cell, as the notebook and the grader both read it."""
+"""The magic line of a cell: the notebook and the grader read it in the same way."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from autograder.submission.cells import CellSyntaxError, first_line, MAGIC_LINE_
     ],
 )
 def test_the_magic_line_names_the_file(line, path):
-    """Each kind has its place in the package."""
+    """Each kind of file has its place in the package."""
     assert parse_cell(f'{line}\nx').path == path
 
 
@@ -32,7 +32,7 @@ def test_the_magic_line_names_the_file(line, path):
     'source', ['', 'x = 1', '# %%node a', '%%nodes a', '%node a', ' %%node a']
 )
 def test_other_cells_are_no_files(source):
-    """They are left alone."""
+    """Cells without a magic line of the course are left alone."""
     assert parse_cell(source) is None
 
 
@@ -65,7 +65,7 @@ def test_a_name_that_is_no_file_name_is_refused(line):
 
 
 def test_solution_marks_are_blanked_so_line_numbers_stay():
-    """A traceback's line n is line n of the file."""
+    """Line n of a traceback is line n of the file."""
     cell = parse_cell('%%node a\n    ### BEGIN SOLUTION\nx = 1\n### END SOLUTION\ny = 2')
 
     assert cell.body == '\nx = 1\n\ny = 2\n'
@@ -73,14 +73,14 @@ def test_solution_marks_are_blanked_so_line_numbers_stay():
 
 
 def test_windows_line_ends_and_leading_blank_lines_are_fine():
-    """The body is the same."""
+    """Windows line ends and blank lines before the magic do not change the file."""
     cell = parse_cell('\r\n%%node a\r\nx = 1\r\n')
 
     assert (cell.body, cell.first_line) == ('x = 1\n', 2)
 
 
 def test_a_stub_is_recognised():
-    """Its text is still there."""
+    """A cell is a stub while the text of the stub is in it."""
     assert parse_cell('%%rosmsg A\n# YOUR CODE HERE').unsolved
     assert not parse_cell('%%rosmsg A\nint64 a').unsolved
 
@@ -88,7 +88,7 @@ def test_a_stub_is_recognised():
 @pytest.mark.parametrize('word', ['%%node', '%%rosmsg', '%%rospkg', '%%answer'])
 @pytest.mark.parametrize('rest', [' \t' * 100_000 + '!', ' a' * 100_000, ' ' * 200_000])
 def test_a_very_long_magic_line_is_refused_at_once(word, rest):
-    """Reading it may not stop a class: a matcher that tries every blank takes minutes."""
+    """The time to read a magic line does not grow with the square of its length."""
     began = time.thread_time()
 
     with pytest.raises(CellSyntaxError, match='at most 200 characters, got 2000') as caught:
@@ -109,7 +109,7 @@ def test_a_very_long_magic_line_is_refused_at_once(word, rest):
     ],
 )
 def test_long_cells_without_a_magic_are_left_alone_at_once(source):
-    """Whatever their first line is."""
+    """A long cell without a magic line is skipped at once, whatever its first line is."""
     began = time.thread_time()
 
     assert parse_cell(source) is None
@@ -118,7 +118,7 @@ def test_long_cells_without_a_magic_are_left_alone_at_once(source):
 
 @pytest.mark.parametrize('line', [' \t' * 100_000 + '!', '### END SOLUTION' + ' ' * 200_000 + '!'])
 def test_a_long_line_in_the_file_is_kept_at_once(line):
-    """It is no solution mark."""
+    """A long line is written to the file, because it is not a solution mark."""
     began = time.thread_time()
 
     assert parse_cell(f'%%node a\n{line}').body == f'{line}\n'
@@ -126,7 +126,7 @@ def test_a_long_line_in_the_file_is_kept_at_once(line):
 
 
 def test_a_magic_line_of_the_longest_length_is_read():
-    """The bound itself is allowed."""
+    """A magic line of exactly the maximum length is read."""
     name = 'a' * (MAGIC_LINE_MAX - len('%%node '))
 
     assert parse_cell(f'%%node {name}\nx').name == name
@@ -143,5 +143,5 @@ def test_a_magic_line_of_the_longest_length_is_read():
     ],
 )
 def test_the_first_line_is_the_first_with_something_on_it(source, found):
-    """As it is written, with its place."""
+    """The first line that is not blank is returned unchanged, with its number."""
     assert first_line(source) == found

@@ -1,4 +1,4 @@
-"""What checks have in common, asked about recordings made by hand."""
+"""The functions that checks share, tested on recordings that are made by hand."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def log(text, level=WARN, name='lab.a'):
 
 
 class TestNode:
-    """Whether a node is there."""
+    """The check that a node exists."""
 
     def test_node_of_the_right_name_passes(self):
-        """The name is the full one."""
+        """The full name is compared."""
         checks.require_node(run_of(GRAPH), '/lab/a')
 
     def test_node_in_another_namespace_is_told_so(self):
-        """The plain name is right, so the spelling is not to blame."""
+        """The namespace is the cause if the plain name is right."""
         with pytest.raises(Failed) as failed:
             checks.require_node(run_of(GRAPH), '/kitchen/a')
 
@@ -58,7 +58,7 @@ class TestNode:
         ],
     )
     def test_what_the_code_has_against_the_namespace_is_named(self, line, repair):
-        """No suspect is named that the program does not have."""
+        """The cause names only code that the program contains."""
         with pytest.raises(Failed) as failed:
             checks.require_node(replace(run_of(GRAPH), files={'a.py': line}), '/kitchen/a')
 
@@ -90,17 +90,17 @@ class TestReached:
 
 
 class TestEndpoint:
-    """Whether an endpoint is there and what it promises."""
+    """The checks of an endpoint and of its quality of service."""
 
     def test_endpoint_of_another_type_is_named(self):
-        """The cause is the type and not the topic."""
+        """The cause is the type of the endpoint, although its topic is right."""
         with pytest.raises(Failed) as failed:
             checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
 
         assert failed.value.why.cause_id == 'wrong_type'
 
     def test_policies_are_compared_one_by_one(self):
-        """Only what is asked for is looked at; a period is told in seconds."""
+        """Only the requested policies are compared, and periods are shown in seconds."""
         checks.require_qos([END], reliability='RELIABLE', deadline_ns=None)
 
         with pytest.raises(Failed) as failed:
@@ -112,7 +112,7 @@ class TestEndpoint:
 
 
 class TestMessages:
-    """What messages hold and when they come."""
+    """The checks of the contents and the times of messages."""
 
     def test_one_other_value_fails_and_is_shown(self):
         """A nested field is named with a dot."""
@@ -128,7 +128,7 @@ class TestMessages:
         'clocks', [[1.1, 2.1, 3.1], [1.1, 2.105, 3.1], [0.1, 1.1, 2.1, 3.1]], ids=str
     )
     def test_steady_messages_pass_wherever_they_begin(self, clocks):
-        """A polled clock is late by some milliseconds, and one message more or less fits."""
+        """A delay of milliseconds and one message more or less are accepted."""
         rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
     @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ class TestMessages:
         ids=['one', 'steady', 'a hole', 'flood'],
     )
     def test_rhythm_is_told_in_words(self, clocks, observed):
-        """What is recorded of a flood is its beginning, so its count says nothing."""
+        """No count is shown, because a flood is recorded only in part."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
 
@@ -187,7 +187,7 @@ class TestMessages:
 
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
-        """The period in the code may be the right one."""
+        """A pause in the code explains a slow rhythm before the period does."""
         code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(2.0)\n'
         asked = {'event': 'asked', 'node': '/lab/a', 'answered': answered}
         run = replace(run_of(asked), files={'n.py': code})
@@ -208,14 +208,14 @@ class TestMessages:
         ids=['twice as fast', 'a hole', 'silence', 'doubled'],
     )
     def test_other_rhythms_fail(self, clocks, cause):
-        """A cause is named only where it is sure."""
+        """A cause is named only if the evidence is certain."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
         assert (failed.value.why and failed.value.why.cause_id) == cause
 
     def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
-        """The rhythm is right as long as it lasts."""
+        """If the rhythm is right as long as it lasts, the cause is its early end."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(
                 run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
@@ -232,7 +232,7 @@ class TestMessages:
         assert failed.value.why.cause_id == 'silent'
 
     def test_one_message_is_asked_for_without_a_number(self):
-        """Nobody says at least 1 messages."""
+        """The sentence does not say "at least 1 messages"."""
         with pytest.raises(Failed) as failed:
             checks.require_messages(run_of(GRAPH), [], 1, 'messages on /lab/reading')
 
@@ -240,17 +240,17 @@ class TestMessages:
 
 
 class TestLogs:
-    """Log lines of the node's own logger."""
+    """Only log lines of the node's own logger count."""
 
     def test_lines_of_others_do_not_count(self):
-        """Children do; a node whose name begins alike does not."""
+        """Loggers of children count; a node whose name only begins alike does not."""
         run = run_of(log('mine'), log('child', name='lab.a.kid'), log('other', name='lab.ab'))
 
         assert [one['text'] for one in checks.own_logs(run, '/lab/a')] == ['mine', 'child']
 
 
 class TestAnswers:
-    """What services answer."""
+    """The checks of the answers of services."""
 
     SERVICE = '/lab/a/change_state'
 
@@ -259,13 +259,13 @@ class TestAnswers:
         return {'event': 'answer', 'service': self.SERVICE, 'data': data}
 
     def test_wanted_answers_pass(self):
-        """Only the fields that are named count."""
+        """Only the named fields are compared."""
         run = run_of(self.answer(success=True, more=1), self.answer(success=False))
 
         checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')
 
     def test_other_answer_is_told_by_number(self):
-        """The first difference counts."""
+        """The first difference decides, and its number is named."""
         run = run_of(self.answer(success=True), self.answer(success=False))
 
         with pytest.raises(Failed) as failed:
@@ -275,7 +275,7 @@ class TestAnswers:
         assert failed.value.observed == 'success False'
 
     def test_missing_service_is_the_cause(self):
-        """A plain Node has no lifecycle services."""
+        """A plain Node has no lifecycle services, which is the cause."""
         run = run_of({'event': 'no_answer', 'service': self.SERVICE, 'reason': 'no_service'})
 
         with pytest.raises(Failed) as failed:
@@ -285,7 +285,7 @@ class TestAnswers:
 
 
 def test_lines_of_the_only_node_count_in_each_phase_whatever_its_name():
-    """The graph was seen before the phase; it tells that there is one node only."""
+    """The graph of an earlier phase shows that there is only one node."""
     events = (
         {'event': 'graph', 'when': 'start', 'nodes': ['/mine'], 'endpoints': []},
         {'event': 'mark', 'name': 'silence', 'clock_ns': 0},

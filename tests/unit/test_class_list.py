@@ -1,4 +1,4 @@
-"""The class list and the extensions: who is missing, who has more time, and what is wrong."""
+"""The class list and the extensions: missing students, more time, and refused files."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def listed(layout):
 
 
 def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
-    """A spreadsheet may write semicolons and a byte order mark."""
+    """A list with semicolons, a byte order mark and other columns is read."""
     assert class_list(listed) == {'ann': 'Ann Example', 'bob@x.example': '', 'zoe': 'Zoe Z'}
 
 
 def test_names_of_the_list_are_shown_but_not_saved(listed):
-    """The instructor's list comes first: platforms shorten names."""
+    """The names of the list replace those of the platform, which shortens them."""
     keep_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
 
     assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}
@@ -51,7 +51,7 @@ def test_names_of_the_list_are_shown_but_not_saved(listed):
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
-    """Never a zero."""
+    """A missing student has no mark, which is not a mark of zero."""
     here = ClassResults(TALK, (submission('ann'), submission('eve')))
     found = marks(listed, here, AUTOMATIC)
 
@@ -65,7 +65,7 @@ def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
 
 @pytest.mark.parametrize('column', ['name', 'id'])
 def test_name_and_id_of_a_student_are_the_same_student(layout, column):
-    """The id that collect shows, or the name from which it is made, in either file."""
+    """Both files accept the id that collect shows, and the name from which it is made."""
     name = 'Müller, Jörg'
     shown = {'name': name, 'id': student_id(name)}[column]
     laid(layout.work, {'class_list.csv': f'student\n"{shown}"\n'.encode()})
@@ -79,13 +79,13 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
 
 
 def test_without_a_list_nobody_is_missing(layout):
-    """And nobody is unknown."""
+    """Without a list, no student is missing and none is unknown."""
     assert not_collected(layout, TALK, {'ann'}) == ()
     assert not_listed(layout, ['ann']) == ()
 
 
 def test_reports_and_statistics_name_who_is_missing(listed):
-    """In the table, on both pages and in the numbers."""
+    """The table, both pages and the statistics name missing students."""
     missing = not_collected(listed, TALK, {'ann'})
     console = Console(record=True, width=120, file=None)
     print_table(console, TALK, [submission('ann')], missing=missing)
@@ -112,7 +112,7 @@ def test_reports_and_statistics_name_who_is_missing(listed):
     ],
 )
 def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
-    """A list that is half read would call students missing."""
+    """A list with an unreadable row is refused, because other students would seem missing."""
     laid(layout.work, {'class_list.csv': text.encode('latin-1')})
 
     with pytest.raises(GraderError, match=why):
@@ -120,7 +120,7 @@ def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
 
 
 def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
-    """A row with an assignment counts more than one for all."""
+    """A row with an assignment takes precedence over a row for all assignments."""
     text = 'student,assignment,hours\nann,,24\nann,talk,"1,5"\nzoe,04_listen,0\n'
     laid(layout.work, {'extensions.csv': text.encode()})
     found = extensions(layout)
@@ -131,7 +131,7 @@ def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
 
 
 def test_without_the_file_the_gradebook_decides(layout):
-    """An empty file takes all extensions away."""
+    """Without a file, the gradebook keeps its extensions; an empty file removes them."""
     assert extensions(layout) is None
 
     laid(layout.work, {'extensions.csv': b'student,assignment,hours\n'})
@@ -148,7 +148,7 @@ def test_without_the_file_the_gradebook_decides(layout):
     ],
 )
 def test_a_wrong_extension_is_refused_with_its_place(layout, row, why):
-    """Nobody loses points because of a misspelt name."""
+    """A misspelt name is refused, so that no student loses points."""
     laid(layout.work, {'extensions.csv': f'student,assignment,hours\n{row}\n'.encode()})
 
     with pytest.raises(GraderError, match=why):

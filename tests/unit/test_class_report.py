@@ -1,4 +1,4 @@
-"""A class in numbers: statistics, the page that opens from the disk, the text on the terminal."""
+"""A class in numbers: the statistics, the page, and the text on the terminal."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def numbers_of(*results, root='/nowhere'):
 
 
 def timed(student, **timing):
-    """Return a submission with one exam that took so long."""
+    """Return a submission with one exam and this timing."""
     one = submission(student)
     return replace(one, exams=(replace(one.exams[0], timing=timing),))
 
 
 def with_headers(root, *headers):
-    """Return the numbers of a class whose recordings begin like this."""
+    """Return the numbers of a class whose recordings have these headers."""
     place = Layout(root).recordings / 'talker'
     place.mkdir(parents=True)
     results = []
@@ -50,7 +50,7 @@ def with_headers(root, *headers):
 
 
 def with_points(*points):
-    """Return submissions that got these points of ten."""
+    """Return submissions with these points of ten."""
     return [
         submission(f's{number}', (check('runs', points=one, most=10.0),))
         for number, one in enumerate(points)
@@ -91,10 +91,10 @@ def read(page):
 
 
 class TestNumbers:
-    """Statistics."""
+    """The statistics of a class."""
 
     def test_marks_are_summed_up(self):
-        """Mean, quarters, bins of a tenth each; the last one has full marks."""
+        """Each bin is a tenth of the points, and full marks are in the last bin."""
         marks = numbers_of(*with_points(0, 1, 4.99, 5, 9, 10)).marks
 
         assert (marks.count, marks.lowest, marks.highest, marks.full) == (6, 0, 10, 1)
@@ -103,13 +103,13 @@ class TestNumbers:
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
     def test_one_submission_has_numbers_too(self):
-        """Its own."""
+        """The marks of a single submission are its quartiles."""
         marks = numbers_of(*with_points(7)).marks
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
 
     def test_runs_that_took_place_twice_are_named(self):
-        """Now or when they were recorded."""
+        """A repeated run is named, whether it was run now or came from a recording."""
         numbers = numbers_of(
             timed('a', run_s=1.0, repeated=1.0), timed('b', run_s=2.0), timed('c', repeated=1.0)
         )
@@ -117,7 +117,7 @@ class TestNumbers:
         assert numbers.repeated == ('a', 'c')
 
     def test_for_review_counts_nowhere_but_in_its_list(self):
-        """No zero among the marks, no failure among the checks."""
+        """A submission for review has no mark of zero and no failed checks."""
         numbers = numbers_of(FULL, REVIEW)
 
         assert numbers.marks.count == 1
@@ -126,14 +126,14 @@ class TestNumbers:
         assert numbers.review == (('eve', 'The probe broke off. Grade it again.'),)
 
     def test_a_class_for_review_has_no_marks(self):
-        """And still has numbers."""
+        """A class with only submissions for review has numbers, but no marks."""
         numbers = numbers_of(REVIEW)
 
         assert numbers.marks is None
         assert 'no student has a mark' in stats_text(numbers)
 
     def test_causes_are_counted_by_their_name(self):
-        """Their words name lines and values of one student; the commonest words stand for all."""
+        """Causes are grouped by their id and shown with their commonest words."""
         others = [submission(f's{n}', (failed(words=f'a typo in line {n}'),)) for n in range(2)]
         same = [submission(f't{n}', (failed(words='a typo in line 1'),)) for n in range(2)]
         odd = submission('u', (failed(words='late', cause_id='late'),))
@@ -143,7 +143,7 @@ class TestNumbers:
         assert (numbers.passed, numbers.failed, numbers.not_run) == (0, 5, 0)
 
     def test_digests_come_from_the_recordings_that_are_there(self, tmp_path):
-        """A missing or damaged recording is not an error."""
+        """A missing or damaged recording has no digest and is not an error."""
         place = tmp_path / 'autograder' / '_work' / 'recordings' / 'talker'
         place.mkdir(parents=True)
         header = {'scenario': 'a' * 32, 'environment': 'b' * 32}
@@ -159,13 +159,13 @@ class TestNumbers:
         }
 
     def test_damaged_digests_are_no_error(self, tmp_path):
-        """A header is for people here."""
+        """A header with unreadable versions is not an error."""
         numbers = with_headers(tmp_path, {'made_with': 'nonsense'}, {'made_with': {'python': 3}})
 
         assert numbers.versions == {'python': '3'}
 
     def test_versions_are_those_of_the_recordings(self, tmp_path):
-        """Several versions are shown side by side; older recordings name only an environment."""
+        """All versions are listed; older recordings name only an environment."""
         numbers = with_headers(
             tmp_path,
             {'environment': 'b' * 32, 'made_with': {'grader': '79c8bf8', 'python': '3.9.1'}},
@@ -183,19 +183,19 @@ class TestNumbers:
         assert 'Recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in page
 
     def test_no_recordings_no_versions(self):
-        """Those of this machine, today, say nothing about the grading."""
+        """Without recordings, the versions of this machine are not shown."""
         assert numbers_of(FULL).versions == {}
         assert 'ecorded with' not in class_page(CLASS, numbers_of(FULL))
 
     def test_the_slowest_come_first_and_the_recorded_are_counted(self):
-        """What was not run has no time."""
+        """A submission that was not run has no time."""
         numbers = numbers_of(submission('a'), submission('b'), timed('c', run_s=2.0))
 
         assert numbers.slowest == (('c', 2.0), ('a', 1.25), ('b', 1.25))
         assert numbers.recorded == 0
 
     def test_the_slowest_are_the_same_after_a_rerun(self):
-        """Whatever judging took; an old recording has no time."""
+        """The time to judge does not count, and an old recording has no time."""
         first = numbers_of(timed('a', run_s=1.0), timed('b', run_s=2.0))
         again = numbers_of(
             timed('a', kept_run_s=1.0, judge_s=5.0), timed('b', kept_run_s=2.0), timed('c')
@@ -207,24 +207,24 @@ class TestNumbers:
     @settings(deadline=None, max_examples=40)
     @given(strategies.lists(strategies.floats(0, 10), min_size=1, max_size=30))
     def test_everyone_is_in_one_bin(self, points):
-        """Whatever the points are."""
+        """The bins hold every submission, whatever its points are."""
         marks = numbers_of(*with_points(*points)).marks
 
         assert sum(marks.bins) == len(points)
         assert marks.lowest <= marks.lower_quartile <= marks.median <= marks.highest
 
     def test_numbers_are_json(self):
-        """For ``stats --json``."""
+        """``stats --json`` can print all numbers."""
         data = json.loads(json.dumps(asdict(numbers_of(*CLASS.results[:3]))))
 
         assert set(data) == set(ClassNumbers.__dataclass_fields__)
 
 
 class TestPage:
-    """HTML."""
+    """The page of a class."""
 
     def test_it_loads_nothing_and_runs_nothing(self):
-        """Whatever students wrote."""
+        """The page loads nothing and has no scripts, whatever students wrote."""
         page = class_page(CLASS, numbers_of(*CLASS.results), EVIL)
         reader = read(page)
 
@@ -240,14 +240,14 @@ class TestPage:
         assert '\x1b' not in page
 
     def test_for_review_comes_first_with_the_reason(self):
-        """Before the marks, and first among everybody."""
+        """A submission for review comes before the marks, and before other students."""
         text = read(class_page(CLASS, numbers_of(*CLASS.results))).text
 
         assert text.index('The probe broke off') < text.index('Marks')
         assert text.rindex('eve') < text.rindex('ann')
 
     def test_unusable_work_is_for_review_and_first_in_what_is_worth_a_look(self, layout):
-        """With what is wrong with it, and without a mark."""
+        """Unreadable work has no mark, and its problem is listed first."""
         cut = Problem('x.ipynb', 'a notebook', 'an empty file', 'submit again', ('talker',), True)
         results = [submission('ann', noticed=('odd cells',)), submission('zoe', problems=(cut,))]
         numbers = numbers_of(*results)
@@ -262,7 +262,7 @@ class TestPage:
             assert look < text.index(cut.got, look) < text.index('odd cells')
 
     def test_every_student_is_linked_to_a_page_that_is_there(self, layout):
-        """The pages of feedback beside it."""
+        """Every link leads to an existing page."""
         path = write_class_report(layout, graded(layout, ASSIGNMENT)[0])
 
         links = {
@@ -275,7 +275,7 @@ class TestPage:
             assert (path.parent / link).is_file(), link
 
     def test_the_picture_is_also_a_table(self):
-        """With the same numbers, and a name and words for readers that do not see it."""
+        """The picture has a name and a description, and a table shows its numbers."""
         page = class_page(CLASS, numbers_of(*with_points(0, 5, 10, 10)))
         reader = read(page)
 
@@ -286,7 +286,7 @@ class TestPage:
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in reader.text
 
     def test_checks_stand_in_the_order_of_the_exams(self):
-        """As students see them, with the commonest cause."""
+        """The checks have the order that students see, with their commonest cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
         text = read(class_page(CLASS, numbers_of(both))).text
@@ -295,7 +295,7 @@ class TestPage:
         assert '1 of 1: a typo' in text
 
     def test_headings_do_not_skip_a_level(self):
-        """For those who go from heading to heading."""
+        """The page can be navigated by its headings."""
         page = class_page(CLASS, numbers_of(*CLASS.results))
         levels = [int(tag[1]) for tag, _ in read(page).tags if tag in ('h1', 'h2', 'h3')]
 
@@ -304,7 +304,7 @@ class TestPage:
         assert all(two <= one + 1 for one, two in pairwise(levels))
 
     def test_it_is_written_again_in_place(self, layout):
-        """A newer grading replaces it."""
+        """A newer report replaces the page and leaves no other file."""
         path = write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'first')
         write_class_report(layout, graded(layout, ASSIGNMENT)[0], 'second')
 
@@ -313,10 +313,10 @@ class TestPage:
 
 
 class TestTerminal:
-    """``stats``."""
+    """The text that ``stats`` prints."""
 
     def test_it_says_the_same_in_words(self):
-        """Marks, checks with causes, reviews, flags, isolation."""
+        """The text has marks, checks with causes, reviews, flags and the isolation."""
         text = stats_text(numbers_of(submission(), FULL, REVIEW))
 
         for part in (
@@ -332,48 +332,48 @@ class TestTerminal:
             assert part in text
 
     def test_hostile_words_have_no_effect_on_a_terminal(self):
-        """No control characters."""
+        """The text has no control characters."""
         assert '\x1b' not in stats_text(numbers_of(*CLASS.results))
 
 
 class TestWhatWasGraded:
-    """Finding the last results."""
+    """The results of the last grading are found."""
 
     def test_an_assignment_may_be_named_without_its_number(self, layout):
-        """As in the other commands."""
+        """``stats`` finds an assignment without its number, as other commands do."""
         assert layout.assignment_named('talker') == ASSIGNMENT
         assert graded(layout, 'talker')[0].results == CLASS.results[:3]
 
     def test_a_typo_is_answered_with_a_near_one(self, layout):
-        """Not with a traceback."""
+        """The error suggests the name of an assignment."""
         with pytest.raises(GraderError, match='Did you mean 01_talker'):
             layout.assignment_named('01_taker')
 
     def test_nothing_graded_says_what_to_do(self, tmp_path):
-        """Grade first."""
+        """The error says to grade first."""
         with pytest.raises(GraderError, match='Try: make grade'):
             graded(Layout(tmp_path))
 
 
 class TestVisibleChecksAlone:
-    """What isolation that keeps nothing hidden has left."""
+    """Isolation that cannot hide the hidden exams leaves only the visible checks."""
 
     def test_they_make_no_marks(self):
-        """Their verdicts are counted, their points are none."""
+        """The verdicts are counted, and there are no marks."""
         numbers = numbers_of(VISIBLE)
 
         assert numbers.marks is None
         assert [check.passed for check in numbers.checks] == [1, 1]
 
     def test_the_page_says_so(self):
-        """Instead of points."""
+        """The page shows a note instead of points."""
         page = class_page(ClassResults(ASSIGNMENT, (VISIBLE,)), numbers_of(VISIBLE))
 
         assert '<span class="review">only visible checks</span>' in page
 
 
 def test_names_are_with_their_ids():
-    """Where a learning platform has numbers for ids."""
+    """Names are shown next to ids, for platforms whose ids are numbers."""
     page = class_page(CLASS, numbers_of(*CLASS.results), people={'eve': 'Eve Example'})
 
     assert page.count('eve (Eve Example)</a>') == page.count('>eve') > 1

@@ -62,5 +62,5 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
     ],
 )
 def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
-    """Only where nothing else logs at that level."""
+    """A logger of Python is named only if nothing else logs at that level."""
     assert logs_with_python(node(line), names) is found

@@ -1,4 +1,4 @@
-"""Sources of each kind, good and bad, to nbgrader's folders and one table."""
+"""Collect sources of each kind, right and wrong, into the folders of nbgrader and one table."""
 
 from __future__ import annotations
 
@@ -56,17 +56,17 @@ from autograder.submission.tree import NotTakenInError
 )
 @pytest.mark.parametrize('how', [packed, laid])
 class TestEveryKind:
-    """As a zip, and as the folder that it was unpacked to."""
+    """Each source is read as a zip and as an unpacked folder."""
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
-        """By names alone."""
+        """The names in a source are enough to recognise its system."""
         with opened(how(tmp_path / 'source.zip', files)) as found:
             assert recognised(found)[0] == kind
 
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
         self, files, kind, how, tmp_path, layout
     ):
-        """Collecting every evening is what people do."""
+        """Collecting again changes neither the source nor the collected files."""
         source = how(tmp_path / 'source.zip', files)
         before = sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
         collect(source, layout, layout.submitted)
@@ -81,7 +81,7 @@ class TestEveryKind:
 
 
 def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
-    """Its cells say which it is, whatever the file is called."""
+    """A notebook of another assignment is not collected, whatever its name is."""
     files = {'ann/talk.ipynb': OTHER, 'bob/talk.ipynb': GOOD}
 
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -91,7 +91,7 @@ def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
 
 
 def test_what_was_collected_can_be_graded(tmp_path, layout):
-    """Names of all alphabets, and none that nbgrader misreads."""
+    """Nbgrader can read all ids, including those of names in other alphabets."""
     files = {
         'Zoë Ünal/talk.ipynb': GOOD,
         '李雷/talk.ipynb': GOOD,
@@ -111,7 +111,7 @@ def test_what_was_collected_can_be_graded(tmp_path, layout):
 
 
 def test_two_names_that_become_one_are_both_left(tmp_path, layout):
-    """Nobody gets somebody else's marks."""
+    """Two names that lead to one id are both left out, so that nobody gets another's marks."""
     files = {'ann/talk.ipynb': GOOD, 'hw-ann/talk.ipynb': GOOD}
 
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, prefix='hw-')
@@ -121,17 +121,17 @@ def test_two_names_that_become_one_are_both_left(tmp_path, layout):
 
 
 class TestStudentIds:
-    """One for each name, on every day and from every source."""
+    """A name leads to the same id on every day and from every source."""
 
     @pytest.mark.parametrize(
         'name', ['ann', 'Ann Example', 'smith-john', '_x', 'b.c', 'bo@x.org', '2024-0001', 'Ünal']
     )
     def test_what_can_be_an_id_is_one(self, name):
-        """As it is."""
+        """A name that can be an id is used unchanged."""
         assert student_id(name) == name
 
     def test_no_two_names_become_one(self):
-        """Not if signs go, nor vowels of other alphabets, nor if one is too long."""
+        """Names keep different ids without their signs or vowels, and if they are too long."""
         names = ['a,b', 'a;b', 'a_b', 'a_b,', 'अमित', 'अमीत', 'x' * 101, 'x' * 102, ' ann', 'ann']
         names += ['می\u200cخواهم', 'میخواهم', 'O’Neil', "O'Neil", 'O_Neil', student_id('a,b')]
 
@@ -141,12 +141,12 @@ class TestStudentIds:
         assert all(is_student_id(one) for one in ids)
 
     def test_two_ways_to_write_a_letter_are_one(self):
-        """As some systems write names in parts."""
+        """A letter with a separate accent leads to the same id as the whole letter."""
         assert student_id('Zoe\u0308') == student_id('Zo\xeb') == 'Zo\xeb'
 
     @pytest.mark.parametrize('name', ['Zoë', 'Zoe\u0308', '小明', 'Jose--x'])
     def test_one_from_a_zip_that_does_not_say_utf_8(self, name, tmp_path, layout):
-        """As the Finder and ``zip`` pack folders: nobody becomes two students."""
+        """A zip without the flag for UTF-8, as the Finder packs it, leads to the same ids."""
         source = packed(tmp_path / 's.zip', {f'{name}/talk.ipynb': GOOD})
         data = source.read_bytes()
         for header, flags in ((b'PK\x03\x04', 6), (b'PK\x01\x02', 8)):
@@ -160,12 +160,12 @@ class TestStudentIds:
 
     @pytest.mark.parametrize('name', ['', '--', '***', '_', '\u093f', ' . '])
     def test_a_name_without_a_letter_or_digit_is_none(self, name):
-        """Somebody has to give one."""
+        """A name without letters and digits is refused, because a person has to choose its id."""
         assert student_id(name) == ''
 
 
 class TestHostileSources:
-    """Names and sizes that somebody made on purpose."""
+    """Names and sizes that an attacker has chosen."""
 
     @pytest.mark.parametrize(
         ('name', 'why'),
@@ -178,7 +178,7 @@ class TestHostileSources:
         ],
     )
     def test_a_path_that_leads_elsewhere_is_left(self, name, why, tmp_path, layout):
-        """The others are taken."""
+        """A path that leads out of the folder is left out, and the others are collected."""
         source = packed(tmp_path / 's.zip', {name: GOOD, 'ann/talk.ipynb': GOOD, 'b/x.txt': b''})
 
         rows = collect(source, layout, layout.submitted)
@@ -187,7 +187,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """Its student has handed in something, so the reports name the student."""
+        """A link in a zip is left out, and its student appears in the reports."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
@@ -202,7 +202,7 @@ class TestHostileSources:
         assert [one.student for one in read_not_collected(layout)] == ['ann']
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
-        """Nobody waits for a pipe."""
+        """Links and pipes in a folder are left out, and nothing waits for a pipe."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         (source / 'bob').mkdir()
         (source / 'bob' / 'talk.ipynb').symlink_to(source / 'ann' / 'talk.ipynb')
@@ -219,7 +219,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_file_that_grows_when_unpacked_is_bounded(self, tmp_path, layout, monkeypatch):
-        """Its table of contents may say what it likes."""
+        """The bytes that are unpacked are limited, whatever size the zip states."""
         monkeypatch.setattr(tree, 'MAX_BYTES', 1000)
         source = packed(tmp_path / 's.zip', {'ann/talk.ipynb': b' ' * 100_000})
 
@@ -229,7 +229,7 @@ class TestHostileSources:
         assert 'more than' in row.notes[0]
 
     def test_far_too_many_files_are_refused_as_a_whole(self, tmp_path, layout, monkeypatch):
-        """With what to try."""
+        """The error says what to try."""
         monkeypatch.setattr(tree, 'MOST_ENTRIES', 2)
         source = laid(tmp_path / 's', {f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
@@ -240,7 +240,7 @@ class TestHostileSources:
     def test_what_programs_leave_does_not_make_a_class_too_large(
         self, how, tmp_path, layout, monkeypatch
     ):
-        """But there is an end to that, too."""
+        """Files that programs leave do not count, up to a higher limit."""
         work = ('src/ros_ws/build/x', 'install/COLCON_IGNORE', 'install/x.ipynb', '.venv/a/x.py')
         files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
         files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
@@ -259,7 +259,7 @@ class TestHostileSources:
 
     @pytest.mark.parametrize('name', ['build', 'install', 'log'])
     def test_a_students_own_folder_is_no_programs(self, name, tmp_path, layout):
-        """Whatever it is called, and whatever lies in it."""
+        """The folder of a student counts, even if it has the name of a program's folder."""
         files = {f'{name}/COLCON_IGNORE': b'', f'{name}/talk.ipynb': GOOD, 'ann/talk.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -267,7 +267,7 @@ class TestHostileSources:
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, name: TAKEN}
 
     def test_a_name_of_very_many_slashes_is_left(self, tmp_path, layout):
-        """At once."""
+        """A name with many slashes takes no time."""
         name = 'ann/' + 'x/' * 30_000 + 'talk.ipynb'
 
         (row,) = collect(packed(tmp_path / 's.zip', {name: GOOD}), layout, layout.submitted)
@@ -275,7 +275,7 @@ class TestHostileSources:
         assert (row.done, row.notes) == (LEFT, ('a path that is far too long',))
 
     def test_metadata_that_is_no_table_is_one_sentence(self, tmp_path, layout):
-        """YAML makes no objects here."""
+        """YAML in a source creates no objects."""
         text = b'!!python/object/apply:os.system ["touch /tmp/evil"]'
         source = laid(tmp_path / 's', {'submission_metadata.yml': text, 'a/b.ipynb': GOOD})
 
@@ -283,7 +283,7 @@ class TestHostileSources:
             collect(source, layout, layout.submitted)
 
     def test_a_damaged_zip_is_one_sentence(self, tmp_path, layout):
-        """A download that was cut off."""
+        """A truncated download leads to one sentence."""
         (tmp_path / 's.zip').write_bytes(packed(tmp_path / 'g.zip', MOODLE).read_bytes()[:200])
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
@@ -291,7 +291,7 @@ class TestHostileSources:
 
 
 def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
-    """The copy is atomic and leaves no other file."""
+    """Newer work replaces the old work atomically and leaves no other file."""
     collect(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}), layout, layout.submitted)
     newer = notebook('talker', text='newer')
     laid(tmp_path / 's', {'ann/talk.ipynb': newer})
@@ -303,7 +303,7 @@ def test_work_that_was_handed_in_again_replaces_the_old_one(tmp_path, layout):
 
 
 def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
-    """Into somebody's own files."""
+    """``collect`` does not write through a link into files outside the course."""
     layout.submitted.mkdir(parents=True)
     (tmp_path / 'elsewhere').mkdir()
     (layout.submitted / 'ann').symlink_to(tmp_path / 'elsewhere')
@@ -315,7 +315,7 @@ def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
 
 
 class TestCommand:
-    """As typed in a terminal."""
+    """The command as it is typed in a terminal."""
 
     @pytest.fixture(autouse=True)
     def here(self, layout, monkeypatch):
@@ -341,7 +341,7 @@ class TestCommand:
         assert not layout.submitted.exists()
 
     def test_the_example_students_leave_when_a_class_comes(self, tmp_path, layout, capsys):
-        """Not before something is taken."""
+        """The sample students leave when the first real student is collected."""
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
         example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
         everybody = [SubmissionResult(one, TALK) for one in ('ann', 'pass__example')]
@@ -363,7 +363,7 @@ class TestCommand:
         assert 'Removed the 1 example students' in capsys.readouterr().err
 
     def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):
-        """Only one of them writes; a dry run may always look."""
+        """``collect`` is refused during a grading; a dry run is not."""
         source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
 
         with alone(layout, 'a grading'):
@@ -374,7 +374,7 @@ class TestCommand:
         assert command.main(['collect', source]) == OK
 
     def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
-        """The one that was named, and the table says so."""
+        """The prefix is removed from each name, and the table says so."""
         source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--prefix', 'hw1-', '--json']) == OK
@@ -388,7 +388,7 @@ class TestCommand:
         assert "begin with 'hw2-' (--prefix), got: bob, hw1-ann" in capsys.readouterr().err
 
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
-        """Exit code 2."""
+        """A missing source is one line and exit code 2."""
         assert command.main(['collect', str(tmp_path / 'no.zip')]) == command.USAGE
         assert 'no.zip: cannot be read: no such file' in capsys.readouterr().err
 

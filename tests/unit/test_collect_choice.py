@@ -1,4 +1,4 @@
-"""Which notebook is taken for which assignment; and how much is read for it."""
+"""Which notebook is collected for an assignment, and how much is read to find out."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ STRANGE = 'it contains no cell of the assignment'
 
 
 def done(rows) -> list[tuple[str, str, str]]:
-    """Return what was done with which assignment of whom."""
+    """Return what happened to each assignment of each student."""
     return sorted((row.student, row.assignment, row.done) for row in rows)
 
 
 class TestSeveralAssignments:
-    """A folder or repository a student has all of them."""
+    """A folder or repository of a student can have all assignments."""
 
     @pytest.mark.parametrize(
         'files',
@@ -64,7 +64,7 @@ class TestSeveralAssignments:
         ids=['repositories', 'nbgrader'],
     )
     def test_one_notebook_of_each_is_taken(self, files, tmp_path, layout):
-        """Also of a lesson that has no cells to grade, by its name."""
+        """A lesson without graded cells is recognised by its name."""
         rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
 
         assert done(rows) == [
@@ -73,7 +73,7 @@ class TestSeveralAssignments:
         assert all(row.notes == () for row in rows)
 
     def test_the_one_wanted_is_taken_alone(self, tmp_path, layout):
-        """The others are not looked for."""
+        """With ``--assignment``, other notebooks are not looked for."""
         files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
         source = laid(tmp_path / 'class', files)
 
@@ -82,7 +82,7 @@ class TestSeveralAssignments:
         assert done(rows) == [('ann', LISTEN, TAKEN)]
 
     def test_content_says_which_assignment_it_is(self, tmp_path, layout):
-        """Whatever file and folder are called."""
+        """The cells decide, whatever the names of the file and the folder are."""
         files = {f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
@@ -92,7 +92,7 @@ class TestSeveralAssignments:
 
 
 class TestOneAssignmentASource:
-    """A Canvas, Moodle or Gradescope export is for one assignment, whatever students uploaded."""
+    """A Canvas, Moodle or Gradescope export belongs to one assignment, whatever it contains."""
 
     CANVAS = 'ann_1001_56001_{0}', 'bob_1002_56002_{0}', 'cy_1003_56003_{1}', 'cy_1003_56004_{0}'
     MOODLE = tuple(
@@ -102,7 +102,7 @@ class TestOneAssignmentASource:
 
     @pytest.mark.parametrize('places', [CANVAS, MOODLE], ids=['canvas', 'moodle'])
     def test_a_notebook_of_another_lesson_replaces_nothing(self, places, tmp_path, layout):
-        """It has a line, also beside the right one."""
+        """A notebook of another lesson gets a line, even next to the right one."""
         before = {f'{name}/{LISTEN}/listen.ipynb': b'right' for name in ('1003', 'cy')}
         laid(layout.submitted, before)
         names = 'talk.ipynb', 'listen.ipynb'
@@ -124,7 +124,7 @@ class TestOneAssignmentASource:
         ],
     )
     def test_what_is_not_sure_is_refused(self, one, two, said, tmp_path, layout):
-        """And the option helps."""
+        """Two equally likely assignments are refused, and ``--assignment`` decides."""
         files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
         source = packed(tmp_path / 'c.zip', files)
 
@@ -137,7 +137,7 @@ class TestOneAssignmentASource:
         assert (rows[0].assignment, rows[0].done) == (TALK, TAKEN)
 
     def test_a_student_counts_once(self, tmp_path, layout):
-        """With however many notebooks."""
+        """A student counts once, with any number of notebooks."""
         files = {f'eve_1_5{n}_listen-{n}.ipynb': OTHER for n in range(10, 30)}
         files |= {'ann_2_571_talk.ipynb': GOOD, 'bob_3_572_talk.ipynb': GOOD}
 
@@ -146,7 +146,7 @@ class TestOneAssignmentASource:
         assert set(taken(layout)) == {f'{name}/{TALK}/talk.ipynb' for name in '23'}
 
     def test_without_a_notebook_the_table_says_what_there_is(self, tmp_path, layout):
-        """Before anybody has handed one in."""
+        """If nobody has handed in a notebook, the table lists what the source contains."""
         (row,) = collect(
             packed(tmp_path / 'c.zip', {'a_1_2_x.pdf': b''}), layout, layout.submitted
         )
@@ -155,7 +155,7 @@ class TestOneAssignmentASource:
 
 
 class TestTheRightOne:
-    """By content, then by name, then by attempt."""
+    """Cells decide first, then the name, then the time."""
 
     @pytest.mark.parametrize('wanted', ['', TALK])
     @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ class TestTheRightOne:
     )
     @pytest.mark.parametrize('how', ['moodle', 'canvas', 'repository'])
     def test_own_notes_do_not_replace_the_answers(self, how, right, own, wanted, tmp_path, layout):
-        """Not if they are newer, nor if they have the better name."""
+        """A student's own notes are not collected, even if they are newer or better named."""
         place = {
             'moodle': 'Ann_311_assignsubmission_file/{}',
             'canvas': 'ann_1001_{}',
@@ -184,7 +184,7 @@ class TestTheRightOne:
             assert len(rows) == 2
 
     def test_most_cells_count_more_than_the_name(self, tmp_path, layout):
-        """A copy of one cell is not the work."""
+        """A notebook with one copied cell does not replace the work."""
         files = {'ann/talk.ipynb': notebook('talker'), f'ann/old/{TALK}/x.ipynb': GOOD}
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -194,7 +194,7 @@ class TestTheRightOne:
 
     @pytest.mark.parametrize('wanted', ['', TALK])
     def test_of_equal_ones_the_name_counts(self, wanted, tmp_path, layout):
-        """Copies of browsers and of Jupyter come after it."""
+        """The plain name wins over names that browsers and Jupyter give to copies."""
         right = notebook('talker', text='right')
         copy = notebook('talker', text='copy')
         files = {
@@ -210,7 +210,7 @@ class TestTheRightOne:
 
     @pytest.mark.parametrize('data', [OWN, DAMAGED, b''], ids=['own', 'damaged', 'empty'])
     def test_the_only_notebook_is_taken_without_a_cell(self, data, tmp_path, layout):
-        """Grading says what is wrong with it."""
+        """A single notebook without graded cells is collected, and grading names the problem."""
         files = {'ann/talk.ipynb': data, 'bob/work.ipynb': data}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -226,7 +226,7 @@ class TestTheRightOne:
         ],
     )
     def test_one_of_several_without_a_cell_is_not_guessed(self, others, why, tmp_path, layout):
-        """Somebody has to look."""
+        """Several notebooks without graded cells are left for a person to choose."""
         files = {'ann/a.ipynb': OWN, **{f'ann/{name}': data for name, data in others.items()}}
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
@@ -236,7 +236,7 @@ class TestTheRightOne:
         assert not layout.submitted.exists()
 
     def test_a_damaged_notebook_with_the_name_is_not_left_for_own_notes(self, tmp_path, layout):
-        """It was handed in for the assignment, the notes were not."""
+        """A damaged notebook with the right name is collected instead of notes."""
         files = {f'ann/{TALK}/talk.ipynb': DAMAGED, 'ann/notes.ipynb': OWN}
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -245,7 +245,7 @@ class TestTheRightOne:
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': DAMAGED}
 
     def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, tmp_path, layout):
-        """The newest of the others counts."""
+        """A newer notebook without graded cells does not replace an earlier one."""
         at = '+2026-03-0{} 12:00:00.000000 UTC+x/talk.ipynb'
         files = {
             f'ann+{TALK}{at.format(day)}': data
@@ -264,11 +264,11 @@ class TestTheRightOne:
 
 
 class TestBounds:
-    """One student's files are not the whole class's trouble."""
+    """A student with very many or very large files does not stop the class."""
 
     @pytest.mark.slow
     def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
-        """Each notebook is read again when it is written."""
+        """The memory does not grow with the class: each notebook is read when it is written."""
         large = json.dumps({**json.loads(GOOD), 'metadata': {'x': '.' * (4 << 20)}}).encode()
         source = packed(tmp_path / 's.zip', {f's{n}/talk.ipynb': large for n in range(16)})
         tracemalloc.start()
@@ -283,7 +283,7 @@ class TestBounds:
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_too_much_of_everything_is_one_sentence(self, how, tmp_path, layout, monkeypatch):
-        """Before anything is written."""
+        """The error comes before anything is written."""
         source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
         monkeypatch.setattr(tree, 'MOST_BYTES', 8 * len(GOOD))
 
@@ -295,7 +295,7 @@ class TestBounds:
         assert {row.done for row in collect(source, layout, layout.submitted)} == {TAKEN}
 
     def test_what_is_too_large_when_unpacked_is_counted(self, tmp_path, layout, monkeypatch):
-        """A zip of many such files keeps nobody waiting."""
+        """The bytes of unpacked files are counted across all files of the source."""
         source = packed(tmp_path / 's.zip', {f's{n}/x.ipynb': b' ' * (5 << 20) for n in range(9)})
         monkeypatch.setattr(tree, 'MAX_BYTES', 1 << 20)
         monkeypatch.setattr(tree, 'MOST_BYTES', 8 << 20)
@@ -304,7 +304,7 @@ class TestBounds:
             collect(source, layout, layout.submitted)
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):
-        """And it is told that there are more."""
+        """The likely notebooks are read, and the table says that there are more."""
         files = {f'ann/{n:03}.ipynb': OWN for n in range(choice.MOST_NOTEBOOKS + 20)}
         source = laid(tmp_path / 's', {**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
 
@@ -316,7 +316,7 @@ class TestBounds:
         assert left.notes[0].endswith('18 more')
 
     def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
-        """Of what is read."""
+        """One student cannot use up the bytes that may be read for the class."""
         monkeypatch.setattr(choice, 'MOST_BYTES_EACH', 3 * len(GOOD))
         files = {f'ann/{n}/talk.ipynb': GOOD for n in range(9)} | {'bob/talk.ipynb': GOOD}
 
@@ -328,7 +328,7 @@ class TestBounds:
     def test_a_notebook_that_is_too_large_is_told_beside_the_others(
         self, tmp_path, layout, monkeypatch
     ):
-        """It may be the one that somebody waits for."""
+        """A notebook that is too large gets its own line."""
         monkeypatch.setattr(tree, 'MAX_BYTES', 2000)
         files = {f'ann/{TALK}/talk.ipynb': b' ' * 3000, f'ann/{LISTEN}/listen.ipynb': OTHER}
 
@@ -338,7 +338,7 @@ class TestBounds:
         assert any(row.notes[0].startswith(f'{TALK}/talk.ipynb: more than') for row in rows)
 
     def test_refused_files_of_one_entry_are_one_line(self, tmp_path, layout):
-        """An environment full of links, for example."""
+        """Many refused links of one student are one line in the table."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
         for n in range(9):
             (source / 'ann' / f'link{n}').symlink_to('talk.ipynb')

@@ -1,4 +1,4 @@
-"""Folders of students, and which names may decide how the work of a class is read."""
+"""Folders of students, and which names decide how the work of a class is read."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class TestFolders:
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
-        """And nothing in them is run or followed, git's own files least of all."""
+        """The assignment's name is removed, and git's own files are not collected."""
         rows = collect(how(tmp_path / 'r', REPOSITORIES), layout, layout.submitted)
 
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, 'bob': TAKEN, 'cho': LEFT}
@@ -39,7 +39,7 @@ class TestFolders:
 
     @pytest.mark.parametrize('around', ['', 'ros2-week-7-submissions/'])
     def test_repositories_of_github_classroom(self, around, tmp_path, layout):
-        """Whole courses with a workflow, named after the assignment on GitHub and the student."""
+        """A repository of a whole course is named after its assignment and its student."""
         files = {}
         for student in ('ann-x', 'bob'):
             name = f'{around}ros2-week-7-{student}'
@@ -55,7 +55,7 @@ class TestFolders:
         assert taken == {('ann-x', TALK), ('bob', TALK)}
 
     def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
-        """As the systems make them before anybody has pushed."""
+        """A repository without a commit is in the table."""
         source = laid(tmp_path / 'r', {**REPOSITORIES, 'talk-dan/.git/HEAD': b'ref'})
         (source / 'talk-eva' / '.git').mkdir(parents=True)
 
@@ -69,7 +69,7 @@ class TestFolders:
         }
 
     def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):
-        """Somebody's archive among the notebooks of a class."""
+        """An archive among the notebooks of a class is in the table."""
         files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1'}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -81,7 +81,7 @@ class TestFolders:
         }
 
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
-        """With folders in it, or notebooks named by students."""
+        """A class may be in one folder of the zip, with folders or notebooks named by students."""
         around = packed(tmp_path / 'a.zip', {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER})
         flat = packed(tmp_path / 'b.zip', {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD})
 
@@ -100,7 +100,7 @@ class TestFolders:
         ],
     )
     def test_one_students_folder_is_no_class(self, files, tmp_path, layout):
-        """For an appeal."""
+        """The folder of one student is refused as a class."""
         rows = collect(packed(tmp_path / 'a.zip', files), layout, layout.submitted)
 
         assert [(row.student, row.assignment, row.done) for row in rows] == [
@@ -109,7 +109,7 @@ class TestFolders:
         ]
 
     def test_folders_of_assignments_are_no_students(self, tmp_path, layout):
-        """Somebody named one student's folder, so nobody knows whose it is."""
+        """A folder named after an assignment is not a student."""
         files = {f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER}
 
         rows = collect(laid(tmp_path / 'ann', files), layout, layout.submitted)
@@ -119,14 +119,14 @@ class TestFolders:
 
 
 class TestIdsOfFolders:
-    """The id is the name of the folder, whatever other folders there are."""
+    """The id is the name of the folder, whatever the other folders are called."""
 
     @pytest.mark.parametrize(
         'names',
         [('2024-0001', '2024-0002'), ('smith-john', 'smith-anna'), ('talk-ann', 'talk-bob')],
     )
     def test_what_folders_share_stays(self, names, tmp_path, layout):
-        """With a notebook in them, and as nbgrader lays them."""
+        """A beginning that all folders share stays part of the names."""
         for count, place in enumerate(('{}/talk.ipynb', f'{{}}/{TALK}/talk.ipynb')):
             source = laid(tmp_path / str(count), {place.format(name): GOOD for name in names})
 
@@ -137,7 +137,7 @@ class TestIdsOfFolders:
     @pytest.mark.parametrize('prefix', ['talk-', '03_talk-', '03-talk_', '03-Talk-', 'talk_'])
     @pytest.mark.parametrize('others', [(), ('talk-bob',), ('zoe',), ('talk-bob', 'ros2-cy')])
     def test_a_repository_loses_an_assignment_on_every_day(self, prefix, others, tmp_path, layout):
-        """``collect`` removes the assignment's name, whatever other repositories there are."""
+        """The assignment's name is removed, whatever other repositories are in the source."""
         names = (f'{prefix}ann', *others)
         files = {f'{name}/.git/HEAD': b'ref' for name in names}
         files |= {f'{name}/work/talk.ipynb': GOOD for name in names}
@@ -151,7 +151,7 @@ class TestIdsOfFolders:
             assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
 
     def test_the_longest_name_of_an_assignment_is_taken_off(self, tmp_path, layout):
-        """And never all of a name."""
+        """The longest name of an assignment is removed, but never the whole name."""
         files = {'06_talk_more/talk_more.ipynb': OTHER}
         laid(layout.notebooks, files)
         names = ('talk-more-ann', 'talk-bob', 'talk-', 'talkative-cy')
@@ -162,7 +162,7 @@ class TestIdsOfFolders:
         assert {row.student for row in rows} == {'ann', 'bob', 'talk-', 'talkative-cy'}
 
     def test_two_repositories_of_one_student_are_not_mixed(self, tmp_path, layout):
-        """One an assignment is; two with the same one are for somebody to look at."""
+        """Two repositories of a student for one assignment are left for a person to choose."""
         files = {
             'talk-ann/.git/HEAD': b'',
             'talk-ann/talk.ipynb': GOOD,
@@ -177,7 +177,7 @@ class TestIdsOfFolders:
         assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
 
     def test_a_prefix_is_for_folders(self, tmp_path, layout):
-        """Systems have names of their own."""
+        """``--prefix`` is refused for systems that have names of their own."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
         with pytest.raises(NotTakenInError, match='these are names from moodle'):
@@ -185,7 +185,7 @@ class TestIdsOfFolders:
 
 
 class TestNamesThatStudentsGive:
-    """Only the level that a system names decides how a class is read."""
+    """Only the names that a system gives decide how a class is read."""
 
     FORGED = (
         b"submission_102:\n  :submitters:\n  - :sid: '1001'\n"
@@ -193,7 +193,7 @@ class TestNamesThatStudentsGive:
     )
 
     def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
-        """It comes before the real one in the order of names."""
+        """A file of metadata that a student handed in is not the one of the system."""
         forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
         source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
         honest = packed(tmp_path / 'h.zip', GRADESCOPE)
@@ -218,7 +218,7 @@ class TestNamesThatStudentsGive:
     def test_names_of_other_systems_in_a_folder_decide_nothing(
         self, files, name, tmp_path, layout
     ):
-        """Every folder of a student has one."""
+        """In the files of students, the names of other systems decide nothing."""
         owner = next(iter(files)).partition('/')[0]
         honest, source = tmp_path / 'honest', tmp_path / 'source'
         laid(honest, files)
@@ -232,7 +232,7 @@ class TestNamesThatStudentsGive:
     def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(
         self, tmp_path, layout
     ):
-        """What explains most of the names counts."""
+        """The system that explains most of the names is chosen."""
         files = {**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD}
         source = laid(tmp_path / 'r', files)
 
@@ -243,7 +243,7 @@ class TestNamesThatStudentsGive:
 
     @pytest.mark.parametrize('wanted', ['', 'moodle'])
     def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
-        """Its folder is not one around everything."""
+        """The folder of a single student is not taken for a folder around a class."""
         files = {
             'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
@@ -269,7 +269,7 @@ MACOS = {'.DS_Store': b'Bud1', '._x': b'mac'}
 def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
     files, how, around, tmp_path, layout
 ):
-    """A zip that was unpacked, looked at and packed again."""
+    """Files of macOS and Jupyter in a repacked zip are ignored."""
     again = dict(files)
     if around and not any(name.startswith(('c/', 'assignment_9')) for name in files):
         again = {f'{around}{name}': data for name, data in files.items()}
@@ -290,11 +290,11 @@ def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
 
 
 class TestNamedKind:
-    """``--kind`` is a promise about the source."""
+    """``--kind`` states the system of the source."""
 
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
     def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
-        """With what was expected and what was found."""
+        """The error has the expected system and the names that were found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
         with pytest.raises(NotTakenInError) as caught:
@@ -304,21 +304,21 @@ class TestNamedKind:
         assert 'got: grades.csv, roster.csv.' in caught.value.what
 
     def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):
-        """That one says nothing."""
+        """The error names what is in the folder around everything, not the folder."""
         files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
 
         with pytest.raises(NotTakenInError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
             collect(laid(tmp_path / 's', files), layout, layout.submitted, kind='moodle')
 
     def test_an_empty_source_is_refused(self, tmp_path, layout):
-        """The wrong folder, mostly."""
+        """An empty source is refused, because it is usually the wrong folder."""
         (tmp_path / 's').mkdir()
 
         with pytest.raises(NotTakenInError, match='got: nothing'):
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """The rest has its lines."""
+        """Names of the stated system are read, and the other names get their lines."""
         files = {f'notes_{n}.txt': b'' for n in range(9)}
         source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
 

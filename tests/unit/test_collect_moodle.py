@@ -1,4 +1,4 @@
-"""Moodle: names are ids, and nobody guesses who is who of two people with one name."""
+"""Moodle: names become ids, and two people with one name are never confused."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from autograder.submission.tree import NotTakenInError
 
 
 class TestMoodle:
-    """``NAME_NUMBER_assignsubmission_file``, a folder or the beginning of a file's name."""
+    """Moodle names folders, or files, ``NAME_NUMBER_assignsubmission_file``."""
 
     def test_names_become_ids(self, tmp_path, layout):
-        """The number alone is another one in the next assignment."""
+        """The name becomes the id, because the number changes with the assignment."""
         rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
         done = {row.student: row.done for row in rows}
@@ -36,7 +36,7 @@ class TestMoodle:
         assert notes(rows)[place] == ('an online text, which is not collected',)
 
     def test_files_without_folders_are_read(self, tmp_path, layout):
-        """With "Download submissions in folders" off."""
+        """A download without folders is read."""
         files = {
             'Ann Example_311_assignsubmission_file_talk.ipynb': GOOD,
             'Bo Berg_312_assignsubmission_file_notes.pdf': b'%PDF',
@@ -57,11 +57,11 @@ class TestMoodle:
 
     @staticmethod
     def of_moodle(path, *who: str, file: str = 'talk.ipynb', data: bytes = GOOD):
-        """Return a download with a notebook of each of them."""
+        """Return a download with a notebook for each name."""
         return packed(path, {f'{one}_assignsubmission_file/{file}': data for one in who})
 
     def test_two_of_one_name_are_not_guessed(self, tmp_path, layout):
-        """Not on the day when both are there, and not on the next when one of them is."""
+        """Namesakes are left out, and stay left out when only one of them hands in again."""
         first = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
         both = self.of_moodle(tmp_path / '2.zip', 'Li Wei_313', 'Li Wei_314', 'Ann_311')
         other = notebook('listener')
@@ -80,7 +80,7 @@ class TestMoodle:
         assert f'Li Wei/{LISTEN}/listen.ipynb' not in taken(layout)
 
     def test_names_of_their_own_help(self, tmp_path, layout):
-        """As the table says, on every day the same."""
+        """Namesakes are collected if their folders have different names."""
         both = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Li Wei_314')
         own = self.of_moodle(tmp_path / '2.zip', 'Li Wei 2024-7_313', 'Li Wei 2024-9_314')
         collect(both, layout, layout.submitted)
@@ -93,7 +93,7 @@ class TestMoodle:
         }
 
     def test_groups_are_downloaded_one_after_the_other(self, tmp_path, layout):
-        """Then each source has one of them, with a number of his own."""
+        """If each download has one namesake, their numbers differ, so both are left out."""
         one = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
         newer = notebook('talker', text='of the other Li Wei')
         two = self.of_moodle(tmp_path / '2.zip', 'Li Wei_314', data=newer)
@@ -108,7 +108,7 @@ class TestMoodle:
         assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
 
     def test_another_lesson_has_other_numbers(self, tmp_path, layout):
-        """That says nothing; nor does a dry run, which remembers nothing."""
+        """Numbers change with the lesson, and a dry run saves none."""
         one = self.of_moodle(tmp_path / '1.zip', 'Ann_311', 'Bo_312')
         two = self.of_moodle(
             tmp_path / '2.zip', 'Ann_312', 'Bo_311', file='listen.ipynb', data=notebook('listener')
@@ -122,14 +122,14 @@ class TestMoodle:
 
     @pytest.mark.parametrize('data', [b'', b'[]', b'{"shared": 1, "numbers": {}}', b'\xff'])
     def test_a_damaged_memory_is_one_sentence(self, data, tmp_path, layout):
-        """Without it two people could become one."""
+        """Without the saved numbers, two people could become one, so collecting stops."""
         laid(layout.work, {layout.namesakes.name: data})
 
         with pytest.raises(NotTakenInError, match='expected JSON with the numbers of people'):
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are collected anyway."""
+        """The notebooks are collected, and one line says that the numbers are not saved."""
 
         def full(*_):
             raise OSError(28, 'No space left on device')
@@ -144,7 +144,7 @@ class TestMoodle:
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
     def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
-        """What follows the first number was named by a student."""
+        """Only the first number of a name counts, because a student chose what follows."""
         files = {
             'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
             'Cy_313_assignsubmission_file_talk.ipynb': GOOD,
@@ -155,7 +155,7 @@ class TestMoodle:
         assert {row.student for row in rows} == {'Ann', 'Cy'}
 
     def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
-        """The file is taken."""
+        """The file is collected, and the typed text has its own line."""
         files = {
             'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',

@@ -30,27 +30,27 @@ UNKNOWN_UID = 4_000_000_000
 
 
 def handed_in(tmp_path, student):
-    """Return an exchange with one delivery, which the user who runs the tests has made."""
+    """Return an exchange with one submission of the user who runs the tests."""
     name = f'{student}+{TALK}+2026-03-01 12:00:00 UTC+q3rYx_-a/talk.ipynb'
     return laid(tmp_path / 'inbound', {name: GOOD})
 
 
 def configure(layout, text):
-    """Write nbgrader's settings."""
+    """Write settings of nbgrader."""
     layout.root.mkdir(exist_ok=True)
     settings = "c = get_config()\nc.CourseDirectory.db_url = 'sqlite:////nowhere'\n"
     (layout.root / 'nbgrader_config.py').write_text(settings + text, encoding='utf-8')
 
 
 def test_work_that_the_student_owns_is_taken(tmp_path, layout):
-    """The student id is the name of the system user."""
+    """Work is collected if the student id is the name of the user who owns it."""
     (row,) = collect(handed_in(tmp_path, ME), layout, layout.submitted)
 
     assert (row.student, row.done) == (ME, TAKEN)
 
 
 def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
-    """Every user can name a folder after anybody."""
+    """Work that another user owns is refused, because anyone can choose the folder's name."""
     (row,) = collect(handed_in(tmp_path, 'ann'), layout, layout.submitted)
 
     assert row.done == LEFT
@@ -62,7 +62,7 @@ def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
 
 
 def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(tmp_path, layout):
-    """Packed by hand, it is only names."""
+    """A zip is refused, because it does not record owners."""
     rows = collect(packed(tmp_path / 'e.zip', EXCHANGE), layout, layout.submitted)
 
     assert {row.done for row in rows} == {LEFT}
@@ -70,7 +70,7 @@ def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(tmp_path, layout):
 
 
 def test_recorded_owner_is_accepted(tmp_path, layout):
-    """Where student ids differ from user names."""
+    """A recorded owner is accepted where student ids differ from user names."""
     configure(layout, f"c.ExchangeCollect.owners = {{'1001': '{ME}', '{ME}': 'somebody'}}\n")
     source = handed_in(tmp_path, '1001')
     laid(source, {f'{ME}+{TALK}+2026-03-01 12:00:00 UTC/talk.ipynb': GOOD})
@@ -82,7 +82,7 @@ def test_recorded_owner_is_accepted(tmp_path, layout):
 
 @pytest.mark.parametrize('by_setting', [True, False])
 def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, layout, monkeypatch):
-    """By nbgrader's own setting for good, or by an option for once."""
+    """A setting of nbgrader, or an option for one command, turns the check off."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     configure(layout, 'c.ExchangeCollect.check_owner = False\n' if by_setting else '')
     options = [] if by_setting else ['--trust-names']
@@ -94,7 +94,7 @@ def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, lay
 
 
 def test_owners_that_are_no_dictionary_are_one_sentence(tmp_path, layout):
-    """With what to write."""
+    """The error says what to write."""
     configure(layout, "c.ExchangeCollect.owners = 'ann'\n")
 
     with pytest.raises(GraderError, match=r'owners is not a dictionary. Try: c.ExchangeCollect'):
@@ -102,7 +102,7 @@ def test_owners_that_are_no_dictionary_are_one_sentence(tmp_path, layout):
 
 
 def test_one_file_of_another_user_is_enough_to_refuse():
-    """Nbgrader leaves folders writable for all, so the notebook may have been exchanged."""
+    """One file of another user is enough, because the folders of nbgrader are writable for all."""
     both = {os.geteuid(), UNKNOWN_UID}
 
     doubt = OwnerRule().doubt(ME, both)
@@ -113,7 +113,7 @@ def test_one_file_of_another_user_is_enough_to_refuse():
 
 
 def test_file_that_another_user_put_in_its_place_is_not_read(tmp_path):
-    """Between the listing and the reading: what counts is the file that was opened."""
+    """The owner is that of the opened file, even if the file was exchanged after the listing."""
     path = tmp_path / 'talk.ipynb'
     path.write_bytes(GOOD)
 

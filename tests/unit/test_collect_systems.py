@@ -1,4 +1,4 @@
-"""What each system makes of a class, down to its odd corners: whose is it, and nothing is lost."""
+"""The names of each system, down to rare ones: each file has an owner, and none is lost."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot 
 
 
 class TestCanvas:
-    """``NAME_[LATE_]USER_ATTACHMENT_FILE``."""
+    """Canvas names files ``NAME_[LATE_]USER_ATTACHMENT_FILE``."""
 
     def test_ids_are_user_ids_and_the_newest_counts(self, tmp_path, layout):
-        """Late marks, files called otherwise and what is no notebook are in the table."""
+        """Late marks, other file names and files that are not notebooks are in the table."""
         rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
         assert table(rows) == {
@@ -58,7 +58,7 @@ class TestCanvas:
         assert b'second' in taken(layout)[f'1001/{TALK}/talk.ipynb']
 
     def test_attachments_are_compared_as_numbers(self, tmp_path, layout):
-        """99 was there before 100, and what is newer counts even if a cell was deleted."""
+        """Attachment 99 is older than 100, and the newest counts even if a cell was deleted."""
         files = {
             'ann_1001_99_talk.ipynb': notebook('talker', 'talk_rate', text='old'),
             'ann_1001_100_talk-1.ipynb': notebook('talker', text='new'),
@@ -77,7 +77,7 @@ class TestCanvas:
         ],
     )
     def test_what_was_typed_in_is_told(self, name, what, tmp_path, layout):
-        """As nobody else will."""
+        """A text that was typed in Canvas has a line in the table."""
         files = {name: b'<html>', 'berg_1002_56_talk.ipynb': GOOD}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -95,7 +95,7 @@ class TestCanvas:
         ],
     )
     def test_anonymous_grading_has_ids_of_its_own(self, name, tmp_path, layout):
-        """Canvas writes them in place of name and number, and LATE before them."""
+        """With anonymous grading, Canvas writes an id in place of name and number."""
         files = {name: GOOD, 'anon_Zz9kQ_56_link.html': b'<html>'}
         source = packed(tmp_path / 'c.zip', files)
 
@@ -120,7 +120,7 @@ class TestCanvas:
         ],
     )
     def test_numbers_in_names_are_told_from_ids(self, name, student, tmp_path, layout):
-        """By the others, if need be: their numbers are near, and each has one name."""
+        """The user's number is near those of other users, and belongs to one name."""
         files = {
             name: GOOD,
             'exampleann_1001_55001_talk.ipynb': notebook('talker', text='of ann'),
@@ -134,7 +134,7 @@ class TestCanvas:
         assert len(rows) == 3
 
     def test_two_attachments_of_one_user_tell_where_the_name_ends(self, tmp_path, layout):
-        """Each attachment has its own number, so 1001, which occurs twice, is the user's id."""
+        """A number that occurs in two files is the user's, because attachments have their own."""
         files = {
             'a_102_1001_55_talk.ipynb': notebook('talker', text='old'),
             'a_102_1001_77_talk-1.ipynb': notebook('talker', text='new'),
@@ -149,7 +149,7 @@ class TestCanvas:
         assert b'new' in taken(layout)[f'1001/{TALK}/talk.ipynb']
 
     def test_what_cannot_be_told_is_nobodys(self, tmp_path, layout):
-        """Rather than the work of another student."""
+        """A file whose owner is ambiguous is left out."""
         source = packed(tmp_path / 'c.zip', {'a_102_1001_55_talk.ipynb': GOOD})
 
         (row,) = collect(source, layout, layout.submitted)
@@ -158,7 +158,7 @@ class TestCanvas:
         assert row.notes == ('the owner is unclear: user 1001 or user 102; rename the file',)
 
     def test_a_class_whose_files_all_begin_with_a_number_is_read(self, tmp_path, layout):
-        """As the lesson is called so."""
+        """A number that the names of all files share is not an id."""
         files = {f'{name}_{n}_55{n}_7_talk.ipynb': GOOD for n, name in ((101, 'a'), (102, 'b'))}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -166,7 +166,7 @@ class TestCanvas:
         assert {row.student: row.done for row in rows} == {'101': TAKEN, '102': TAKEN}
 
     def test_what_has_no_name_of_canvas_is_in_the_table(self, tmp_path, layout):
-        """One line an entry, not a file."""
+        """A folder without names of Canvas is one line in the table."""
         files = {**CANVAS, 'roster.csv': b'', 'extra/one.txt': b'', 'extra/two.txt': b''}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -178,10 +178,10 @@ class TestCanvas:
 
 
 class TestGradescope:
-    """``submission_metadata.yml`` and one folder per submission."""
+    """Gradescope writes ``submission_metadata.yml`` and one folder per submission."""
 
     def test_submissions_belong_to_everybody_named(self, tmp_path, layout):
-        """``collect`` saves the time of delivery, for nbgrader's late policy."""
+        """All members of a group get the work, with its time for nbgrader's late policy."""
         collect(packed(tmp_path / 'g.zip', GRADESCOPE), layout, layout.submitted)
 
         found = taken(layout)
@@ -194,7 +194,7 @@ class TestGradescope:
         assert found[f'1003/{TALK}/timestamp.txt'] == b'2026-03-02 13:00:00 UTC\n'
 
     def test_what_is_only_in_the_table_or_only_a_folder_is_told(self, tmp_path, layout):
-        """An export that was cut short, or packed by hand."""
+        """An incomplete export has a line for each missing part."""
         files = {
             'submission_metadata.yml': METADATA,
             'submission_101/talk.ipynb': GOOD,
@@ -215,7 +215,7 @@ class TestGradescope:
         assert said['submission_999'][0].startswith('not in submission_metadata.yml')
 
     def test_a_time_that_yaml_refuses_is_one_sentence(self, tmp_path, layout):
-        """It is no text to YAML, but no day either."""
+        """A value that YAML cannot read as a time leads to one sentence."""
         table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'
         source = packed(tmp_path / 'g.zip', {'submission_metadata.yml': table_})
 
@@ -226,7 +226,7 @@ class TestGradescope:
         'created', [b'0001-01-01 00:00:00 +14:00', b'[a, b]', b'noon', b'2026-03-01']
     )
     def test_a_time_that_is_none_stops_nobody(self, created, tmp_path, layout):
-        """The notebook is taken without one."""
+        """A notebook with an unreadable time is collected without it."""
         table_ = b"submission_1:\n  :submitters:\n  - :sid: '7'\n  :created_at: " + created
         files = {'submission_metadata.yml': table_, 'submission_1/talk.ipynb': GOOD}
         source = packed(tmp_path / 'g.zip', files)
@@ -237,7 +237,7 @@ class TestGradescope:
 
 
 class TestExchange:
-    """``inbound/USER+ASSIGNMENT+TIME+RANDOM`` of nbgrader."""
+    """An exchange of nbgrader has folders ``inbound/USER+ASSIGNMENT+TIME+RANDOM``."""
 
     def test_the_newest_counts(self, tmp_path, layout):
         """The newest work for each assignment counts; released files are not submissions."""
@@ -250,7 +250,7 @@ class TestExchange:
         assert sorted(row.student for row in rows) == ['ann', 'ann', 'bob']
 
     def test_each_folder_of_an_exchange_can_be_named(self, tmp_path, layout):
-        """The exchange, the course in it, and inbound/."""
+        """The source may be the exchange, its course or ``inbound``."""
         source = laid(tmp_path / 'exchange', EXCHANGE)
         first = collect(source, layout, layout.submitted)
 
@@ -261,21 +261,21 @@ class TestExchange:
             ]
 
     def test_an_exchange_of_several_courses_is_not_mixed(self, tmp_path, layout):
-        """With what to name instead."""
+        """The error says which folder to name instead."""
         files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
 
         with pytest.raises(NotTakenInError, match='this exchange has 2 courses'):
             collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
 
     def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):
-        """An exchange whose inbound/ is empty."""
+        """An exchange with an empty ``inbound`` has no submissions."""
         source = laid(tmp_path / 'exchange', {f'c/outbound/{TALK}/talk.ipynb': GOOD})
         (source / 'c' / 'inbound').mkdir()
 
         assert collect(source, layout, layout.submitted) == []
 
     def test_work_for_another_assignment_is_not_taken_for_the_one_wanted(self, tmp_path, layout):
-        """Whatever is in it."""
+        """The folder's assignment decides, whatever its notebook contains."""
         files = {f'inbound/ann+{LISTEN}+2026-03-01 12:00:00 UTC+x/listen.ipynb': b'{}'}
 
         (row,) = collect(laid(tmp_path / 'e', files), layout, layout.submitted, assignment=TALK)

@@ -1,4 +1,4 @@
-"""When work was handed in, and whether it was late: in the table and for a late policy."""
+"""The times of submissions and their lateness, in the table and for a late policy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NOON = datetime(2026, 3, 1, 12, tzinfo=timezone.utc)
 
 
 def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
-    """Return an exchange with hand-ins at such times."""
+    """Return an exchange with submissions at these times."""
     return {
         f'{student}+{TALK}+{time}+q3rYx_-a/talk.ipynb': notebook('talker', text=time)
         for time in times_
@@ -42,12 +42,12 @@ def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
 
 @pytest.fixture
 def gradebook(layout) -> Path:
-    """Return a gradebook with the columns of nbgrader 0.9 that are asked, due at noon."""
+    """Return a gradebook with these columns of nbgrader 0.9, in which all is due at noon."""
     return made_gradebook(layout)
 
 
 def made_gradebook(layout: Layout) -> Path:
-    """Write it, and the settings that say where it is."""
+    """Write a gradebook, and the settings that name it."""
     layout.work.mkdir(parents=True)
     path = layout.work / 'gradebook.db'
     settings = f"c = get_config()\nc.CourseDirectory.db_url = 'sqlite:///{path}'\n"
@@ -87,7 +87,7 @@ class TestReading:
         ],
     )
     def test_offsets_are_understood(self, text, hour):
-        """To UTC."""
+        """A time with an offset is converted to UTC."""
         assert read_time(text) == (NOON.replace(hour=hour), '')
 
     @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ class TestReading:
         ],
     )
     def test_what_is_not_understood_is_no_time(self, text, note):
-        """Nobody knows which of four zones CST is."""
+        """Other times are refused; CST, for example, names four zones."""
         assert read_time(text) == (None, note)
 
     @pytest.mark.parametrize(
@@ -121,17 +121,17 @@ class TestReading:
         ],
     )
     def test_lateness_is_told_to_the_minute(self, late, words):
-        """In the units that people use."""
+        """The lateness is rounded to minutes and shown in days, hours and minutes."""
         assert late_notes('', NOON + late, NOON) == (words,)
         assert late_notes('Canvas', NOON + late, NOON) == (words,)
         assert late_notes('', NOON, NOON) == ()
 
 
 class TestExchange:
-    """The time is in the folder's name."""
+    """In an exchange, the name of the folder has the time."""
 
     def test_the_time_is_kept_and_shown(self, tmp_path, layout):
-        """In UTC, to the minute in the table."""
+        """The time is saved in UTC and shown to the minute."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
 
         (row,) = collect(source, layout, layout.submitted)
@@ -140,7 +140,7 @@ class TestExchange:
         assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
 
     def test_a_zone_by_name_is_no_time(self, tmp_path, layout):
-        """Rather than a wrong one."""
+        """The name of a zone is not converted to an offset."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 CET'))
 
         (row,) = collect(source, layout, layout.submitted)
@@ -151,11 +151,11 @@ class TestExchange:
 
 
 class TestStampBesideANotebook:
-    """``STUDENT/ASSIGNMENT/timestamp.txt``, as nbgrader's own collect leaves it."""
+    """The stamp ``STUDENT/ASSIGNMENT/timestamp.txt``, which nbgrader's collect writes."""
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_it_is_kept(self, how, tmp_path, layout):
-        """Of each assignment its own."""
+        """Each assignment keeps its own time."""
         files = {
             f'ann/{TALK}/talk.ipynb': GOOD,
             f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:34:56.789012 UTC',
@@ -176,7 +176,7 @@ class TestStampBesideANotebook:
         ]
 
     def test_one_of_a_student_counts_for_nothing_else(self, tmp_path, layout):
-        """The system knows better."""
+        """In other systems, a student's own stamp does not count."""
         files = {
             **GRADESCOPE,
             'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
@@ -187,7 +187,7 @@ class TestStampBesideANotebook:
         assert b'2026-03-01' in taken(layout)[f'1001/{TALK}/timestamp.txt']
 
     def test_in_a_repository_it_is_the_students_own(self, tmp_path, layout):
-        """Who can write it can say anything."""
+        """In a repository the stamp does not count, because the student can write it."""
         for n, git in enumerate(('.git/HEAD', '.gitignore')):
             files = {
                 f'ann/{git}': b'',
@@ -202,7 +202,7 @@ class TestStampBesideANotebook:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_elsewhere_it_is_some_file(self, tmp_path, layout):
-        """Where nbgrader lays none."""
+        """A stamp counts only where nbgrader writes it."""
         files = {
             f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
             f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',
@@ -214,12 +214,12 @@ class TestStampBesideANotebook:
 
 
 class TestOlderWork:
-    """Monday's zip after Tuesday's takes nothing back."""
+    """Older work never replaces newer work."""
 
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        """And its line says so, in a dry run too."""
+        """The line of the work says that it is older, in a dry run too."""
         monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
         tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
         collect(tuesday, layout, layout.submitted)
@@ -234,7 +234,7 @@ class TestOlderWork:
         assert taken(layout) == before
 
     def test_newer_work_replaces_it(self, tmp_path, layout):
-        """As nothing is in doubt, nothing is said."""
+        """Newer work replaces older work without a note."""
         collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
 
         (row,) = collect(laid(tmp_path / 't', inbound(self.TUESDAY)), layout, layout.submitted)
@@ -243,7 +243,7 @@ class TestOlderWork:
         assert b'2026-03-03' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
     def test_the_same_work_keeps_the_time_of_the_last_hand_in(self, tmp_path, layout):
-        """It was handed in twice."""
+        """Work that was handed in twice keeps the later time."""
         place = f'ann+{TALK}+{{}}+x/talk.ipynb'
         tuesday = laid(tmp_path / 't', {place.format(self.TUESDAY): GOOD})
         collect(tuesday, layout, layout.submitted)
@@ -257,7 +257,7 @@ class TestOlderWork:
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
     def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
-        """What is collected last stays, and its line says that."""
+        """Without a time, the last collected work stays, and its line says so."""
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
@@ -269,10 +269,10 @@ class TestOlderWork:
 
 
 class TestStaleTime:
-    """A time belongs to the notebook beside it."""
+    """A time belongs to the notebook next to it."""
 
     def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
-        """Else a late hand-in looks like one in time."""
+        """An old time is removed, because late work would seem to be in time."""
         collect(
             laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
             layout,
@@ -290,7 +290,7 @@ class TestStaleTime:
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 
     def test_the_same_work_keeps_its_time(self, tmp_path, layout):
-        """Somebody may have written it there by hand."""
+        """The same work keeps a time that a person may have written."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         collect(source, layout, layout.submitted)
         laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:00:00 UTC\n'})
@@ -302,10 +302,10 @@ class TestStaleTime:
 
 
 class TestDueDates:
-    """As the gradebook has them."""
+    """The due dates are those of the gradebook."""
 
     def test_late_work_is_told(self, tmp_path, layout, gradebook):
-        """With extensions of single students."""
+        """The lateness takes each student's extension into account."""
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {
             **inbound('2026-03-01 11:59:59.999999 UTC', student='bob'),
@@ -324,7 +324,7 @@ class TestDueDates:
         }
 
     def test_looking_makes_no_gradebook_and_changes_none(self, tmp_path, layout, gradebook):
-        """There may be none before the first grading."""
+        """Reading due dates neither creates nor changes a gradebook."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
         before = gradebook.read_bytes()
         collect(source, layout, layout.submitted)
@@ -337,7 +337,7 @@ class TestDueDates:
         assert not gradebook.exists()
 
     def test_a_damaged_gradebook_is_one_line(self, tmp_path, layout, gradebook):
-        """The work is collected anyway."""
+        """The work is collected, and one line names the damaged gradebook."""
         gradebook.write_bytes(b'SQLite format 3\x00' + b'\xff' * 4096)
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
 
@@ -349,7 +349,7 @@ class TestDueDates:
         )
 
     def test_nbgrader_is_not_imported(self, tmp_path, layout, gradebook):
-        """It takes seconds."""
+        """Collecting does not import nbgrader, which takes seconds."""
         before = set(sys.modules)
         due_dates(layout)
 
@@ -358,7 +358,7 @@ class TestDueDates:
     @pytest.mark.slow
     @pytest.mark.nbgrader
     def test_a_gradebook_of_nbgrader_is_read(self, layout, gradebook, monkeypatch):
-        """One that nbgrader itself made."""
+        """The due dates are read from a gradebook that nbgrader has made."""
         from nbgrader.api import Gradebook
 
         gradebook.unlink()
@@ -377,7 +377,7 @@ class TestDueDates:
 
 
 def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
-    """For people, and in JSON."""
+    """The table shows the time, and JSON has it too."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
 

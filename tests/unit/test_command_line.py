@@ -26,12 +26,12 @@ from autograder.sandboxes.sandbox import Sandbox
 
 @pytest.fixture(autouse=True)
 def undisturbed(monkeypatch):
-    """Let somebody grade in this course meanwhile."""
+    """Let another grading hold the lock of this course."""
     monkeypatch.setattr(grading, 'alone', lambda *_: nullcontext())
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):
-    """Exit code 2, one line."""
+    """A missing folder is one line and exit code 2."""
     code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
 
     assert code == command.USAGE
@@ -39,7 +39,7 @@ def test_a_missing_folder_is_named(tmp_path, capsys):
 
 
 def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
-    """The suggestion makes a typo quick to fix."""
+    """The error suggests a name that is similar."""
     arguments = ['grade', '--submitted', str(tmp_path), '--assignment', '07_temprature_monitor']
 
     assert command.main(arguments) == command.USAGE
@@ -47,7 +47,7 @@ def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
 
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
-    """It never falls back to a plain process."""
+    """Without a sandbox, the grader refuses to run a program."""
 
     def refuse():
         raise SandboxUnavailable('No bubblewrap.', 'Install it.')
@@ -76,7 +76,7 @@ def one_line(captured):
 
 @pytest.fixture
 def no_place_to_write(tmp_path, monkeypatch):
-    """Put the secret where no user, not even root, can create a folder."""
+    """Put the secret where even root cannot create a folder."""
     from autograder.exam import inputs
 
     (tmp_path / 'file').write_text('x')
@@ -91,7 +91,7 @@ def no_place_to_write(tmp_path, monkeypatch):
 def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
-    """It names the file, and nobody reads a traceback."""
+    """The line names the file, and there is no traceback."""
     from autograder.exam import inputs
 
     monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
@@ -108,7 +108,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
-    """A full disk has no name."""
+    """A system error without a file, such as a full disk, is one line."""
 
     def refuse(*_, **__):
         raise OSError(28, 'No space left on device')
@@ -123,7 +123,7 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
-    """The set-up says what is missing and what to type."""
+    """The line says what is missing and how to prepare it."""
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
@@ -141,7 +141,7 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
 
 def test_a_python_without_the_packages_is_one_line(tmp_path):
-    """Plain python3 has none of them; -S makes any Python so."""
+    """A Python without the packages, as with -S, is one line."""
     root = Path(command.__file__).parents[1]
     done = subprocess.run(
         [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
@@ -157,7 +157,7 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
-    """Another Python would not help."""
+    """A missing module of the grader keeps its traceback, because no other Python would help."""
 
     def refuse(*_, **__):
         raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
@@ -169,7 +169,7 @@ def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
 
 
 class TestCheckWithoutTheFile:
-    """On a folder, the words are about files: there are no cells."""
+    """``check`` on a folder speaks about files and not about cells."""
 
     def check(self, folder, *options):
         """Run the check of the publisher on a folder."""
@@ -177,7 +177,7 @@ class TestCheckWithoutTheFile:
         return command.main(['check', 'temperature_publisher', '--files', str(folder), *options])
 
     def test_the_line_names_the_folder_the_file_and_what_is_there(self, tmp_path, capsys):
-        """Often it is the wrong folder."""
+        """The line names the folder, which is often the wrong one."""
         (tmp_path / 'package.xml').write_text('x')
         (tmp_path / 'temp_publsher.py').write_text('x')
 
@@ -190,14 +190,14 @@ class TestCheckWithoutTheFile:
         assert captured.out == ''
 
     def test_an_empty_folder_has_nothing(self, tmp_path, capsys):
-        """There is no list to show."""
+        """An empty folder has no list of files."""
         assert self.check(tmp_path) == command.USAGE
 
         line = one_line(capsys.readouterr())
         assert line.endswith('expected temp_publisher.py, got no file of a package.')
 
     def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
-        """One line stays one line."""
+        """For a large folder, the line names only the first files."""
         for number in range(20):
             (tmp_path / f'a{number:02}.py').write_text('x')
 
@@ -206,7 +206,7 @@ class TestCheckWithoutTheFile:
         assert 'a07.py and 12 more.' in one_line(capsys.readouterr())
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
-        """The notebook knows it by its name and says which cell to run."""
+        """In JSON, the missing file is a failed check that names the file."""
         monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
 
         assert self.check(tmp_path, '--json') == OK
@@ -221,7 +221,7 @@ class TestCheckWithoutTheFile:
 
 @pytest.mark.parametrize('jobs', ['0', '-1', 'many', '1.5'])
 def test_jobs_are_a_positive_number(jobs, capsys):
-    """The message says what was expected."""
+    """The error says what was expected."""
     with pytest.raises(SystemExit) as stopped:
         command.main(['grade', '--jobs', jobs])
 
@@ -230,7 +230,7 @@ def test_jobs_are_a_positive_number(jobs, capsys):
 
 
 def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
-    """It has one folder per student, with a folder for each lesson that was handed in."""
+    """The class has a folder per student, and in it a folder per lesson."""
     assert command.main(['sample-class', '--to', str(tmp_path / 'class')]) == OK
 
     names = {path.name for path in (tmp_path / 'class').iterdir()}
@@ -251,7 +251,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
 
 
 def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, capsys):
-    """Sample students would get marks in the gradebook of the class."""
+    """The sample class is refused where real students are, whose gradebook would get its marks."""
     folder = tmp_path / 'ann' / Layout.here().assignments()[0]
     folder.mkdir(parents=True)
     (folder / 'mine.ipynb').write_text('{}')
@@ -263,7 +263,7 @@ def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, 
 
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
-    """A fresh clone has something to grade; an existing class is not changed."""
+    """An empty folder gets the sample class, and a full one is unchanged."""
     from rich.console import Console
 
     layout = Layout.here()
@@ -282,7 +282,7 @@ def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_pa
 
 
 def test_sample_students_never_follow_a_class(tmp_path):
-    """An empty folder is not a request for examples if something was graded before."""
+    """If a class was graded before, an empty folder gets no samples."""
     from rich.console import Console
 
     class Elsewhere(Layout):
@@ -301,7 +301,7 @@ def test_sample_students_never_follow_a_class(tmp_path):
     [(['--jobs', '3'], '--jobs 3'), (['--allow-weak', 'none'], '--allow-weak')],
 )
 def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, capsys):
-    """They would be ignored."""
+    """Options of one machine are refused with ``--cluster``, which would ignore them."""
     argv = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:1', *options]
 
     assert command.main(argv) == command.USAGE
@@ -316,7 +316,7 @@ def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, cap
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
-    """After Ctrl-C, only a grading without --fresh goes on where it was."""
+    """Only a grading without ``--fresh`` promises to continue where it stopped."""
 
     def stop(*_):
         raise KeyboardInterrupt
@@ -329,7 +329,7 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
-    """Ctrl-C, and what ends a job: an exit code of its own, and no traceback."""
+    """A stopped grading has its own exit code, says how to continue and has no traceback."""
 
     def stopped(*_):
         signal.raise_signal(number)
@@ -352,7 +352,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 
 
 def test_starting_imports_neither_nbgrader_nor_ros():
-    """Help and errors come at once."""
+    """Help and errors import neither nbgrader nor ROS, so they appear at once."""
     code = (
         'import sys, autograder.__main__; from autograder.grading import pipeline; '
         'from autograder.submission import inbox; '
@@ -365,7 +365,7 @@ def test_starting_imports_neither_nbgrader_nor_ros():
 
 
 def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
-    """Once each: a server that does not answer says the same for all of them."""
+    """Each assignment is named, and a reason that all share is printed once."""
 
     def refuses(_, assignment):
         raise NotEnteredError('no server.' if assignment == '09' else f'{assignment}: cells.', ())
@@ -379,7 +379,7 @@ def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
 
 
 def test_a_reader_that_leaves_is_no_trouble(monkeypatch, capfd):
-    """As in ``... | head``: nothing is said, and Python itself says nothing at its end."""
+    """If the reader of a pipe leaves, as in ``... | head``, nothing is written to stderr."""
     reading, writing = os.pipe()
     os.close(reading)
 

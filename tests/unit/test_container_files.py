@@ -1,4 +1,4 @@
-"""The files of the container routes fit together and are of the form that their tools read."""
+"""The files of the containers fit together and have the form that their tools read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CONTAINER = ROOT / 'deploy' / 'container'
 
 
 def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
-    """What Docker's profile says about other calls stays as it is."""
+    """The profile allows eight more calls and otherwise equals that of Docker."""
     rules = [{'names': ['read'], 'action': 'SCMP_ACT_ALLOW'}]
     made = with_namespaces({'defaultAction': 'SCMP_ACT_ERRNO', 'syscalls': rules})
     assert made['defaultAction'] == 'SCMP_ACT_ERRNO'
@@ -27,7 +27,7 @@ def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
 
 @pytest.mark.parametrize('wrong', [{}, {'syscalls': []}, {'defaultAction': 'x', 'syscalls': {}}])
 def test_another_file_is_refused(wrong: dict[str, object]) -> None:
-    """A file with a different form is not a profile."""
+    """A profile with another form is refused."""
     with pytest.raises(ValueError, match='expected a seccomp profile'):
         with_namespaces(wrong)
 
@@ -53,7 +53,7 @@ def test_documentation_names_the_same_calls() -> None:
 
 
 def test_the_workflow_starts_the_image_as_compose_does() -> None:
-    """What is published was graded in with exactly the options that a class uses."""
+    """The workflow tests the image with the options that a class uses."""
     compose = yaml.safe_load((CONTAINER / 'compose.yaml').read_text())['services']['course']
     workflow = yaml.safe_load((ROOT / '.github' / 'workflows' / 'image.yml').read_text())
     steps = [step.get('run', '') for step in workflow['jobs']['image']['steps']]

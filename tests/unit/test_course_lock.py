@@ -1,4 +1,4 @@
-"""One grading at a time, and what a killed one left unfinished."""
+"""One grading at a time, and what a killed grading leaves behind."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def held(root):
 
 
 def unfinished(layout):
-    """Return files that a killed grading leaves: one of its own, two that are not."""
+    """Return one file that a killed grading leaves, and two that are not its own."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
     files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
@@ -44,7 +44,7 @@ def unfinished(layout):
 
 
 def test_a_second_grading_is_told_who_is_there(tmp_path):
-    """And begins when the first one has ended."""
+    """A second grading is refused with the name of the first, and runs after it."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
@@ -58,7 +58,7 @@ def test_a_second_grading_is_told_who_is_there(tmp_path):
 
 
 def test_what_a_killed_grading_left_goes(tmp_path):
-    """The kernel gives its lock back."""
+    """The next grading removes the files, because the kernel has released the lock."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         half, *others = unfinished(layout)
@@ -70,7 +70,7 @@ def test_what_a_killed_grading_left_goes(tmp_path):
 
 
 def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
-    """A quick look at one submission keeps its recording beside a grading."""
+    """``run`` may keep a recording during a grading."""
     layout = Layout(tmp_path)
     path = layout.recordings / 'talker' / 'x.jsonl'
     rename = Path.replace
@@ -88,7 +88,7 @@ def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
 
 
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
-    """So the next one does not look."""
+    """A grading that ended normally leaves nothing, so the next one does not search."""
     layout = Layout(tmp_path)
     with alone(layout, 'a grading'):
         pass

@@ -1,4 +1,4 @@
-"""Find where a check first saw something else: the check names it, or the shortest beginning."""
+"""Find the event at which a check first deviates: the check names it, or a short run shows it."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ END = ({'event': 'end', 'clock_ns': 9, 'reason': 'complete'}, {'event': 'process
 
 
 def where(judge, *events, end=END, static=False):
-    """Return where a check deviates in a run of some events."""
+    """Return where a check deviates in a run with these events."""
     run = Run({}, Recording(header('x', 'none'), [*events, *end]))
     return deviation(Check('c', 'C.', 1, judge, static=static), run)
 
 
 def all_small(run):
-    """Look at one message after the other."""
+    """Fail at the first message that is too large."""
     for one in run.recording.messages('/t'):
         if one['data']['value'] > 5:
             raise Failed(expected='small', observed='large')
 
 
 def enough(run):
-    """Count."""
+    """Fail if there are more than two messages."""
     if len(run.recording.messages('/t')) > 2:
         raise Failed(expected='at most 2', observed='more')
 
@@ -43,7 +43,7 @@ def test_check_that_goes_through_the_events_gives_up_at_one():
 
 
 def test_a_check_may_name_the_moment():
-    """Where it computes with times and no event shows it."""
+    """A check that computes with times can name the time of its deviation."""
 
     def named(run):
         raise Failed(expected='a', observed='b', at=2 * 10**9)
@@ -54,14 +54,14 @@ def test_a_check_may_name_the_moment():
 
 
 def test_else_the_shortest_beginning_with_the_same_words_counts():
-    """Two messages are right, the third is one too many."""
+    """The deviation is the last event of the shortest run that fails with the same words."""
     found = where(enough, *(message(second, 1) for second in range(10)))
 
     assert (found.index, found.how) == (2, 'cut')
 
 
 def test_what_is_missing_is_shown_by_the_whole_run_only():
-    """Until the last moment it might have come."""
+    """A missing message has no event, because it could still arrive until the end."""
 
     def last(run):
         count = len(run.recording.messages('/t'))
@@ -73,7 +73,7 @@ def test_what_is_missing_is_shown_by_the_whole_run_only():
 
 
 def test_a_run_that_broke_off_deviates_where_it_ended():
-    """Words about what was never sent would be found at the very beginning."""
+    """A run that broke off deviates at its end, and not where nothing had been sent yet."""
 
     def never(run):
         raise Failed(expected='60', observed='the run ended before')
@@ -85,13 +85,13 @@ def test_a_run_that_broke_off_deviates_where_it_ended():
 
 
 def test_a_check_that_passes_or_looks_at_files_has_no_moment():
-    """There is nothing to show."""
+    """A check that passes, or that reads files, has no deviation."""
     assert where(all_small, message(1, 1)) is None
     assert where(enough, *(message(1, 1) for _ in range(5)), static=True) is None
 
 
 def test_a_check_that_cannot_bear_half_a_recording_is_asked_no_more():
-    """It was written for whole ones."""
+    """If a check raises on a shortened run, no shorter run is tried."""
 
     def brittle(run):
         found = run.recording.messages('/t')

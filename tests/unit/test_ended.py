@@ -1,4 +1,4 @@
-"""Causes are read off the recording; when nothing points anywhere, none is named."""
+"""Causes come from the recording, and no cause is named without evidence."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 
 
 def run(*events, nodes=('/n',), endpoints=(), **process):
-    """Return a run that saw these things."""
+    """Return a run with these events."""
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
     last = {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process}
     return Run({'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
@@ -27,7 +27,7 @@ def end(topic=TOPIC, kind='publisher', type_name=TYPE):
 
 
 def traceback(line, error):
-    """Return what Python prints, with a frame of the runner and one of the student."""
+    """Return a traceback with a frame of the runner and one of the student."""
     return (
         'Traceback (most recent call last):\n'
         '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
@@ -36,7 +36,7 @@ def traceback(line, error):
 
 
 def test_absolute_name_is_told_from_a_slip():
-    """A topic outside the namespace has the right name, and a slash too many."""
+    """A topic outside the namespace has the right name with a slash too many."""
     seen = run(endpoints=[end('/reading')], nodes=('/lab/n',))
 
     found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
@@ -47,7 +47,7 @@ def test_absolute_name_is_told_from_a_slip():
 
 
 def test_topics_that_come_with_a_node_are_no_slip():
-    """A lifecycle node publishes its transitions; nobody misspelled that."""
+    """The topics that every lifecycle node has are not misspelt topics."""
     seen = run(endpoints=[end('/n/transition_event'), end('/rosout')])
 
     assert causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE).cause_id == 'no_endpoint'
@@ -67,7 +67,7 @@ def test_topics_that_come_with_a_node_are_no_slip():
     ids=lambda value: value if isinstance(value, str) and '_' in value else '',
 )
 def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
-    """The nearest thing that exists is named."""
+    """The cause names the existing endpoint that is most similar."""
     found = causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE)
 
     assert found.cause_id == cause_id
@@ -95,21 +95,21 @@ def test_exception_is_named_with_its_line(error, cause_id):
 
 
 def test_node_that_never_answers_was_never_spun():
-    """Whether it answers at the end tells silence from work."""
+    """A silent node that does not answer at the end was never spun."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': False}, endpoints=[end()])
 
     assert causes.why_silent(seen).cause_id == 'never_spun'
 
 
 def test_living_silent_node_gets_no_invented_cause():
-    """When unsure, nothing is claimed."""
+    """A silent node that answers gets no cause without evidence."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
     assert causes.why_silent(seen) is None
 
 
 def test_slip_in_a_namespace_is_answered_with_the_relative_name():
-    """The namespace is the command line's; the code gives the last part only."""
+    """The code needs only the last part, because the command line sets the namespace."""
     seen = run(endpoints=[end('/lab/readings')], nodes=('/lab/n',))
 
     found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
@@ -120,7 +120,7 @@ def test_slip_in_a_namespace_is_answered_with_the_relative_name():
 
 @pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
 def test_what_a_transition_callback_returns_is_told(kind, cause):
-    """Without return and with something else are different slips."""
+    """A missing return and a wrong return value have different causes."""
     error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
 
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
@@ -130,7 +130,7 @@ def test_what_a_transition_callback_returns_is_told(kind, cause):
 
 
 def test_parameter_of_another_type_is_told_without_its_value():
-    """The message of rclpy would show what the grader has set."""
+    """The value is not shown, because the message of rclpy contains what the grader has set."""
     error = (
         "rclpy.exceptions.InvalidParameterTypeException: Trying to set parameter 'limit' to "
         "'-1.87' of type 'DOUBLE', expecting type 'INTEGER': limit"
@@ -170,7 +170,7 @@ def test_parameter_of_another_type_is_told_without_its_value():
     ],
 )
 def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
-    """The text names the cause; that it ended is what was seen."""
+    """The code of a program that ends at once gives the cause of its end."""
     seen = run(nodes=(), exit=0)
 
     assert causes.why_it_ended(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
@@ -198,7 +198,7 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
     ],
 )
 def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):
-    """Its node was there for half a second, so somebody spun it."""
+    """A program that ends in a callback was spun, so the cause is not a missing spin."""
     seen = run({'event': 'graph', 'when': 'start', 'nodes': ['/n'], 'endpoints': []}, exit=0)
 
     found = causes.why_it_ended(Run({'n.py': code}, seen.recording))
@@ -208,7 +208,7 @@ def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, wor
 
 
 def test_comment_about_spinning_spins_nothing():
-    """The lesson's own comments are in every file."""
+    """A comment about spinning, as in the lesson's own files, is not a call."""
     code = 'def main():\n    # The pattern with rclpy.spin for a node.\n    Talker()\n\n\nmain()\n'
 
     found = causes.why_it_ended(Run({'n.py': code}, run(nodes=(), exit=0).recording))
@@ -217,7 +217,7 @@ def test_comment_about_spinning_spins_nothing():
 
 
 def test_entry_point_calls_main():
-    """A package names it in a text of setup.py."""
+    """The entry point in setup.py calls main()."""
     files = {'n.py': 'def main():\n    rclpy.spin(n)\n', 'setup.py': "['talker = a.n:main']"}
 
     found = causes.why_it_ended(Run(files, run(nodes=(), exit=0).recording))
@@ -226,7 +226,7 @@ def test_entry_point_calls_main():
 
 
 def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
-    """It is not said that nobody made a node."""
+    """If the node is destroyed before spin(), the cause is not that it was never created."""
     code = 'node = Talker()\nnode.destroy_node()\nrclpy.spin(node)\n'
     seen = run(nodes=())
 
@@ -236,7 +236,7 @@ def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
 
 
 def test_node_that_could_not_be_seen_is_not_called_missing():
-    """When unsure, it is said what was seen, and how to look."""
+    """If the node may have been missed, the message says what was observed and how to look."""
     code = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
     seen = run(nodes=())
 
@@ -248,7 +248,7 @@ def test_node_that_could_not_be_seen_is_not_called_missing():
 
 @pytest.mark.parametrize('period', ['500', '1000.0', 'PERIOD_MS'])
 def test_period_in_milliseconds_is_told(period):
-    """The first call is minutes away, so nothing comes, whatever else is right."""
+    """A period of milliseconds is named, because its first call is minutes away."""
     code = f'PERIOD_MS = 500\nself.create_timer({period}, self.speak)\n'
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
@@ -259,7 +259,7 @@ def test_period_in_milliseconds_is_told(period):
 
 
 def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
-    """Two nodes and one spin() is a common slip."""
+    """A program with two nodes and one spin() is silent because of the other node."""
     asked = [
         {'event': 'asked', 'node': '/n', 'answered': False},
         {'event': 'asked', 'node': '/helper', 'answered': True},
@@ -273,7 +273,7 @@ def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
 
 
 def test_helper_that_nobody_spins_explains_nothing():
-    """The node with the work is served."""
+    """A helper without a spin explains nothing if the node with the work is spun."""
     asked = [
         {'event': 'asked', 'node': '/n', 'answered': True},
         {'event': 'asked', 'node': '/helper', 'answered': False},
@@ -292,14 +292,14 @@ def test_helper_that_nobody_spins_explains_nothing():
     ],
 )
 def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
-    """What the text has not, it cannot do; else it is said how to look."""
+    """The cause names what the code lacks, or else the message says how to look."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
     assert causes.why_no_message(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
 
 
 def test_without_a_cause_it_is_said_how_to_look():
-    """The text names a topic by its last part: the namespace of a hidden exam stays secret."""
+    """The message shortens a topic to its last part, so that the namespace stays hidden."""
     assert "echo('chatter')" in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
     assert 'xkcdq' not in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
     assert 'logs()' in causes.how_to_look(run())
@@ -308,7 +308,7 @@ def test_without_a_cause_it_is_said_how_to_look():
 
 @pytest.mark.parametrize('limit', sorted(causes.LIMITS))
 def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
-    """A program that was ended is told its own limit."""
+    """A program that the grader ended gets the limit that it exceeded."""
     found = causes.why_it_ended(run(killed=limit))
 
     assert found.cause_id == limit
@@ -318,7 +318,7 @@ def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
 
 @pytest.mark.parametrize(('package', 'limits'), [('', Limits()), ('thermo', PACKAGE_LIMITS)])
 def test_limits_that_are_told_are_those_that_hold(package, limits):
-    """A package is built first, and has more of the processor."""
+    """The limits in the messages are those of the sandbox; a build has more processor time."""
     ended = {
         kind: causes.why_it_ended(Run({}, run(killed=kind).recording, {'package': package})).text
         for kind in causes.LIMITS

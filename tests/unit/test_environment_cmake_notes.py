@@ -1,4 +1,4 @@
-"""What CMake found out in the set-up is kept for later builds, if it has the form that we know."""
+"""What CMake finds during the set-up is saved for later builds, if its form is known."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def places(tmp_path):
 
 
 def test_python_is_kept(places):
-    """In the words of CMake's FindPython3."""
+    """The Python is saved in the variables of CMake's FindPython3."""
     assert keep(places)
 
     lines = (places.cmake / 'known' / 'python.cmake').read_text().splitlines()
@@ -54,7 +54,7 @@ def test_python_is_kept(places):
     ],
 )
 def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, python, written):
-    """The first line of a script has neither room for long paths nor for blanks."""
+    """A stand-in for Python has a path without blanks that fits in the first line of a script."""
     cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
     cache.write_text(CACHE.replace('/venv/bin/python', python), encoding='utf-8')
     keep(places)
@@ -67,7 +67,7 @@ def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, pyt
 
 @pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'all'])
 def test_a_cache_of_another_form_leaves_nothing(places, gone):
-    """Half a note would be worse than none."""
+    """An unknown cache leaves no notes, because half of them would break builds."""
     keep(places)
     cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
     if gone == 'all':
@@ -103,7 +103,7 @@ def header(places, tmp_path):
 
 
 def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
-    """The compiled header contains the library's defines, not those of the course's package."""
+    """The compiled header has the library's defines and not those of the course's package."""
     assert keep(places)
 
     kept = places.cmake / 'known' / HEADER
@@ -113,7 +113,7 @@ def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
 
 
 def test_headers_that_do_not_compile_leave_nothing(places, header):
-    """Builds read them then, and the other notes are kept."""
+    """If the headers do not compile, builds read them, and the other notes stay."""
     header.write_text('#include "not_there.hpp"\n')
 
     assert keep(places)

@@ -1,4 +1,4 @@
-"""The doctor's lines: state, what was found, and what to type."""
+"""The doctor's lines: the state, what was found, and the command to type."""
 
 import os
 from pathlib import Path
@@ -14,14 +14,14 @@ from environment.ros import RosEnvironment
 
 
 def test_line_ok_has_no_fix():
-    """A good state needs no advice."""
+    """A line in a good state has no advice."""
     line = doctor.Finding('make', doctor.OK, 'GNU Make', 'install it').line()
 
     assert line.split() == ['ok', 'make', 'GNU', 'Make']
 
 
 def test_line_missing_names_the_fix():
-    """A missing requirement says what to type."""
+    """A line for a missing requirement has the command to type."""
     line = doctor.Finding('make', doctor.MISSING, 'not installed', 'apt-get install make').line()
 
     assert line.startswith('missing ')
@@ -29,7 +29,7 @@ def test_line_missing_names_the_fix():
 
 
 def test_findings_nothing_prepared_names_every_requirement(tmp_path):
-    """In a fresh clone every line is there, and what is missing has a fix."""
+    """In a fresh clone, every requirement has a line, and each missing one a command."""
     (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
@@ -46,7 +46,7 @@ def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     [('doors_msgs', 'programs: none'), ('', 'the course has none')],
 )
 def test_package_of_messages_only_is_complete(tmp_path, package, detail):
-    """A course need not have programs of its own, nor a package."""
+    """A course without programs or without a package is complete."""
     (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
     places = Places.of('.venv', tmp_path)
     places.prefix.mkdir(parents=True)
@@ -57,7 +57,7 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
 
 
 def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
-    """An old program would run although its source has changed."""
+    """If the source of the package has changed, its old build is weak."""
     (tmp_path / 'course.toml').write_text("package = 'doors'\n")
     source = tmp_path / 'doors' / 'door.py'
     source.parent.mkdir()
@@ -81,7 +81,7 @@ def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
 
 
 def test_check_python_none_found_says_what_to_install():
-    """Without a Python the line says how to get one."""
+    """Without a Python, the line says how to get one."""
     finding = doctor.check_python(None, None)
 
     assert finding.state == doctor.MISSING
@@ -89,7 +89,7 @@ def test_check_python_none_found_says_what_to_install():
 
 
 def test_check_python_incomplete_names_the_package():
-    """A Debian Python without headers is completed by one package."""
+    """A Python of Debian without headers is missing one package."""
     this = interpreters.probe(sys.executable, os.environ)
     bare = interpreters.Interpreter(
         **{**vars(this), 'path': '/usr/bin/python3.12', 'release': '3.12.3', 'has_headers': False}
@@ -102,7 +102,7 @@ def test_check_python_incomplete_names_the_package():
 
 
 def test_check_bubblewrap_blocked_is_weak_with_fix():
-    """Where the kernel forbids namespaces lessons go on, and the switch is named."""
+    """If the kernel forbids namespaces, lessons work, and the line names the switch."""
     finding = doctor.check_bubblewrap('bwrap: setting up uid map: Permission denied')
 
     assert finding.state == doctor.WEAK
@@ -110,7 +110,7 @@ def test_check_bubblewrap_blocked_is_weak_with_fix():
 
 
 def test_check_packages_wrong_version_is_missing(tmp_path):
-    """If a version differs from the pinned one, the package is named with both versions."""
+    """A package with a wrong version is named with both versions."""
     site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
     pins = pins_module.pins_for(LOCK_FILE.read_text(), '3.12')
     for name, version in pins.items():
@@ -127,7 +127,7 @@ def test_check_packages_wrong_version_is_missing(tmp_path):
 
 
 def test_check_room_little_is_weak():
-    """Little space is a warning with the wanted amount."""
+    """Little space leads to a warning with the space that is needed."""
     finding = doctor.check_room('disk space', Path('/'), 2**40, 'make room')
 
     assert finding.state == doctor.WEAK
@@ -153,7 +153,7 @@ def test_closed_shared_memory_is_missing_with_the_command_that_opens_it(monkeypa
     ],
 )
 def test_command_to_type_is_one_line_of_the_system(have, expected):
-    """What is missing is installed by one command of this system's package manager."""
+    """One command of this system's package manager installs everything that is missing."""
     tools = [tool for tool in system.TOOLS if tool.command in ('g++', 'bwrap')]
 
     command = system.command_to_type(
@@ -172,7 +172,7 @@ def test_missing_tools_names_what_is_not_on_the_path():
 
 
 def test_bubblewrap_failure_repeats_its_words(tmp_path):
-    """What bubblewrap said is passed on; silence means that it ran."""
+    """The line repeats what bubblewrap said; no output means that it ran."""
     program = tmp_path / 'bwrap'
     program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
     program.chmod(0o755)

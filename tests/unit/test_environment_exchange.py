@@ -1,4 +1,4 @@
-"""Where nbgrader's exchange is, and which modes protect the work in it."""
+"""The folder of nbgrader's exchange, and the modes that protect the work in it."""
 
 import os
 import stat
@@ -11,7 +11,7 @@ from environment.exchange import exchange_root, protect, SETTING, unprotected
 
 @pytest.fixture
 def exchange(tmp_path):
-    """Return an exchange with the modes that nbgrader gives it."""
+    """Return an exchange with nbgrader's own modes."""
     root = tmp_path / 'an exchange'
     inbound = root / 'course' / 'inbound'
     inbound.mkdir(parents=True)
@@ -26,14 +26,14 @@ def mode(path):
 
 
 def test_exchange_is_in_the_course_unless_the_setting_names_another(tmp_path):
-    """A relative path is seen from the course."""
+    """A relative path of the setting begins at the course."""
     assert exchange_root(tmp_path, {}) == tmp_path / 'autograder' / '_work' / 'exchange'
     assert exchange_root(tmp_path, {SETTING: '/srv/exchange'}).as_posix() == '/srv/exchange'
     assert exchange_root(tmp_path, {SETTING: 'x'}) == tmp_path / 'x'
 
 
 def test_protect_sets_the_sticky_bit_and_keeps_the_rest(exchange):
-    """A student can hand in as before, and remove only what is theirs."""
+    """With the sticky bit, a student can hand in and can remove only their own work."""
     protect(exchange)
 
     assert mode(exchange) == 0o1777
@@ -42,14 +42,14 @@ def test_protect_sets_the_sticky_bit_and_keeps_the_rest(exchange):
 
 
 def test_protect_leaves_a_missing_exchange_missing(tmp_path):
-    """Reading the settings makes no folder elsewhere."""
+    """Reading the settings does not create the exchange."""
     protect(tmp_path / 'nothing')
 
     assert not (tmp_path / 'nothing').exists()
 
 
 def test_doctor_names_the_folder_and_what_to_type(exchange):
-    """As a shell takes it."""
+    """The command quotes the folder for a shell."""
     finding = doctor.check_exchange(exchange)
 
     assert finding.state == doctor.WEAK
@@ -60,5 +60,5 @@ def test_doctor_names_the_folder_and_what_to_type(exchange):
 
 
 def test_doctor_accepts_a_course_without_an_exchange(tmp_path):
-    """Most courses have none."""
+    """A course without an exchange, as most are, is not a mistake."""
     assert doctor.check_exchange(tmp_path / 'nothing').state == doctor.OK

@@ -1,4 +1,4 @@
-"""Which Python the set-up chooses."""
+"""The Python that the set-up chooses."""
 
 from dataclasses import replace
 import json
@@ -25,7 +25,7 @@ GOOD = Interpreter(
 
 
 def fake_python(folder, name, **answers):
-    """Make a program that answers the probe like an interpreter."""
+    """Create a program that answers like an interpreter."""
     answer = {**vars(GOOD), 'path': str(folder / name), **answers}
     program = folder / name
     program.write_text(f"#!/bin/sh\necho '{json.dumps(answer)}'\n")
@@ -34,21 +34,21 @@ def fake_python(folder, name, **answers):
 
 
 def test_choose_several_supported_prefers_3_12():
-    """Of complete interpreters 3.12 is taken, wherever it was found."""
+    """Of several complete interpreters, 3.12 is chosen, wherever it was found."""
     found = [replace(GOOD, release=f'{version}.1') for version in ('3.13', '3.10', '3.12', '3.11')]
 
     assert interpreters.choose(found).version == '3.12'
 
 
 def test_choose_incomplete_3_12_takes_complete_3_10():
-    """An interpreter without headers or venv is only a last resort."""
+    """An interpreter without headers or venv is chosen only if there is no other."""
     found = [replace(GOOD, has_headers=False), replace(GOOD, release='3.10.1')]
 
     assert interpreters.choose(found).version == '3.10'
 
 
 def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
-    """It is the faster one, and tested as often."""
+    """The distribution's own Python is faster than one built by hand, and tested as often."""
     by_hand = replace(GOOD, base_prefix='/home/ada/.pyenv/versions/3.12.3')
     found = [by_hand, replace(GOOD, release='3.11.2')]
 
@@ -56,7 +56,7 @@ def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
 
 
 def test_choose_a_tested_version_before_the_distributions():
-    """Speed is not all."""
+    """A tested version is preferred to the distribution's own Python."""
     by_hand = replace(GOOD, base_prefix='/usr/local')
     found = [replace(GOOD, release='3.13.1'), replace(GOOD, release='3.10.1'), by_hand]
 
@@ -64,7 +64,7 @@ def test_choose_a_tested_version_before_the_distributions():
 
 
 def test_choose_only_incomplete_takes_it():
-    """An incomplete interpreter is better than none: the set-up completes it."""
+    """An incomplete interpreter is chosen if there is no other; the set-up completes it."""
     assert interpreters.choose([replace(GOOD, has_venv=False)]).lacking() == 'venv'
 
 
@@ -72,12 +72,12 @@ def test_choose_only_incomplete_takes_it():
     'other', [{'release': '3.9.1'}, {'release': '3.14.0'}, {'implementation': 'pypy'}]
 )
 def test_choose_unsupported_gives_none(other):
-    """Other versions and implementations are never taken."""
+    """Other versions and implementations are never chosen."""
     assert interpreters.choose([replace(GOOD, **other)]) is None
 
 
 def test_probe_this_python_tells_its_base():
-    """A venv's Python answers for the interpreter behind it."""
+    """The Python of a venv answers with the interpreter that it was made from."""
     answer = interpreters.probe(sys.executable, os.environ)
 
     assert answer.version == f'{sys.version_info[0]}.{sys.version_info[1]}'
@@ -87,7 +87,7 @@ def test_probe_this_python_tells_its_base():
 
 @pytest.mark.parametrize('script', ['exit 127', 'echo no json', 'echo "{}"', 'echo []'])
 def test_probe_broken_shim_gives_none(tmp_path, script):
-    """A pyenv shim without its version, or any other nonsense, is skipped."""
+    """A pyenv shim without its version, or a program with other output, is skipped."""
     shim = tmp_path / 'python3.12'
     shim.write_text(f'#!/bin/sh\n{script}\n')
     shim.chmod(0o755)
@@ -101,7 +101,7 @@ def test_probe_missing_file_gives_none(tmp_path):
 
 
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
-    """A shim that fails does not hide the version that pyenv really has."""
+    """If a shim fails, the version that pyenv has installed is still found."""
     shims = tmp_path / 'shims'
     real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
     for folder in (shims, real):
@@ -116,7 +116,7 @@ def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
 
 
 def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
-    """Variables that `runuser -u` and `su` leave as they were name the home of another user."""
+    """A folder of pyenv in the home of another user, as after ``su``, is skipped."""
     closed = tmp_path / 'home'
     (closed / 'pyenv' / 'versions' / '3.12.1' / 'bin').mkdir(parents=True)
     closed.chmod(0)
@@ -140,7 +140,7 @@ def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
 
 
 def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
-    """The distribution's own Python may have a different version."""
+    """A Python built by hand does not hide the distribution's own Python."""
     fake_python(tmp_path, 'python3.12', base_prefix=str(tmp_path))
     expected = fake_python(tmp_path, 'python3.11', release='3.11.2')
 
@@ -148,7 +148,7 @@ def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
 
 
 def test_one_in_usr_local_hides_no_other(monkeypatch):
-    """Both are asked."""
+    """Both interpreters of the same name are tried."""
     monkeypatch.setattr(interpreters.shutil, 'which', lambda name, path=None: f'{path}/{name}')
 
     found = list(interpreters.candidates({'PATH': '/usr/local/bin'}))
@@ -157,7 +157,7 @@ def test_one_in_usr_local_hides_no_other(monkeypatch):
 
 
 def test_find_request_takes_only_that(tmp_path):
-    """With PYTHON=... nothing else is considered."""
+    """With PYTHON=..., no other interpreter is tried."""
     fake_python(tmp_path, 'python3.12')
     fake_python(tmp_path, 'python3.11', release='3.11.2')
 
@@ -178,7 +178,7 @@ def test_find_request_takes_only_that(tmp_path):
     ],
 )
 def test_wheels_refusal_names_the_reason(change, words):
-    """A machine without ROS 2 wheels is told why."""
+    """On a machine without ROS 2 wheels, the error gives the reason."""
     refusal = interpreters.wheels_refusal(replace(GOOD, **change))
 
     assert words in refusal

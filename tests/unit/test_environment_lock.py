@@ -18,14 +18,14 @@ PINS = [line for line in TEXT.splitlines() if line and not line.startswith('#')]
 
 
 def test_lock_has_digests_and_no_addresses_or_paths():
-    """Any mirror serves the lock, and only the files that were there when it was written."""
+    """Any mirror can serve the lock, and the digests fix the files."""
     for line in PINS:
         assert '--hash=sha256:' in line
         assert not re.search(r'://|@|/', line)
 
 
 def test_lock_every_line_is_an_exact_pin():
-    """Every line is name==version, with a marker that the set-up understands."""
+    """Every line is name==version, with a marker that the set-up can read."""
     for line in PINS:
         assert pins_module.PIN.match(line), line
         marker = line.partition(';')[2].partition('--hash')[0]
@@ -53,7 +53,7 @@ def test_lock_has_every_direct_requirement(python):
 
 
 def test_lock_has_one_owner_of_the_lark_folder():
-    """Of the two packages that own site-packages/lark only the new one is installed."""
+    """Of the two packages that own site-packages/lark, only the newer is installed."""
     pins = pins_module.pins_for(TEXT, '3.12')
 
     assert 'lark-parser' not in pins
@@ -61,7 +61,7 @@ def test_lock_has_one_owner_of_the_lark_folder():
 
 
 def test_reading_notebooks_compiles_no_grammar():
-    """It took ten times as long with an option of jsonschema that nobody here needs."""
+    """An option of jsonschema that the course does not need made reading ten times slower."""
     loaded = [sys.executable, '-c', 'import nbformat, sys; print("lark" in sys.modules)']
     said = subprocess.run(loaded, capture_output=True, text=True, check=True, timeout=60)
 
@@ -78,7 +78,7 @@ def test_pins_for_sourced_leaves_ros_and_numpy_out():
 
 
 def test_merge_different_versions_get_markers():
-    """Pythons that agree share a line; others get the narrowest range."""
+    """Pythons with the same version share a line; others get the narrowest range."""
     pins = {
         '3.10': {'a': '1', 'b': '1', 'c': '1', 'e': '1'},
         '3.11': {'a': '1', 'b': '2', 'c': '2'},
@@ -103,7 +103,7 @@ def test_merge_different_versions_get_markers():
 
 
 def test_pins_of_report_uses_one_spelling():
-    """Names of pip's report are spelled alike; what is left out on purpose is dropped."""
+    """The spellings of pip become one, and packages that are left out on purpose are dropped."""
     named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
     left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
     report = {
@@ -125,7 +125,7 @@ def test_pins_of_report_uses_one_spelling():
 
 
 def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
-    """A wheel for each; the marker stays in front of them."""
+    """Each Python has its wheel, and the marker comes before the digests."""
     one, two = 'a' * 64, 'b' * 64
     line = 'x==1 ; python_version < "3.12"'
     (whole,) = lock.with_digests([line], [{'x==1': two}, {'x==1': one}, {'x==1': two}])
@@ -137,7 +137,7 @@ def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
 
 
 def test_oldest_of_each_takes_the_oldest_patch_release():
-    """What the oldest Python of a version resolves, the newer ones can install too."""
+    """Newer patch releases can install what the oldest one resolves."""
     this = interpreters.probe(sys.executable, os.environ)
     found = [
         replace(this, release=release) for release in ('3.11.7', '3.11.10', '3.11.2', '3.12.1')

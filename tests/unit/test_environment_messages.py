@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 import os
 from pathlib import Path
+import re
 import subprocess
 import sys
 import sysconfig
@@ -24,7 +25,7 @@ pytestmark = pytest.mark.slow  # pip installs toy packages
 
 
 def test_comments_and_empty_lines_name_nothing():
-    """The file of the project explains itself and names no package."""
+    """The project's own file has only comments, and names no package."""
     assert messages.wanted(MESSAGES_FILE.read_text(encoding='utf-8')) == {}
     assert messages.wanted('\nRos-Toy_Msgs==1.0  # for lesson 20\n') == {'ros-toy-msgs': '1.0'}
 
@@ -40,7 +41,7 @@ def test_comments_and_empty_lines_name_nothing():
     ],
 )
 def test_refused_line_is_named_with_the_line_to_write(line, advice):
-    """Metapackages bring nothing without their dependencies, and a range is not reproducible."""
+    """Metapackages are useless without their dependencies, and a range is not reproducible."""
     with pytest.raises(StepError) as caught:
         messages.wanted(f'# first\n{line}\n')
 
@@ -75,7 +76,7 @@ def test_requirements_names_the_packages_that_are_used():
     ],
 )
 def test_package_of_another_distribution_is_refused(asked, said, advice):
-    """Its compiled code would not fit."""
+    """The compiled code of another distribution would not fit."""
     with pytest.raises(StepError) as caught:
         messages.requirements(report(asked), {'ros-std-msgs': '5.3.6'})
 
@@ -92,7 +93,7 @@ class SetUp:
     """
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Make the environment; its pip is the one of this Python."""
+        """Create the environment, which uses the pip of this Python."""
         self.file, self.wheels = folder / 'messages.txt', folder / 'wheels'
         self.wheels.mkdir()
         monkeypatch.setattr(stamps, 'MESSAGES_FILE', self.file)
@@ -112,7 +113,7 @@ class SetUp:
         self.plan = Plan(self.places, {**os.environ, **alone}, 'wheels', python)
 
     def wheel(self, name: str, *requires: str) -> None:
-        """Make a wheel with one module."""
+        """Create a wheel with one module."""
         module = name.removeprefix('ros-').replace('-', '_')
         info = f'{name.replace("-", "_")}-1.0.dist-info'
         metadata = ['Metadata-Version: 2.1', f'Name: {name}', 'Version: 1.0']
@@ -131,19 +132,19 @@ class SetUp:
 
     @property
     def modules(self) -> set[str]:
-        """The packages that are installed."""
+        """Return the packages that are installed."""
         return {path.name for path in self.places.site_packages().glob('*_msgs')}
 
 
 @pytest.fixture
 def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
-    """Return the step in an environment of its own."""
+    """Return the step in a separate environment."""
     return SetUp(tmp_path, monkeypatch)
 
 
 @pytest.mark.slow
 def test_named_packages_are_installed_and_others_removed(set_up):
-    """The note has the version of each package and of the further ones that it uses."""
+    """The note has the version of each package and of the packages that it uses."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
 
@@ -163,34 +164,27 @@ def test_named_packages_are_installed_and_others_removed(set_up):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ('text', 'said'),
-    [
-        (
-            'ros-none-msgs==1.0\n',
-            'environment/messages.txt: pip cannot install ros-none-msgs==1.0',
-        ),
-        ('ros-toy-msgs==1.0\n', 'ros-toy-msgs uses ros-base-msgs, which is not installed'),
-        ('ros-std-msgs==5.3.6\n', 'ros-std-msgs==5.3.6 is always installed'),
-    ],
-)
-def test_refused_file_installs_nothing_and_has_no_stamp(set_up, text, said):
-    """So the next make tries again; what was installed before stays."""
+def test_refused_file_installs_nothing_and_has_no_stamp(set_up):
+    """The next make tries again, and what was installed before stays."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')
 
-    with pytest.raises(StepError) as caught:
-        set_up.go(text)
+    for line, said in {
+        'ros-none-msgs==1.0': 'environment/messages.txt: pip cannot install ros-none-msgs==1.0',
+        'ros-toy-msgs==1.0': 'ros-toy-msgs uses ros-base-msgs, which is not installed',
+        'ros-std-msgs==5.3.6': 'ros-std-msgs==5.3.6 is always installed',
+    }.items():
+        with pytest.raises(StepError, match=re.escape(said)):
+            set_up.go(f'{line}\n')
 
-    assert said in str(caught.value)
-    assert set_up.modules == {'base_msgs'}
-    assert stamps.read_stamp(set_up.places, 'messages') != set_up.plan.digest('messages')
+        assert set_up.modules == {'base_msgs'}
+        assert stamps.read_stamp(set_up.places, 'messages') != set_up.plan.digest('messages')
 
 
 @pytest.mark.slow
 def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
-    """A wheel without a note would stay in the environment unseen."""
+    """A wheel without a note would stay in the environment unnoticed."""
     set_up.wheel('ros-toy-msgs')
 
     def stopped(*_):
@@ -206,7 +200,7 @@ def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypat
 
 
 def test_editing_the_file_needs_only_its_own_step(set_up):
-    """Neither the virtual environment nor the ROS package of the course is made again."""
+    """The virtual environment and the course's ROS package are not prepared again."""
     steps = ('venv', 'packages', 'workspace', 'messages')
     set_up.file.write_text('', encoding='utf-8')
     before = {step: set_up.plan.digest(step) for step in steps}
@@ -218,7 +212,7 @@ def test_editing_the_file_needs_only_its_own_step(set_up):
 
 
 def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
-    """It decides on their versions; nothing is taken from PyPI."""
+    """The versions are those of the installation, and nothing comes from PyPI."""
     shared = tmp_path / 'ros' / 'share' / 'toy_msgs'
     shared.mkdir(parents=True)
     (shared / 'package.xml').write_text('<version>2.3.4</version>', encoding='utf-8')
@@ -233,7 +227,7 @@ def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
 
 
 def test_doctor_names_the_file_and_what_is_missing(set_up):
-    """Offline: the note in the environment tells."""
+    """Without a network, the note in the environment is enough."""
     set_up.wheel('ros-toy-msgs')
     set_up.go('ros-toy-msgs==1.0\n')
 
@@ -250,7 +244,7 @@ def test_doctor_names_the_file_and_what_is_missing(set_up):
 
 
 def test_missing_file_names_nothing(set_up):
-    """A copy of the course may lack it."""
+    """A copy of the course may not have the file."""
     set_up.go('')
     set_up.file.unlink()
 
@@ -261,7 +255,7 @@ def test_missing_file_names_nothing(set_up):
 
 @pytest.mark.parametrize('text', ['', '[]', '{'])
 def test_damaged_note_means_no_further_packages(tmp_path, text):
-    """The next set-up writes it again."""
+    """The next set-up writes the note again."""
     (tmp_path / 'ros_messages.json').write_text(text, encoding='utf-8')
 
     assert further_messages(tmp_path) == {}

@@ -1,4 +1,4 @@
-"""The ros2 command that the set-up installs: its environment, and when it steps aside."""
+"""The ros2 command that the set-up installs, which leaves room for a real one."""
 
 from dataclasses import replace
 import os
@@ -40,7 +40,7 @@ def sourced(tmp_path, wheels):
 
 
 def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
-    """A sourced workspace and a choice of the shell win; nothing is lost or repeated."""
+    """The shell's sourced workspace and choices come first, and nothing is lost or repeated."""
     ours = wheels.variables['AMENT_PREFIX_PATH']
     shell = {
         'PATH': '/usr/bin',
@@ -57,14 +57,14 @@ def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
 
 
 def test_discovery_variables_leave_another_middleware_alone(wheels):
-    """Settings for Fast DDS are for Fast DDS only."""
+    """Settings for Fast DDS are not set for another middleware."""
     other = replace(wheels, variables={'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'})
 
     assert ros2_command.discovery_variables(other) == {}
 
 
 def test_script_is_installed_with_the_wheels(places, wheels):
-    """The wheels have no ros2, so the venv gets the course's, and the doctor says so."""
+    """The wheels have no ros2, so the environment gets the course's, as the doctor says."""
     install_files.write_ros2_command(places, wheels)
     script = places.venv / 'bin' / 'ros2'
 
@@ -74,7 +74,7 @@ def test_script_is_installed_with_the_wheels(places, wheels):
 
 
 def test_script_steps_aside_for_a_real_one(places, wheels, sourced):
-    """An installation's own ros2 is never hidden, not even by an older set-up's script."""
+    """An installation's own ros2 is never hidden, even by the script of an older set-up."""
     install_files.write_ros2_command(places, wheels)
     install_files.write_ros2_command(places, sourced)
 
@@ -84,7 +84,7 @@ def test_script_steps_aside_for_a_real_one(places, wheels, sourced):
 
 
 def test_foreign_ros2_in_the_venv_is_left_alone(places, sourced):
-    """Only what this set-up wrote is removed."""
+    """Only a script that this set-up wrote is removed."""
     script = places.venv / 'bin' / 'ros2'
     script.write_text('#!/bin/sh\n')
     install_files.write_ros2_command(places, sourced)
@@ -93,14 +93,14 @@ def test_foreign_ros2_in_the_venv_is_left_alone(places, sourced):
 
 
 def test_missing_script_is_found_by_the_doctor(places, wheels):
-    """Without it, lessons that show commands do not work."""
+    """Lessons that show commands need the script."""
     found = doctor.check_ros2_command(places, wheels)
 
     assert (found.state, found.fix) == (doctor.MISSING, doctor.PREPARE)
 
 
 def run_main(places, ros: RosEnvironment, *arguments):
-    """Run the file as the script does, with a description of its own."""
+    """Run the file as the script does, with this description."""
     install_files.write_description(places, ros)
     return subprocess.run(
         [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), *arguments],
@@ -111,7 +111,7 @@ def run_main(places, ros: RosEnvironment, *arguments):
 
 
 def test_command_called_beside_a_real_one_starts_that(places, sourced):
-    """If our command is called anyway, it prints a notice and starts the real one."""
+    """The course's command prints a notice and starts the real one."""
     done = run_main(places, sourced, 'topic', 'list')
 
     assert done.stdout == 'the real one: topic list\n'
@@ -119,7 +119,7 @@ def test_command_called_beside_a_real_one_starts_that(places, sourced):
 
 
 def test_command_without_description_says_what_to_do(places):
-    """In a venv that was not prepared there is one line of advice."""
+    """Without a description, one line says what to do."""
     done = subprocess.run(
         [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
         capture_output=True,

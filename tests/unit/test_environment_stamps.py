@@ -1,4 +1,4 @@
-"""When a prepared environment counts as up to date."""
+"""A prepared environment is up to date until something that it was made from changes."""
 
 import pytest
 
@@ -18,7 +18,7 @@ def places(tmp_path):
 
 
 def write_ready(places, environ, python_version):
-    """Note that the project as it is now was prepared."""
+    """Note that the current project was prepared."""
     stamps.write_ready(places, environ, python_version, stamps.whole_digest(places))
 
 
@@ -28,7 +28,7 @@ def test_is_ready_nothing_prepared_is_false(places):
 
 
 def test_is_ready_after_write_is_true(places):
-    """What was written last is ready, in a shell that asks for nothing."""
+    """The environment is ready after it was prepared, if the shell asks for nothing else."""
     write_ready(places, {}, '3.12')
 
     assert stamps.is_ready(places, {})
@@ -37,7 +37,7 @@ def test_is_ready_after_write_is_true(places):
 
 @pytest.mark.parametrize('name', ['msg/Num.msg', 'msg/New.msg', 'package.xml'])
 def test_is_ready_changed_source_is_false(places, name):
-    """A changed or added file of the ROS package has to be built."""
+    """A changed or added file of the ROS package needs a build."""
     write_ready(places, {}, '3.12')
     (places.package / name).write_text('float64 changed\n')
 
@@ -55,7 +55,7 @@ def test_is_ready_changed_test_is_true(places):
 
 
 def test_is_ready_edited_while_preparing_is_false(places):
-    """What was edited during the set-up is not taken for prepared."""
+    """A file that was edited during the set-up counts as changed."""
     before = stamps.whole_digest(places)
     (places.package / 'msg' / 'Num.msg').write_text('int32 num\n')
     stamps.write_ready(places, {}, '3.12', before)
@@ -74,7 +74,7 @@ def test_is_ready_moved_project_is_false(places, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '{"digest": 1}'])
 def test_is_ready_damaged_stamp_is_false(places, text):
-    """A damaged stamp only means that the set-up looks again."""
+    """After a damaged stamp, the set-up runs again."""
     write_ready(places, {}, '3.12')
     places.ready.write_text(text)
 
@@ -82,7 +82,7 @@ def test_is_ready_damaged_stamp_is_false(places, text):
 
 
 def test_is_ready_other_python_asked_for_is_false(places):
-    """PYTHON=... counts only if it was asked for when the environment was prepared."""
+    """PYTHON=... counts only if it was given when the environment was prepared."""
     write_ready(places, {'PYTHON': 'python3.11'}, '3.11')
 
     assert stamps.is_ready(places, {'PYTHON': 'python3.11'})
@@ -91,7 +91,7 @@ def test_is_ready_other_python_asked_for_is_false(places):
 
 
 def test_is_ready_newly_sourced_ros_is_false(places):
-    """In a shell with ROS 2 Jazzy sourced an environment from PyPI is looked at again."""
+    """A shell with ROS 2 Jazzy sourced does not accept an environment from PyPI."""
     sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
     write_ready(places, {}, '3.12')
 
@@ -100,7 +100,7 @@ def test_is_ready_newly_sourced_ros_is_false(places):
 
 
 def test_is_ready_sourced_once_serves_later_shells(places):
-    """Once prepared with a sourced ROS 2, nobody needs to source it again."""
+    """An environment with a sourced ROS 2 is ready in shells that do not source it."""
     sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
     write_ready(places, sourced, '3.12')
 
@@ -110,5 +110,5 @@ def test_is_ready_sourced_once_serves_later_shells(places):
 
 
 def test_digest_of_borders_count():
-    """Moving text from one part to the next changes the digest."""
+    """A text that moves from one part to the next changes the digest."""
     assert stamps.digest_of('ab', 'c') != stamps.digest_of('a', 'bc')

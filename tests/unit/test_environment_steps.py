@@ -1,4 +1,4 @@
-"""Running steps: resuming, explaining, waiting for one another."""
+"""Steps of the set-up: they resume, explain failures and wait for one another."""
 
 import dataclasses
 import io
@@ -42,7 +42,7 @@ class FakeSetUp:
         ]
 
     def run(self, name, job):
-        """Do one step, or fail as asked."""
+        """Do one step, or fail if the test wants it."""
         self.ran.append(name)
         print(f'working on {name}', file=job.log, flush=True)
         if self.fail_in == name:
@@ -50,7 +50,7 @@ class FakeSetUp:
         (self.folder / name).touch()
 
     def go(self, **screen):
-        """Run the steps and return whether all went well."""
+        """Run the steps and return whether all succeeded."""
         return run_steps(self.steps(), self.folder / 'logs', Screen(self.out, **screen))
 
 
@@ -68,7 +68,7 @@ def test_run_steps_all_needed_runs_in_order(fake):
 
 
 def test_run_steps_second_time_does_nothing(fake):
-    """When all is done nothing runs and nothing is said."""
+    """If all steps are done, nothing runs and nothing is printed."""
     fake.go()
     fake.out.truncate(0)
     fake.ran.clear()
@@ -79,7 +79,7 @@ def test_run_steps_second_time_does_nothing(fake):
 
 
 def test_run_steps_failure_explains_and_stops(fake):
-    """A failed step says what failed, shows the end of its log and what to do."""
+    """The error names the step, shows the end of its log and says what to do."""
     fake.fail_in = 'two'
 
     assert not fake.go()
@@ -91,7 +91,7 @@ def test_run_steps_failure_explains_and_stops(fake):
 
 
 def test_run_steps_after_failure_goes_on_there(fake):
-    """Run again, a half-finished set-up does only the rest."""
+    """The next run does only the steps that are left."""
     fake.fail_in = 'two'
     fake.go()
     fake.fail_in = None
@@ -102,7 +102,7 @@ def test_run_steps_after_failure_goes_on_there(fake):
 
 
 def test_run_steps_killed_step_runs_again(fake):
-    """A step that was killed left no stamp, so it runs again."""
+    """A killed step has no stamp, so it runs again."""
     fake.run = lambda name, job: (_ for _ in ()).throw(KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):
         fake.go()
@@ -113,7 +113,7 @@ def test_run_steps_killed_step_runs_again(fake):
 
 
 def test_run_steps_on_ci_says_one_line_a_step(fake):
-    """On CI a step that works is one line."""
+    """On CI, a step that succeeds is one line."""
     fake.go(quiet=True)
 
     lines = fake.out.getvalue().splitlines()
@@ -122,7 +122,7 @@ def test_run_steps_on_ci_says_one_line_a_step(fake):
 
 
 def test_job_run_failing_command_tells_its_code(tmp_path):
-    """A command that fails is named with its code, and its output is in the log."""
+    """The error has the exit code, and the log has the output."""
     command = [sys.executable, '-S', '-c', 'print("some words"); raise SystemExit(3)']
     step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
     out = io.StringIO()
@@ -133,7 +133,7 @@ def test_job_run_failing_command_tells_its_code(tmp_path):
 
 
 def test_job_run_missing_command_is_a_step_error(tmp_path):
-    """A command that is not there is explained like any failure."""
+    """A command that does not exist is explained like any other failure."""
     step = Step('x', 'X', lambda: True, lambda job: job.run(['/no/such/tool'], {}))
     out = io.StringIO()
 
@@ -142,7 +142,7 @@ def test_job_run_missing_command_is_a_step_error(tmp_path):
 
 
 def test_locked_second_holder_waits(tmp_path):
-    """While one process holds the lock another says that it waits, and then goes on."""
+    """A second process says that it waits, and then continues."""
     lock = tmp_path / 'venv.lock'
     code = (
         'import sys, pathlib; from environment.steps import locked, Screen\n'
@@ -167,7 +167,7 @@ def test_locked_second_holder_waits(tmp_path):
 
 
 def test_clear_venv_foreign_folder_is_refused(tmp_path):
-    """A folder with somebody's files is never emptied."""
+    """A folder that is not a virtual environment is never emptied."""
     (tmp_path / '.venv').mkdir()
     (tmp_path / '.venv' / 'thesis.txt').touch()
 
@@ -177,7 +177,7 @@ def test_clear_venv_foreign_folder_is_refused(tmp_path):
 
 
 def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
-    """It belongs to another copy of the course, which would be without one."""
+    """The environment behind a link belongs to another copy of the course."""
     other = tmp_path / 'other'
     other.mkdir()
     (other / 'pyvenv.cfg').touch()
@@ -189,7 +189,7 @@ def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
 
 
 def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
-    """A half-made venv is removed with its stamps; the log being written stays."""
+    """An unfinished environment is removed with its stamps, but not the log in use."""
     places = Places.of('.venv', tmp_path)
     (places.venv / 'lib').mkdir(parents=True)
     (places.venv / 'lib64').symlink_to('lib')

@@ -1,4 +1,4 @@
-"""Programs from the system: installed where allowed, otherwise named."""
+"""Missing programs of the system are installed if that is allowed, and otherwise named."""
 
 import os
 
@@ -21,7 +21,7 @@ done
 
 @pytest.fixture
 def machine(tmp_path, monkeypatch):
-    """Return a folder that is all of the PATH, with room for a fake apt-get."""
+    """Return a folder that is the whole PATH, and in which a fake apt-get can be put."""
     folder = tmp_path / 'bin'
     folder.mkdir()
     monkeypatch.setenv('PATH', str(folder))
@@ -31,7 +31,7 @@ def machine(tmp_path, monkeypatch):
 
 
 def add_apt(folder, update_code=0):
-    """Put a fake apt-get on the PATH; return the file in which it notes its arguments."""
+    """Add a fake apt-get to the PATH; return the file in which it notes its arguments."""
     log = folder.parent / 'apt.log'
     program = folder / 'apt-get'
     program.write_text(FAKE_APT.format(log=log, folder=folder, update_code=update_code))
@@ -40,13 +40,13 @@ def add_apt(folder, update_code=0):
 
 
 def install(python=None):
-    """Run the step with the PATH as it is."""
+    """Run the step with the current PATH."""
     with open(os.devnull, 'w') as log:
         system.install_missing(Job(log), os.environ, python)
 
 
 def test_install_missing_as_root_uses_apt(machine, monkeypatch):
-    """As root everything that is missing is installed by one apt-get."""
+    """As root, one apt-get installs everything that is missing."""
     monkeypatch.setattr(os, 'geteuid', lambda: 0)
     log = add_apt(machine)
 
@@ -69,7 +69,7 @@ def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypat
 
 
 def test_install_missing_without_root_names_the_command(machine, monkeypatch):
-    """Without root and sudo the error has the one command to type."""
+    """Without root and sudo, the error has the one command to type."""
     monkeypatch.setattr(os, 'geteuid', lambda: 1000)
     log = add_apt(machine)
 
@@ -94,7 +94,7 @@ def test_install_missing_only_bubblewrap_goes_on(machine, monkeypatch):
 
 
 def test_apt_get_with_password_is_not_used(machine, monkeypatch):
-    """A sudo that asks for a password would hang a set-up without a keyboard."""
+    """A sudo that asks for a password would block a set-up without a keyboard."""
     monkeypatch.setattr(os, 'geteuid', lambda: 1000)
     add_apt(machine)
     sudo = machine / 'sudo'

@@ -1,4 +1,4 @@
-"""Mistakes in an exam are refused with their place, before a class is graded with it."""
+"""Mistakes in an exam are refused with their place before a class is graded."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from autograder.authoring import release as course
 from autograder.authoring.exam_mistakes import (
     differs_from_visible,
     lesson_headings,
@@ -38,12 +37,12 @@ def exam(**scenario) -> Exam:
 
 
 def feed(topic, *messages, **facts):
-    """Return a step that sends."""
+    """Return a step that sends a message."""
     return Feed(topic, messages or [{'data': 'x'}], **facts)
 
 
 class TestWhenItIsMade:
-    """What a scenario says of itself."""
+    """Mistakes that the scenario itself shows."""
 
     @pytest.mark.parametrize(
         ('scenario', 'said'),
@@ -81,14 +80,14 @@ class TestWhenItIsMade:
         ],
     )
     def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
-        """It names exam, step, what was expected and what was found."""
+        """The error has the exam, the step, and the expected and found values."""
         with pytest.raises(ExamInvalid) as refused:
             exam(**scenario)
 
         assert said in str(refused.value)
 
     def test_what_comes_and_goes_in_order_is_fine(self):
-        """A publisher that was offered may send until it has left."""
+        """A publisher that was offered may send until it leaves."""
         steps = (
             Offer('one', '/t', STRING),
             feed('one'),
@@ -101,7 +100,7 @@ class TestWhenItIsMade:
 
 
 class TestWithRos:
-    """What only an installation knows: the probe's own code tries to send it."""
+    """Mistakes that only an installed ROS shows, because the probe's code tries to send."""
 
     @pytest.mark.parametrize(
         ('scenario', 'said'),
@@ -125,14 +124,14 @@ class TestWithRos:
         ],
     )
     def test_a_type_or_field_that_is_not_there_is_named(self, scenario, said):
-        """With its place, and what to do."""
+        """A missing type or field is named with its place and what to do."""
         (line,) = unsendable([exam(**scenario)])
 
         assert line.startswith(said)
         assert 'environment/messages.txt' in line
 
     def test_values_that_their_fields_cannot_hold_are_named(self):
-        """With exam, step, message and field: the probe would break off with them."""
+        """The error has the exam, the step and the field, on which the probe would fail."""
         wrong = [
             ('std_msgs/msg/Bool', {'data': 'yes'}, "'data'"),
             ('std_msgs/msg/Bool', {'data': 1}, "'data'"),
@@ -167,7 +166,7 @@ class TestWithRos:
         assert len(lines) == len(wrong)
 
     def test_a_request_is_tried_too(self):
-        """Down to the value of a parameter."""
+        """A request is tried down to the value of a parameter."""
         kind = 'rcl_interfaces/srv/SetParameters'
         wanted = {'parameters': [{'name': 'a', 'value': {'type': 2, 'integer_value': 'two'}}]}
         wrong = exam(steps=(Call('/a', 'set_parameters', kind, wanted),))
@@ -198,20 +197,16 @@ class TestWithRos:
 
         assert unsendable(exams) == []
 
-    def test_every_exam_of_the_course_is_free_of_them(self):
-        """The same as ``make check`` says."""
-        assert course.unfit_exams(Layout.here()) == []
-
 
 HEADINGS = {'01_x': {'Part 1: Doors', 'Summary'}, '02_y': {'Part 2: Timers'}}
 
 
 class TestWithTheLessons:
-    """Where a learner is sent to read."""
+    """The sections that learners are sent to."""
 
     @staticmethod
     def reads(section='', own=''):
-        """Return an exam with one check, and where the two send a learner."""
+        """Return an exam with one check; both can name a section to read."""
         made = exam()
         made.read = section
 
@@ -240,7 +235,7 @@ class TestWithTheLessons:
         ],
     )
     def test_a_section_that_no_lesson_has_is_refused(self, section, own, said):
-        """A check's own comes before the exam's."""
+        """The section of a check comes before that of the exam."""
         (line,) = read_mistakes(self.reads(section, own), HEADINGS)
 
         assert line.startswith('exam sample, check opens: ')
@@ -256,16 +251,16 @@ class TestWithTheLessons:
         ],
     )
     def test_a_heading_is_fine(self, section, own):
-        """Of this lesson or of another one."""
+        """A heading of this or another lesson is accepted."""
         assert list(read_mistakes(self.reads(section, own), HEADINGS)) == []
 
     def test_without_the_lesson_only_an_empty_section_is_refused(self):
-        """Its headings cannot be known."""
+        """If the lesson is missing, its headings are unknown."""
         assert list(read_mistakes(self.reads('Part 7'), {})) == []
         assert len(list(read_mistakes(self.reads(), {}))) == 1
 
     def test_headings_are_those_of_the_released_lessons(self, tmp_path: Path):
-        """A file that is no notebook has none."""
+        """A damaged notebook has no headings."""
         for name, text in (
             ('01_x', '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'),
             ('02_y', '{}'),
@@ -277,10 +272,10 @@ class TestWithTheLessons:
 
 
 class TestBeforeItIsUsed:
-    """Two versions of one exam, and the proof on this machine."""
+    """Differences between the two versions of an exam, and the self-check."""
 
     def test_the_graded_exam_is_the_visible_one_with_other_inputs(self):
-        """Other cells would be other answers."""
+        """With other cells, the answers would differ."""
         graded, visible = exam(), exam()
         graded.cells = ('b',)
 
@@ -289,7 +284,7 @@ class TestBeforeItIsUsed:
         assert "expected the same cells as in the visible exam, ('a',), got ('b',)" in line
 
     def test_self_check_refuses_an_exam_before_it_runs_it(self, tmp_path: Path, monkeypatch):
-        """A run that cannot end well would be told as the probe's fault."""
+        """An exam with a mistake is not run, because the probe would seem to be at fault."""
         from autograder.authoring import self_check as module
 
         wrong = exam(watch={'/t': 'std_msgs/msg/Strin'})

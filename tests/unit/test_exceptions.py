@@ -1,4 +1,4 @@
-"""Exceptions of beginners are told in their words, with the place and the repair."""
+"""Exceptions of beginners are explained with the line and the repair."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SPUN = """  File "/venv/site-packages/rclpy/executors.py", line 111, in await_or
 
 
 def trace(error, line=5, code=CODE, below=''):
-    """Return what is read off a program that died of an error in a line of CODE."""
+    """Return what the grader reads from a program that died in a line of CODE."""
     stderr = (
         'Traceback (most recent call last):\n'
         '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
@@ -181,7 +181,7 @@ def at(code, error, below=''):
     ids=lambda value: value if isinstance(value, str) and ' ' not in value else '',
 )
 def test_errors_of_beginners_have_a_name_of_their_own(error, cause_id, words):
-    """The texts are those that Python and rclpy print."""
+    """The errors are those that Python and rclpy print."""
     found = cause(error)
 
     assert found.cause_id == cause_id
@@ -190,7 +190,7 @@ def test_errors_of_beginners_have_a_name_of_their_own(error, cause_id, words):
 
 
 def test_a_method_that_is_called_is_told_from_one_with_the_wrong_arguments():
-    """Where the line itself calls it, the brackets are one pair too many."""
+    """A method that is called in the line has a pair of brackets too many."""
     error = "TypeError: Talker.speak() missing 1 required positional argument: 'event'"
     called = at(
         'class Talker(Node):\n    def speak(self, event):\n        pass\n'
@@ -208,7 +208,7 @@ def test_a_method_that_is_called_is_told_from_one_with_the_wrong_arguments():
 
 
 def test_a_message_made_with_a_wrong_field_is_named_if_the_line_shows_it():
-    """So that the line to type is a whole one."""
+    """If the line shows the message, the repair is a whole line."""
     error = 'AssertionError: Invalid arguments passed to constructor: temp'
     code = CODE.replace('self.create_timer(1.0, self.speak())', 'text = String(temp=1)')
 
@@ -221,7 +221,7 @@ def test_a_message_made_with_a_wrong_field_is_named_if_the_line_shows_it():
 
 
 def test_what_is_found_out_while_spinning_names_no_line():
-    """The line that spins is innocent."""
+    """The line that spins is not named, because it did not cause the error."""
     handed = cause(
         'TypeError: Talker.hear() takes 1 positional argument but 2 were given', 7, SPUN
     )
@@ -330,7 +330,7 @@ def test_wrong_arguments_are_explained_by_what_is_called(line, error, cause_id, 
 
 
 def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
-    """A lambda has no name; rclpy's own check of a subscription has no function."""
+    """A lambda, and rclpy's own check of a subscription, are recognised too."""
     lambdas = at(
         'rclpy.spin(node)',
         'TypeError: Talker.__init__.<locals>.<lambda>() takes 0 positional arguments but 1 was '
@@ -368,7 +368,7 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
     ],
 )
 def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
-    """What helps a float spoils a text."""
+    """The repair depends on the type of the field: a float and a string need different ones."""
     name = 'sec' if '.sec' in line else 'stamp' if '.stamp' in line else 'data'
     name = 'pose' if '.pose' in line else name
 
@@ -391,7 +391,7 @@ def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
     ],
 )
 def test_whole_message_in_place_of_its_value_is_told(error):
-    """The callback names the message, and its type the field."""
+    """The callback names the message, and the type of the message names the field."""
     used = at(f'{SPEAKER}        self.total += reading', f'TypeError: {error}')
     elsewhere = at(f'{SPEAKER}        compare(it)', f'TypeError: {error}')
 
@@ -401,7 +401,7 @@ def test_whole_message_in_place_of_its_value_is_told(error):
 
 
 def test_whole_message_of_several_fields_or_of_text_is_told():
-    """Which field it is only the learner knows; a text has methods that a message has not."""
+    """If a message has several fields, or is used as a string, no field is chosen."""
     several = at(
         f'{SPEAKER}Header() > 1', "TypeError: '>' not supported between 'Header' and 'int'"
     )
@@ -477,7 +477,7 @@ def test_whole_message_of_several_fields_or_of_text_is_told():
     ],
 )
 def test_evidence_in_the_error_and_its_line_is_used(line, error, cause_id, words):
-    """The line says what is used there, the error what it is."""
+    """The line shows what is used, and the error its type."""
     found = at(f'{SPEAKER}{line}', error)
 
     assert found.cause_id == cause_id
@@ -510,7 +510,7 @@ def test_line_that_spins_something_else_than_a_node_is_named(line, error, words)
 
 
 def test_what_nobody_can_explain_is_told_with_its_line():
-    """Feedback shows no traceback, so the line is quoted; who raises it need not look for it."""
+    """Feedback has no traceback, so it quotes the line of an unknown exception."""
     error = 'ZeroDivisionError: float division by zero'
     looked_at = at('self.mean = self.total / 0.0', error)
     own = at("raise Exception('unknown unit')", 'Exception: unknown unit')
@@ -524,7 +524,7 @@ def test_what_nobody_can_explain_is_told_with_its_line():
 
 
 def test_raise_that_passes_an_exception_on_is_told():
-    """The program catches its own exception, so an except is not missing."""
+    """A program that raises its exception again does not lack an except."""
     code = 'try:\n    f()\nexcept UnknownUnit:\n    raise  # again\nraise UnknownUnit(unit)'
 
     found = at(code, 'UnknownUnit: K')
@@ -534,7 +534,7 @@ def test_raise_that_passes_an_exception_on_is_told():
 
 
 def test_paths_of_the_machine_are_cut():
-    """An import error shows where a module lies."""
+    """The folder of a module is removed from an import error."""
     error = "ImportError: cannot import name 'QosProfile' from 'rclpy.qos' (/usr/lib/qos.py)"
 
     assert '/usr' not in cause(error).text

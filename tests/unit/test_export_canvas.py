@@ -48,7 +48,7 @@ def cells(data, delimiter=','):
 
 
 def test_one_column_is_filled_and_every_other_cell_stays():
-    """In their order, with what Canvas wrote above them."""
+    """The order of the cells and the lines above the students stay the same."""
     done = fill(marks(ada=6.25))
     before, after = cells(book()), cells(done.data)
 
@@ -66,7 +66,7 @@ def test_one_column_is_filled_and_every_other_cell_stays():
 
 @pytest.mark.parametrize('student', ['ada', 's11', '11'])
 def test_a_student_is_found_by_any_id(student):
-    """SIS Login ID, SIS User ID, ID."""
+    """A student is found by SIS Login ID, SIS User ID or ID."""
     done = fill([Mark(student, 1.0, 6.5)])
 
     assert cells(done.data)[3][7] == '1'
@@ -74,7 +74,7 @@ def test_a_student_is_found_by_any_id(student):
 
 @pytest.mark.parametrize('login', ["o'neil@uni.example", 'bob+ros@uni.example'])
 def test_an_id_that_collect_had_to_change_is_found(login):
-    """By the same rule, as nbgrader takes no such id."""
+    """An id that nbgrader cannot use is changed here as in ``collect``."""
     data = book(ADA, BOB.replace('bob@uni.example', login))
     done = fill([Mark(student_id(login), 1.0, 6.5)], data)
 
@@ -91,7 +91,7 @@ def test_nobody_is_guessed(student):
 
 
 def test_an_id_of_two_lines_is_nobodys():
-    """The ids of one column may be those of another."""
+    """An id that two lines have is not used."""
     other = '"Else, Some",99,,s11,Sec 2,,,,'
     done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
 
@@ -100,7 +100,7 @@ def test_an_id_of_two_lines_is_nobodys():
 
 
 def test_two_students_of_one_line_get_nothing():
-    """A person has to say who it is."""
+    """If two ids lead to one line, a person has to choose."""
     done = fill(marks(ada=1.0, s11=2.0))
 
     assert cells(done.data) == cells(book())
@@ -108,7 +108,7 @@ def test_two_students_of_one_line_get_nothing():
 
 
 def test_no_mark_leaves_the_cell_as_it_is():
-    """For review and what is to be graded by hand: never a zero."""
+    """A submission that is for review or waits for a person gets no zero."""
     given = [Mark('ada', None, 6.5, REVIEW), Mark('bob@uni.example', None, 6.5, BY_HAND)]
     done = fill(given)
 
@@ -120,7 +120,7 @@ def test_no_mark_leaves_the_cell_as_it_is():
 
 
 def test_excused_stays_excused():
-    """And is told."""
+    """An excused student stays excused, and the report says so."""
     done = fill(marks(eve=6.5))
 
     assert cells(done.data)[5][7] == 'EX'
@@ -128,7 +128,7 @@ def test_excused_stays_excused():
 
 
 def test_what_is_replaced_is_told():
-    """Somebody may have entered it by hand."""
+    """A replaced mark is reported, because a person may have entered it."""
     done = fill([Mark('bob@uni.example', 4.0, 6.5)])
 
     assert done.replaced == [('bob@uni.example', '3.00', '4')]
@@ -136,25 +136,25 @@ def test_what_is_replaced_is_told():
 
 
 def test_the_same_points_are_no_change():
-    """Whatever digits Canvas writes."""
+    """A mark with other digits of the same value is not changed."""
     assert fill([Mark('bob@uni.example', 3.0, 6.5)]).replaced == []
 
 
 @pytest.mark.parametrize('column', ['Talker (102)', 'Talker', '102'])
 def test_the_column_is_named_by_header_title_or_id(column):
-    """Whatever is at hand."""
+    """The column is found by its header, its title or its id."""
     assert fill(marks(ada=1.0), column=column).column == 'Talker (102)'
 
 
 @pytest.mark.parametrize('column', ['Final Score', 'Notes', 'ID', 'Talkers', ''])
 def test_only_an_assignment_can_be_filled(column):
-    """Totals are read only; the error lists what there is."""
+    """A total is refused, and the error lists the assignments."""
     with pytest.raises(GraderError, match=r'Columns: Quiz 1 \(101\); Talker \(102\)'):
         fill(marks(ada=1.0), column=column)
 
 
 def test_two_columns_of_one_title_need_the_id():
-    """Canvas allows it."""
+    """If two columns have the same title, the id is needed."""
     twice = book().replace(b'Quiz 1 (101)', b'Talker (101)')
 
     with pytest.raises(
@@ -164,7 +164,7 @@ def test_two_columns_of_one_title_need_the_id():
 
 
 def test_other_points_possible_are_refused_or_scaled():
-    """A mark of 3 of 6.5 is no 3 of 10."""
+    """With other possible points, the marks are refused or scaled."""
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible .* got 10'):
         fill(marks(ada=3.25), column='101')
 
@@ -173,7 +173,7 @@ def test_other_points_possible_are_refused_or_scaled():
 
 
 def test_semicolons_commas_a_mark_and_line_ends_stay():
-    """Canvas writes them where the user's language has decimal commas."""
+    """A file with semicolons and decimal commas keeps its form."""
     text = book(ADA, end='\r\n').decode().replace(',', ';').replace('"Lovelace; Ada"', 'Ada')
     data = ('\ufeff' + text.replace('6.50', '6,50')).encode()
     done = fill(marks(ada=1.5), data)
@@ -184,7 +184,7 @@ def test_semicolons_commas_a_mark_and_line_ends_stay():
 
 
 def test_first_and_last_name_may_have_columns_of_their_own():
-    """A setting of Canvas."""
+    """Canvas can write first and last names in separate columns."""
     data = book().decode().replace('Student,', 'LastName,FirstName,', 1)
     data = data.replace('\n,', '\n,,').replace('Possible,', 'Possible,,').replace('"L', 'A,"L')
     lines = [line for line in data.splitlines() if not line.startswith(('"', '\n'))]
@@ -205,7 +205,7 @@ def test_first_and_last_name_may_have_columns_of_their_own():
     ],
 )
 def test_another_file_is_refused(data, got):
-    """With what was found, and where to get the right one."""
+    """The error says what was found and where to get the right file."""
     with pytest.raises(GraderError, match=got) as refused:
         fill(marks(ada=1.0), data or b'\n')
 
@@ -213,7 +213,7 @@ def test_another_file_is_refused(data, got):
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path):
-    """With the way to it."""
+    """The error names the missing file and says how to get it."""
     with pytest.raises(GraderError, match=r'none\.csv: the gradebook from Canvas cannot be read'):
         canvas.read_file(tmp_path / 'none.csv')
 

@@ -57,7 +57,7 @@ def marks_of(graded):
 
 
 def test_each_submission_has_a_line():
-    """With numbers as numbers."""
+    """Each submission has a line, with numbers as numbers."""
     ann, bob, _, hostile = marks_of(CLASS)
 
     assert (ann['points'], ann['max_points'], ann['status']) == ('2', '6.5', 'graded')
@@ -67,7 +67,7 @@ def test_each_submission_has_a_line():
 
 
 def test_a_student_without_a_submission_has_a_row_without_points():
-    """Late points are numbers, and empty without a penalty."""
+    """A missing student has no points, and without a penalty the late points are empty."""
     late = replace(automatic(CLASS.results[0]), points=1.5, late_points=0.5)
     rows = rfc4180(marks_csv([(CLASS, [late, ABSENT])], {'zoe': 'Zoe Example'}))
     ann, zoe = (dict(zip(rows[0], row)) for row in rows[1:])
@@ -78,14 +78,14 @@ def test_a_student_without_a_submission_has_a_row_without_points():
 
 
 def test_for_review_is_an_empty_cell():
-    """Never a zero."""
+    """A submission for review has an empty cell and no zero."""
     eve = marks_of(CLASS)[2]
 
     assert (eve['student'], eve['status'], eve['points']) == ('eve', 'for review', '')
 
 
 def test_checks_of_a_submission_for_review_have_no_points():
-    """The verdicts that there are can be read."""
+    """The verdicts of a submission for review are exported without points."""
     rows = rfc4180(checks_csv([CLASS]))
     lines = [dict(zip(rows[0], row)) for row in rows[1:]]
 
@@ -98,7 +98,7 @@ def test_checks_of_a_submission_for_review_have_no_points():
 
 
 def test_a_mark_that_is_not_complete_is_an_empty_cell():
-    """What is to be graded by hand has no mark yet."""
+    """A submission that waits for a person has no mark."""
     graded = ClassResults('01_talker', (submission(),))
     rows = rfc4180(
         marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])], {'ann': 'Ann Example'})
@@ -109,14 +109,14 @@ def test_a_mark_that_is_not_complete_is_an_empty_cell():
 
 @pytest.mark.parametrize('start', FORMULA_STARTS)
 def test_no_cell_begins_like_a_formula(start):
-    """Each of the signs that OWASP lists for CSV injection, and their full-width forms."""
+    """No cell begins with a sign that OWASP lists for CSV injection, or its full-width form."""
     for text in (f'{start}1+1', f' {start}cmd', f'\n{start}x', start):
         ((shown,),) = rfc4180(csv_bytes(['a'], [[text]]))[1:]
         assert shown.startswith("'"), repr(text)
 
 
 def test_hostile_words_stay_in_their_cell():
-    """Formulas, quotes, line breaks and control characters in names and causes."""
+    """Formulas, quotes, line breaks and control characters stay in their cell."""
     for table in (
         marks_csv([(CLASS, [automatic(one) for one in CLASS.results])], {'ann': EVIL}),
         checks_csv([CLASS]),
@@ -133,7 +133,7 @@ def test_hostile_words_stay_in_their_cell():
 @settings(deadline=None, max_examples=40)
 @given(strategies.lists(strategies.lists(strategies.text(), min_size=2, max_size=2), max_size=5))
 def test_any_text_keeps_the_grammar(rows):
-    """And Python's reader gets the same cells."""
+    """Any text keeps the grammar, and Python's reader returns the same cells."""
     data = csv_bytes(['a', 'b'], rows)
 
     read = rfc4180(data)
@@ -142,7 +142,7 @@ def test_any_text_keeps_the_grammar(rows):
 
 
 def test_the_hostile_text_is_hostile():
-    """Else the tests above would prove nothing."""
+    """The hostile text contains what the other tests look for."""
     assert FORMULA in EVIL
     assert '\x00' in EVIL
 
@@ -151,7 +151,7 @@ def test_the_hostile_text_is_hostile():
     'text', ['x;=1+1', 'x; =cmd', 'a\t@b', 'a\n-b', 'a;"=1', 'x\xa0;=1', 'x\x85;\u2003=1']
 )
 def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula(text):
-    """Where the comma is the decimal point; quotes do not stop it."""
+    """A spreadsheet that splits at semicolons, even in quotes, finds no formula."""
     line = csv_bytes(['a', 'b'], [['1', text]]).decode().split('\r\n', 1)[1]
 
     for cell in re.split('[;\t\n]', line)[1:]:
@@ -159,7 +159,7 @@ def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula
 
 
 def test_ordinary_words_with_semicolons_stay():
-    """Flags are joined with them."""
+    """The semicolons between flags stay."""
     ((shown,),) = rfc4180(csv_bytes(['a'], [['one; two - three; 4 = 4']]))[1:]
 
     assert shown == 'one; two - three; 4 = 4'

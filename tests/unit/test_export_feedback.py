@@ -40,7 +40,7 @@ def names_of(layout, kind):
 
 
 def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout):
-    """In every name, also of work that was handed in twice or late."""
+    """Canvas recognises every name, even if work was late or was handed in twice."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     names = names_of(layout, 'canvas')
 
@@ -52,7 +52,7 @@ def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout
 
 @pytest.mark.parametrize('download', ['folders', 'files'])
 def test_moodle_finds_the_participant(tmp_path, layout, download):
-    """Whether the download had folders or only files."""
+    """Moodle recognises a download with folders and one with files."""
     files = MOODLE
     if download == 'files':
         files = {
@@ -67,7 +67,7 @@ def test_moodle_finds_the_participant(tmp_path, layout, download):
 
 
 def test_a_file_called_link_has_a_name_that_canvas_reads():
-    """Canvas takes a last part that begins with link for a web address."""
+    """A last part that begins with link is renamed, because Canvas reads it as a web address."""
     name = name_in_zip('7', Delivered('canvas', 'ann_7_88_my_link.ipynb'))
 
     assert of_canvas(name) == ['7', '88']

@@ -1,4 +1,4 @@
-"""Test that exported files are written atomically and replace nothing unless forced."""
+"""Exported files are written atomically and replace nothing unless forced."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from autograder.files import keep, LONGEST_NAME, refuse_existing, safe_name
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
-    """No temporary file stays."""
+    """The folder is created, and no temporary file stays."""
     keep(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
 
     assert (tmp_path / 'new' / 'marks.csv').read_bytes() == b'data'
@@ -21,7 +21,7 @@ def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
 
 
 def test_a_file_that_is_there_stays_unless_forced(tmp_path):
-    """The error says how."""
+    """Without --force, an existing file stays, and the error names the option."""
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
@@ -33,7 +33,7 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path):
 
 
 def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
-    """As when the disk is full."""
+    """If the disk is full, the old file is unchanged."""
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
@@ -49,7 +49,7 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
 
 
 def test_a_link_is_something_that_is_there(tmp_path):
-    """Wherever it leads."""
+    """A link counts as an existing file, wherever it leads."""
     (tmp_path / 'marks.csv').symlink_to('nowhere')
 
     with pytest.raises(GraderError, match='already exists'):
@@ -57,7 +57,7 @@ def test_a_link_is_something_that_is_there(tmp_path):
 
 
 def test_a_folder_is_not_replaced(tmp_path):
-    """Not even if forced."""
+    """A folder is not replaced, even with --force."""
     with pytest.raises(GraderError, match='this is a folder'):
         refuse_existing([tmp_path], force=True)
 
@@ -65,7 +65,7 @@ def test_a_folder_is_not_replaced(tmp_path):
 @pytest.mark.parametrize('letter', ['x', 'ü', 'Щ', '漢', '\N{GRINNING FACE}', '~', '.'])
 @pytest.mark.parametrize('count', [1, 42, 100, 1000])
 def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
-    """With what is put around it, also while it is written; its last letter still counts."""
+    """A name that is too long is shortened and still differs in the last letter of the id."""
     names = [safe_name(letter * count + end) for end in ('', 'a', 'b')]
 
     assert len(set(names)) == 3
@@ -75,13 +75,13 @@ def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
 
 
 def test_short_names_stay_as_they_are():
-    """Nobody's page is moved by the bound."""
+    """Short names are not changed."""
     assert safe_name('x' * LONGEST_NAME) == 'x' * LONGEST_NAME
     assert safe_name('ü b') == '~C3~BC~20b'
 
 
 def test_signs_that_stand_for_others_stand_for_themselves_too():
-    """An id may look like what is made of another one."""
+    """An id that looks like the name for another id gets a different name."""
     for one, two in (('a b', 'a~20b'), ('', '~'), ('Щ' * 42, safe_name('Щ' * 42))):
         assert safe_name(one) != safe_name(two)
 
@@ -90,7 +90,7 @@ def test_signs_that_stand_for_others_stand_for_themselves_too():
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=20), strategies.text(max_size=20))
 def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
-    """Whatever a student's id is."""
+    """File names are safe, and different for different ids."""
     try:
         names = safe_name(one), safe_name(two)
     except UnicodeEncodeError:

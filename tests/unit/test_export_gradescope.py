@@ -82,7 +82,7 @@ class TestResults:
     """The file of one submission."""
 
     def test_every_graded_submission_keeps_the_rules(self):
-        """Hostile words included, which are shown as text."""
+        """Results follow the rules, and hostile words are shown as text."""
         for result in CLASS.results:
             if not result.review:
                 data = json.loads(results_bytes(result))
@@ -91,7 +91,7 @@ class TestResults:
                 assert '\x1b' not in data['output']
 
     def test_the_score_is_the_sum_of_the_tests(self):
-        """Students see both."""
+        """Students see the score and the tests, and both agree."""
         data = results_of(submission())
 
         assert data['score'] == sum(test['score'] for test in data['tests']) == 2.0
@@ -100,7 +100,7 @@ class TestResults:
         assert data['execution_time'] == 1.25
 
     def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
-        """The five things of a verdict."""
+        """A failed check has all parts of its verdict; a waiting one says what it waits for."""
         _, warns, stops = results_of(submission())['tests']
 
         assert warns['output'].splitlines() == [
@@ -111,7 +111,7 @@ class TestResults:
         assert stops['output'] == 'Not checked, because it depends on: It warns.'
 
     def test_for_review_has_no_file(self):
-        """A file without a score is refused there, and a zero would be wrong."""
+        """A submission for review gets no file, because a zero would be wrong."""
         unread = Problem('a.ipynb', 'a notebook', 'a picture', 'upload again', unusable=True)
 
         for result in (REVIEW, submission('eve', problems=(unread,))):
@@ -119,7 +119,7 @@ class TestResults:
                 results_bytes(result)
 
     def test_visible_checks_alone_are_no_result(self):
-        """Without isolation nothing else is run, and it makes no grade."""
+        """If only visible checks were run, there is no result."""
         visible = ExamResult('talker', (check('runs'),), mode='none')
 
         with pytest.raises(GraderError, match='only visible checks were run'):
@@ -127,7 +127,7 @@ class TestResults:
 
     @pytest.mark.parametrize('visibility', VISIBILITIES)
     def test_students_see_tests_when_it_was_chosen(self, visibility):
-        """What the grader prints is for instructors at any time."""
+        """Students see the tests only if it was chosen, and never what the grader prints."""
         data = results_of(FULL, visibility)
 
         assert {data['visibility'], *(test['visibility'] for test in data['tests'])} == {
@@ -136,7 +136,7 @@ class TestResults:
         assert data['stdout_visibility'] == 'hidden'
 
     def test_weak_isolation_is_said(self):
-        """In every result."""
+        """Every result says if the isolation was weak."""
         weak = ExamResult(
             'talker', (), mode='landlock-uid', not_protected=('the network is shared',)
         )
@@ -150,20 +150,20 @@ class TestZip:
     """The autograder for the container."""
 
     def test_the_two_files_of_the_specification_are_executable_at_the_root(self, archive):
-        """Not in a folder, as Gradescope's documentation warns."""
+        """The two scripts are not in a folder of the zip, and are executable."""
         for name in ('setup.sh', 'run_autograder'):
             entry = archive.getinfo(name)
             assert stat.S_IMODE(entry.external_attr >> 16) == 0o755
             assert archive.read(name).startswith(b'#!/usr/bin/env bash\n')
 
     def test_the_scripts_are_scripts(self, archive, tmp_path):
-        """Bash reads them."""
+        """Bash can parse the scripts."""
         for name in ('setup.sh', 'run_autograder'):
             (tmp_path / name).write_bytes(archive.read(name))
             subprocess.run(['bash', '-n', tmp_path / name], check=True)
 
     def test_it_holds_what_grading_needs(self, archive):
-        """Hidden exams, the release, the reference for the set-up's own proof, the set-up."""
+        """The zip has the hidden exams, the release, the reference and the set-up."""
         names = archive.namelist()
 
         for name in (
@@ -183,7 +183,7 @@ class TestZip:
         assert imported <= {name.partition('/')[0] for name in names}
 
     def test_it_has_the_same_hidden_inputs(self, archive):
-        """The secret goes along, and nothing else of the work folder."""
+        """The zip has the secret, and nothing else of the work folder."""
         work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
 
         assert work == ['autograder/_work/course_secret']
@@ -191,7 +191,7 @@ class TestZip:
         assert stat.S_IMODE(archive.getinfo(work[0]).external_attr >> 16) == 0o600
 
     def test_it_is_small_enough_and_of_plain_names(self, archive):
-        """Nothing that was built, no link, no way out of the folder."""
+        """The zip has no build, no link and no path that leads out of the folder."""
         for entry in archive.infolist():
             assert not os.path.isabs(entry.filename)
             assert not {'..', '__pycache__', 'ros_ws', '.git'} & set(entry.filename.split('/'))
@@ -199,11 +199,11 @@ class TestZip:
         assert sum(entry.file_size for entry in archive.infolist()) < 100 * 1024 * 1024
 
     def test_the_same_course_gives_the_same_bytes(self):
-        """Whenever it is made."""
+        """The time of packing does not change the zip."""
         assert autograder_zip(LAYOUT, ASSIGNMENT) == autograder_zip(LAYOUT, ASSIGNMENT)
 
     def test_the_choices_go_along(self):
-        """As data, no script is put together from them."""
+        """Options are stored as data, and not put into a script."""
         made = autograder_zip(LAYOUT, ASSIGNMENT, 'visible', 'landlock-uid')
         with zipfile.ZipFile(io.BytesIO(made)) as opened:
             assert json.loads(opened.read(SETTINGS)) == {
@@ -213,11 +213,11 @@ class TestZip:
             }
 
     def test_no_isolation_at_all_is_refused(self):
-        """Visible checks make no grade."""
+        """Without isolation, only visible checks would run, so it is refused."""
         with pytest.raises(GraderError, match='hidden exams never run'):
             autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
-        """It has no hidden exams."""
+        """A students' copy is refused, because it has no hidden exams."""
         with pytest.raises(GraderError, match='copy of the course for students'):
             autograder_zip(Layout(tmp_path), ASSIGNMENT)

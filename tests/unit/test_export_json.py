@@ -1,4 +1,4 @@
-"""JSON as docs/results.schema.json describes it."""
+"""The JSON export follows docs/results.schema.json."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def document():
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
-    """And of the format and version that are written."""
+    """The schema is valid, and names the format and version that are written."""
     Draft202012Validator.check_schema(SCHEMA)
 
     assert SCHEMA['properties']['format']['const'] == FORMAT
@@ -34,7 +34,7 @@ def test_the_schema_is_one_of_the_draft_that_it_names():
 
 
 def test_a_class_follows_the_schema(document):
-    """Failed, waiting, for review and hostile ones."""
+    """A class with failed, waiting and hostile submissions and a review follows the schema."""
     VALID.validate(document)
 
     assert [one['status'] for one in document['submissions']] == [
@@ -50,7 +50,7 @@ def test_a_class_follows_the_schema(document):
 
 
 def test_for_review_has_no_points_anywhere():
-    """Not of the submission, its exams or its checks."""
+    """A submission for review has no points, and neither have its exams and checks."""
     review = ClassResults(REVIEW.assignment, (REVIEW,))
     (one,) = json.loads(results_json(marked(review)))['submissions']
 
@@ -73,7 +73,7 @@ def test_for_review_has_no_points_anywhere():
     ],
 )
 def test_the_schema_refuses_what_contradicts_itself(document, number, change):
-    """A review with points, a grade without, unknown words and fields."""
+    """The schema refuses a review with points, a grade without, and unknown fields."""
     wrong = copy.deepcopy(document)
     wrong['submissions'][number].update(change)
 
@@ -82,7 +82,7 @@ def test_the_schema_refuses_what_contradicts_itself(document, number, change):
 
 
 def test_every_field_is_required(document):
-    """So a reader can rely on them."""
+    """All fields are required, so that a reader can rely on them."""
     parts = [
         (document, '$'),
         (document['submissions'][0], 'submission'),
@@ -99,7 +99,7 @@ def test_every_field_is_required(document):
 
 
 def test_visible_checks_alone_have_no_points_anywhere():
-    """As in every other export."""
+    """A submission with only visible checks has no points, as in every other export."""
     data = json.loads(results_json(marked(ClassResults(VISIBLE.assignment, (VISIBLE,)))))
     VALID.validate(data)
     (one,) = data['submissions']

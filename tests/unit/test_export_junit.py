@@ -60,7 +60,7 @@ def read(*results, absent=()):
 
 
 def test_verdicts_become_passed_failure_and_skipped():
-    """With the five things that a learner is told."""
+    """A failed check has all parts of its verdict."""
     (suite,) = read(submission())
     runs, warns, stops = suite.findall('testcase')
 
@@ -73,7 +73,7 @@ def test_verdicts_become_passed_failure_and_skipped():
 
 
 def test_for_review_is_an_error_of_its_own():
-    """Not a failure of the student."""
+    """A submission for review is an error and not a failure."""
     _, suite = read(REVIEW)
 
     assert (suite.get('errors'), suite.get('failures')) == ('1', '0')
@@ -83,7 +83,7 @@ def test_for_review_is_an_error_of_its_own():
 
 
 def test_a_class_keeps_the_rules_whatever_it_wrote():
-    """Markup and characters that XML does not have."""
+    """Markup and forbidden characters do not break the document."""
     root = read(*CLASS.results)
 
     assert [len(list(suite)) > 0 for suite in root] == [True] * 5
@@ -92,7 +92,7 @@ def test_a_class_keeps_the_rules_whatever_it_wrote():
 
 @pytest.mark.parametrize('character', ['\x00', '\x0b', '\x1b', '\ud800', '\ufffe', '\uffff'])
 def test_what_xml_does_not_have_is_replaced(character):
-    """Production Char of XML 1.0, section 2.2."""
+    """A character outside the production Char of XML 1.0, section 2.2, is replaced."""
     assert clean(f'a{character}b') == 'a\N{REPLACEMENT CHARACTER}b'
     assert character in EVIL + '\x0b\uffff'
 
@@ -100,12 +100,12 @@ def test_what_xml_does_not_have_is_replaced(character):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(strategies.characters()))
 def test_any_words_give_a_document(words):
-    """Text of a student's program."""
+    """Any words of a program give a valid document."""
     read(submission(student=words, fault=words), submission('other'))
 
 
 def test_a_student_without_a_submission_is_skipped():
-    """Neither a failure nor a success: nothing was tested."""
+    """A missing student is skipped, because nothing was tested."""
     root = read(*CLASS.results, absent=(ABSENT,))
     (case,) = root.findall('testsuite[@name="01_talker/zoe/missing"]/testcase')
 

@@ -44,7 +44,7 @@ def grades(data):
 
 
 def test_only_grades_change():
-    """The time of the last change, which Moodle compares, stays."""
+    """Only grades change; the time of the last change, which Moodle compares, stays."""
     done = fill({'Ann Example': 6.25})
 
     before, after = (list(csv.reader(io.StringIO(one.decode()))) for one in (sheet(), done.data))
@@ -54,7 +54,7 @@ def test_only_grades_change():
 
 
 def test_numbers_of_collect_tell_people_with_one_name_apart():
-    """Without a number, neither of them gets a mark."""
+    """The number of the participant decides; without it, neither namesake gets a mark."""
     data = sheet(BO, BO2)
     done = fill({'Bo Berg': 5.0}, data, {'Bo Berg': '313'})
     assert grades(done.data) == {'Participant 312': '3.00', 'Participant 313': '5'}
@@ -65,7 +65,7 @@ def test_numbers_of_collect_tell_people_with_one_name_apart():
 
 
 def test_a_number_that_is_not_in_the_worksheet_matches_no_name():
-    """It may be the worksheet of a different assignment."""
+    """A number from the worksheet of a different assignment matches no name."""
     done = fill({'Bo Berg': 5.0}, numbers={'Bo Berg': '999'})
 
     assert done.left_out[0][0] == 'Bo Berg'
@@ -74,12 +74,12 @@ def test_a_number_that_is_not_in_the_worksheet_matches_no_name():
 
 @pytest.mark.parametrize('student', ['Bo Berg', 'b@x.example'])
 def test_a_replaced_grade_is_reported(student):
-    """A person may have entered it."""
+    """A replaced grade is reported, because a person may have entered it."""
     assert fill({student: 4.0}).replaced == [(student, '3.00', '4')]
 
 
 def test_a_missing_student_keeps_the_cell():
-    """Never a zero."""
+    """A missing student keeps the cell and gets no zero."""
     done = moodle.fill(sheet(), 'g.csv', [Mark('Bo Berg', None, 6.5, MISSING)], {})
 
     assert done.left_out == [('Bo Berg', 'nothing handed in; Moodle keeps 3.00')]
@@ -111,7 +111,7 @@ def test_a_different_maximum_is_refused_or_scaled():
     'data', [b'', b'Student,ID\nann,x\n', HEADER.encode(), 'J\xf6rg'.encode('latin-1')]
 )
 def test_a_different_file_is_refused(data):
-    """With the way to the right one."""
+    """The error says where to get the right file."""
     with pytest.raises(GraderError, match='not a grading worksheet') as refused:
         moodle.fill(data, 'g.csv', [], {})
 

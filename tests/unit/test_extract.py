@@ -1,4 +1,4 @@
-"""From cells to files: the release says which file each answer has to be."""
+"""Cells become files, and the release says which file each answer is."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from autograder.submission.submission import Opened, rebuild
 
 @dataclass(frozen=True)
 class FakeExam:
-    """Name and cells are all that extraction knows of an exam."""
+    """Extraction needs only the name and the cells of an exam."""
 
     name: str
     cells: tuple[str, ...]
@@ -45,7 +45,7 @@ RELEASE = {
 
 
 def files_of(**answers):
-    """Return the files of each exam for some answers; None removes a cell."""
+    """Return the files of each exam for these answers; None removes a cell."""
     sources = {
         cell['metadata']['nbgrader']['grade_id']: cell['source'] for cell in RELEASE['cells']
     }
@@ -58,14 +58,14 @@ def files_of(**answers):
 
 
 def test_the_release_says_which_file_each_answer_is():
-    """Paths are those of the package."""
+    """Paths begin in the package."""
     paths = {name: file.path for name, file in answer_files(RELEASE).items()}
 
     assert paths == {'msg': 'msg/Num.msg', 'xml': 'package.xml', 'talker': 'talker.py'}
 
 
 def test_answers_become_files_without_their_magic_line():
-    """Each exam gets its own files only."""
+    """Each exam gets only its own files."""
     found = files_of(msg='%%rosmsg Num\nint64 num', talker='%%node talker\nimport rclpy')
 
     assert found['message'].files['msg/Num.msg'] == 'int64 num\n'
@@ -74,12 +74,12 @@ def test_answers_become_files_without_their_magic_line():
 
 
 def test_an_untouched_stub_is_a_file_too():
-    """The exam says that nothing was done yet."""
+    """An untouched stub is a file, and the exam says that it is not written yet."""
     assert 'NotImplementedError' in files_of()['talker'].files['talker.py']
 
 
 def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
-    """Missing and untouched are told apart."""
+    """A missing cell has no file, which is different from an untouched stub."""
     found = files_of(talker=None)
 
     assert found['talker'].files == {}
@@ -100,7 +100,7 @@ def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
     ],
 )
 def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
-    """What a learner runs is what is graded, so the file is missing."""
+    """The file counts as missing, because the notebook did not save it either."""
     found = files_of(talker=source)['talker']
 
     assert found.files == {}
@@ -111,12 +111,12 @@ def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
 
 
 def test_blank_lines_above_the_magic_line_are_fine():
-    """They are easy to add and mean nothing."""
+    """Blank lines above the magic line are ignored."""
     assert files_of(talker='\n\n%%node talker\nx = 1')['talker'].files == {'talker.py': 'x = 1\n'}
 
 
 def test_an_answer_that_is_not_there_points_to_the_note_that_says_why():
-    """A file that ends in the middle has no cell to put back."""
+    """In a damaged notebook, an answer that is missing points to the note about the damage."""
 
     def result(exam):
         missing = {'cause': 'The cell is missing.', 'cause_id': 'missing_file'}

@@ -1,4 +1,4 @@
-"""The words of a check: complete, short, and the same as text and as HTML."""
+"""The text of a check: complete, short, and the same in a terminal and in HTML."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EVIL = '<img src=x onerror=alert(1)>&"\x1b[31m'
 
 
 def failing(**changes):
-    """Return a check that failed, with the five things to say."""
+    """Return a failed check with all parts of its verdict."""
     facts = {
         'expected': 'one message every 0.5 s',
         'observed': '3 messages in 6 s',
@@ -33,14 +33,14 @@ def failing(**changes):
 
 
 class Facts(HTMLParser):
-    """Collects the terms and texts of the definition lists of a page, its tags and links."""
+    """Collects the definition lists of a page, its tags and its links."""
 
     def __init__(self):
         super().__init__()
         self.facts, self.tags, self.links, self._open = [], [], [], ''
 
     def handle_starttag(self, tag, attrs):
-        """Note where words belong."""
+        """Note where the next words belong."""
         self.tags.append(tag)
         self.links += [value for name, value in attrs if name in ('href', 'src')]
         if tag in ('dt', 'dd'):
@@ -59,14 +59,14 @@ class Facts(HTMLParser):
 
 
 def facts_of(page):
-    """Return (name, text) of all that a page says about its checks."""
+    """Return the (name, text) pairs of all checks on a page."""
     reader = Facts()
     reader.feed(page)
     return list(zip(reader.facts[::2], reader.facts[1::2]))
 
 
 def test_a_failed_check_says_five_things_in_order():
-    """Below the sentence that was checked, with its points."""
+    """The parts come in a fixed order below the sentence of the check, with its points."""
     lines = check_lines(failing(), {})
 
     assert lines == [
@@ -80,7 +80,7 @@ def test_a_failed_check_says_five_things_in_order():
 
 
 def test_what_is_not_known_is_not_said():
-    """No empty line for a cause that nobody knows."""
+    """A check without a known cause has no line for it."""
     assert [name for name, _ in told(failing(cause='', try_this=' '), {})] == [
         'expected',
         'observed',
@@ -89,7 +89,7 @@ def test_what_is_not_known_is_not_said():
 
 
 def test_a_check_that_waits_names_the_sentence_it_waits_for():
-    """The title of the other check, not its name in the code."""
+    """The text has the title of the other check, and not its name in the code."""
     waiting = CheckResult('text', 'It counts.', Verdict.NOT_RUN, 0, 1, waits_for='rate')
 
     assert told(waiting, {'rate': 'It speaks.'}) == [('waits for', 'It speaks.')]
@@ -99,7 +99,7 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
 @pytest.mark.parametrize('text', [LONG, 'x' * 3000, 'word\n' * 300])
 def test_twelve_lines_are_enough_for_any_text(name, text):
-    """The longest part is cut, and says so; the others stay whole."""
+    """The longest part is shortened with a note, and the others are complete."""
     check = failing(**{name: text})
     lines = check_lines(check, {})
 
@@ -110,7 +110,7 @@ def test_twelve_lines_are_enough_for_any_text(name, text):
 
 
 def test_all_parts_may_be_long():
-    """Each keeps a line at least."""
+    """Each part keeps at least one line."""
     check = failing(**dict.fromkeys(('expected', 'observed', 'cause', 'try_this', 'read'), LONG))
 
     assert len(check_lines(check, {})) <= MOST_LINES
@@ -118,7 +118,7 @@ def test_all_parts_may_be_long():
 
 
 def test_cause_is_printed_once_and_then_referred_to():
-    """Text and HTML name the check that has it; another repair is printed too."""
+    """Later checks name the one that has the cause, and print only a different repair."""
     first = failing()
     again = replace(first, check='again', title='It speaks for a minute.')
     other = replace(again, check='other', try_this='Call spin().')
@@ -134,7 +134,7 @@ def test_cause_is_printed_once_and_then_referred_to():
 
 
 def test_points_stay_together():
-    """A line break never splits ``(1 of 1)``."""
+    """No line break splits ``(1 of 1)``."""
     for length in range(60, 90):
         check = CheckResult('a', f'{"x " * (length // 2)}end.', Verdict.PASSED, 1, 1)
 
@@ -143,7 +143,7 @@ def test_points_stay_together():
 
 @pytest.mark.parametrize('text', ['short', LONG, EVIL])
 def test_html_says_the_same_words(text):
-    """Also where they are cut."""
+    """HTML shortens the same words."""
     check = failing(observed=text)
     page = exam_html(ExamResult('talker', (check,)))
 
@@ -151,7 +151,7 @@ def test_html_says_the_same_words(text):
 
 
 def test_words_of_a_program_stay_words():
-    """No tag and no control character of them is acted on."""
+    """Tags and control characters of a program have no effect."""
     result = ExamResult('talker', (failing(observed=EVIL, cause=EVIL, read=EVIL),), note=EVIL)
     page = exam_html(result, lesson='')
     reader = Facts()
@@ -162,7 +162,7 @@ def test_words_of_a_program_stay_words():
 
 
 def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
-    """The address is that of the heading in notebooks and in their HTML."""
+    """The address is that of the heading, in notebooks and in their HTML."""
     result = ExamResult('talker', (failing(),))
 
     assert 'href="#Part-2:-Names"' in exam_html(result, lesson='')
@@ -174,7 +174,7 @@ def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
 
 
 def test_no_colour_says_anything_alone():
-    """The verdict is a word and a sign."""
+    """The verdict is a word and a sign, and does not need the colour."""
     page = exam_html(ExamResult('talker', (failing(),)))
 
     assert '\N{BALLOT X} Failed:' in html.unescape(re.sub('<[^>]+>', '', page))

@@ -1,4 +1,4 @@
-"""Pictures of failed checks: what they show, what they never show, and how large they get."""
+"""Pictures of failed checks: what they show, what they hide, and how large they are."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def recorded(*events, ends=None, nodes=('/lab/talker',)):
 
 
 def drawn(recording, failure, hidden=False, **scenario):
-    """Return the picture of a check that fails like this, None if there is none."""
+    """Return the picture of a check that fails with this, None if there is none."""
     whole = {
         'file': 'talker.py',
         'watch': {TOPIC: TYPE, '/chatter': TYPE},
@@ -94,10 +94,10 @@ RATE = {'expected': 'one message every 1 s for 10 s', 'observed': 'others'}
 
 
 class TestGraph:
-    """What does not connect."""
+    """The graph shows which endpoints do not connect."""
 
     def test_another_topic_is_beside_the_expected_one(self):
-        """The expected one is dashed, with the reason."""
+        """The expected topic is dashed, with the reason."""
         picture = drawn(recorded(ends=[end('/lab/chater')]), WRONG)
         shown = {
             (one['node'], one['topic'], one['matched'], one['remark']) for one in picture['arrows']
@@ -109,7 +109,7 @@ class TestGraph:
         assert '/chatter' not in {topic for _, topic, _, _ in shown}
 
     def test_another_type_names_both(self):
-        """The expected and the observed one."""
+        """The picture names the expected and the observed type."""
         picture = drawn(
             recorded(ends=[end(type_name='std_msgs/msg/Int32')]),
             WRONG,
@@ -120,7 +120,7 @@ class TestGraph:
         )
 
     def test_a_quality_of_service_is_that_of_the_check(self):
-        """In the words of the check."""
+        """The picture repeats the check's words about quality of service."""
         failure = Failed(
             expected='reliability RELIABLE',
             observed='reliability BEST_EFFORT',
@@ -133,7 +133,7 @@ class TestGraph:
         )
 
     def test_quality_of_service_of_one_topic_leaves_the_others_as_they_should_be(self):
-        """A check of a publisher says nothing about the subscription of the same node."""
+        """A check of a publisher does not change the node's subscription in the picture."""
         failure = Failed(
             expected='durability TRANSIENT_LOCAL',
             observed='durability VOLATILE',
@@ -165,7 +165,7 @@ class TestGraph:
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
-        """Where another one of ours is heard, the subscription asks for the right thing."""
+        """If the subscription hears another publisher, its refusal of this one is right."""
         facts = {'event': 'offered', 'clock_ns': 0, 'topic': '/scan'}
         lazy = {**facts, 'publisher': 'lazy', 'matched': False, 'refused': ['DEADLINE']}
         right = {**facts, 'publisher': 'right', 'matched': matched, 'refused': []}
@@ -181,21 +181,21 @@ class TestGraph:
         assert any('does not fit' in arrow['remark'] for arrow in arrows) is not matched
 
     def test_a_value_in_a_message_needs_no_picture(self):
-        """All is connected, and nothing was late."""
+        """If all is connected and in time, there is no picture."""
         failure = Failed(expected="unit 'Celsius' in every message", observed='others')
 
         assert drawn(recorded(said(1.0)), failure) is None
 
     def test_a_program_that_made_no_node_has_no_picture(self):
-        """There is nothing to see."""
+        """Without a node, there is no picture."""
         assert drawn(recorded(ends=[], nodes=[]), Failed(**RATE)) is None
 
 
 class TestTimeline:
-    """The timeline of messages that arrived too rarely, too often or too late."""
+    """The timeline shows messages that came too rarely, too often or too late."""
 
     def test_the_rows_are_what_was_due_and_what_came(self):
-        """With the moment that the check names."""
+        """One row has the expected times and one the observed ones, with the deviation."""
         failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one + 0.1) for one in (1, 2, 4))), failure)
         due, came = picture['rows']
@@ -205,7 +205,7 @@ class TestTimeline:
         assert (came['label'], came['times'], came['count']) == (TOPIC, [1.1, 2.1, 4.1], 3)
 
     def test_times_are_those_of_the_ros_clock_that_the_program_follows(self):
-        """A message every 0.8 s is one per ROS second, if ROS time is faster by a quarter."""
+        """If ROS time is faster by a quarter, a message every 0.8 s is one per ROS second."""
         failure = Failed(**RATE, at=round(2.4 * SECOND), every_s=0.8)
         came = (said(one) for one in (0.8, 1.6, 2.8))
         picture = drawn(recorded(*came), failure, ros_clock=RosClock(rate=1.25))
@@ -216,7 +216,7 @@ class TestTimeline:
         assert 'ROS seconds' in picture_html(picture)
 
     def test_words_tell_the_part_that_is_shown_from_the_whole(self):
-        """A hundred messages of which few are in the picture are not a hundred in its seconds."""
+        """The text separates the messages in the picture from all messages."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
         words = timeline_words(picture)
@@ -225,13 +225,13 @@ class TestTimeline:
         assert f'59 in all, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
-        """The expected ticks above nothing."""
+        """Without messages, the row of expected times is above an empty one."""
         picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
 
         assert [row['count'] for row in picture['rows']] == [10, 0]
 
     def test_inputs_and_log_lines_are_numbered_by_message(self):
-        """Which line came after which message."""
+        """Inputs and log lines have the number of their message."""
         log = {'event': 'log', 'level': 30, 'text': 'SECRET', 'after_input': 1, 'clock_ns': None}
         failure = Failed(
             expected='one WARN line after a reading above 30', observed='no WARN line'
@@ -251,7 +251,7 @@ class TestTimeline:
         ]
 
     def test_lines_are_those_of_the_node_that_is_meant(self):
-        """Of two nodes in one program, the one that the check speaks of."""
+        """If a program has two nodes, the lines are those of the node in the check."""
         log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
         failure = Failed(expected='7 INFO lines from /lab/keeper in 14 s', observed='none')
         picture = drawn(
@@ -263,7 +263,7 @@ class TestTimeline:
         ]
 
     def test_a_long_run_is_shown_around_the_difference(self):
-        """Sixty ticks in two rows are a grey field."""
+        """Sixty ticks would be too narrow, so the picture shows only those near the difference."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
 
@@ -276,16 +276,16 @@ class TestTimeline:
 
 
 class TestSecrets:
-    """Of a hidden exam, names and times, and no more."""
+    """A picture of a hidden exam shows names and times, and nothing else."""
 
     def test_no_value_is_in_any_picture(self):
-        """Neither of a message nor of a log line."""
+        """Values of messages and of log lines are not shown."""
         picture = drawn(recorded(said(1.0)), Failed(**RATE, at=SECOND, every_s=1.0))
 
         assert 'SECRET' not in json.dumps(picture)
 
     def test_a_hidden_namespace_and_moment_stay_hidden(self):
-        """The name of the node and the topic are enough."""
+        """The picture needs only the name of the node and the topic."""
         graph = drawn(recorded(ends=[end('/lab/x')]), WRONG, hidden=True)
         line = drawn(recorded(said(1.137)), Failed(**RATE, at=SECOND), hidden=True)
 
@@ -293,7 +293,7 @@ class TestSecrets:
         assert line['rows'][0]['times'] == [1.1]
 
     def test_the_order_of_hidden_inputs_is_not_shown(self):
-        """A list of the messages that are warned about would be an answer."""
+        """The order of the messages with a warning would give answers away."""
         inputs = fed(1, TOPIC)
         failure = Failed(expected='one WARN line', observed='no WARN line')
 
@@ -302,11 +302,11 @@ class TestSecrets:
 
 
 class TestDrawing:
-    """SVG with words."""
+    """The pictures are SVG with a description."""
 
     @pytest.fixture(params=['graph', 'timeline'])
     def picture(self, request):
-        """Return a picture of each kind, with a hostile name in it."""
+        """Return a picture of each kind that contains a hostile name."""
         if request.param == 'graph':
             ends = [end(EVIL, node=EVIL)]
             return drawn(recorded(ends=ends, nodes=[EVIL]), WRONG)
@@ -314,7 +314,7 @@ class TestDrawing:
         return drawn(recorded(said(1, EVIL), ends=[end(EVIL)]), failure, watch={EVIL: TYPE})
 
     def test_it_is_well_formed_and_has_a_name_and_words(self, picture):
-        """For those who cannot see it; nothing is run or loaded."""
+        """The picture has a name and a description, and neither runs nor loads anything."""
         page = picture_html(picture)
         tree = ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
         names = {one.tag.rpartition('}')[2] for one in tree.iter()}
@@ -326,16 +326,16 @@ class TestDrawing:
         assert 'http' not in page.replace('http://www.w3.org/2000/svg', '')
 
     def test_equal_results_give_equal_pages(self, picture):
-        """No number of the process is in them."""
+        """The pages do not contain an id of the process."""
         assert picture_html(picture) == picture_html(json.loads(json.dumps(picture)))
 
     def test_it_is_part_of_the_feedback(self, picture):
-        """Below the words of its check; without one there is none."""
+        """The picture is below the words of its check."""
         assert picture_html({}) == ''
         assert '<svg' not in exam_html(ExamResult('talker', ()))
 
     def test_size_is_bounded(self, monkeypatch):
-        """A program may send for ever, under a name without end."""
+        """The size is limited, even for endless messages and names."""
         monkeypatch.setattr(picture_data, 'MOST_EVENTS', 1000)
         topic = f'/{"x" * 255}'
         events = [said(one / 1000, topic) for one in range(20_000)]

@@ -1,4 +1,4 @@
-"""What an instructor is shown about a run: facts, and nothing for an honest one."""
+"""Flags for instructors: facts about a run, and none for an honest program."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def end(topic, node=NODE, kind='publisher'):
 
 
 def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete', **process):
-    """Return a recording with one graph."""
+    """Return a recording with this graph."""
     ends = [end('/rosout'), end('/parameter_events'), *endpoints]
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': ends}
     graph['count'] = count or len(ends)
@@ -27,7 +27,7 @@ def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete
 
 
 def test_honest_run_has_no_flag():
-    """A node with its two own topics and a publisher is nothing to look at."""
+    """A node with its two topics and a publisher has no flag."""
     assert flags_of(recording(endpoints=[end('/chatter')]), Scenario()) == ()
 
 
@@ -51,7 +51,7 @@ def test_honest_run_has_no_flag():
     ],
 )
 def test_what_is_odd_is_said(run, flag):
-    """Each oddity gives one line in words."""
+    """Each oddity is one line."""
     scenario = Scenario(
         feed={'/input': FeedTopic('x/msg/X')}, steps=(Offer('late', '/offered', 'x/msg/X'),)
     )
@@ -60,26 +60,26 @@ def test_what_is_odd_is_said(run, flag):
 
 
 def test_two_nodes_have_two_publishers_each_of_their_own():
-    """As many publishers on /rosout as nodes of the name are nothing odd."""
+    """Two nodes of one name may have two publishers on /rosout."""
     run = recording(nodes=[NODE, '/listener'], endpoints=[end('/rosout', '/listener')])
 
     assert flags_of(run, Scenario()) == ()
 
 
 def test_first_news_of_a_node_without_its_name_is_no_flag():
-    """Endpoints are sometimes known a moment before the node's name is."""
+    """An endpoint may be discovered before the name of its node."""
     run = recording(nodes=[])
 
     assert flags_of(run, Scenario()) == ()
 
 
 def test_ports_of_domain_0_are_no_other_domain():
-    """The probe's own ports and those of a node in its domain are expected."""
+    """The ports of the probe and of nodes in its domain are expected."""
     assert other_domains({7400, 7410, 7411, 7412, 7413, 40001}) == []
 
 
 def test_other_domain_is_known_by_its_two_ports():
-    """A participant opens the port of the domain and one of its own."""
+    """A participant opens the port of its domain and one of its own."""
     first = 7400 + 250 * 42
 
     assert other_domains({7400, first, first + 10}) == [42]
@@ -87,7 +87,7 @@ def test_other_domain_is_known_by_its_two_ports():
 
 
 def test_ports_that_linux_gives_at_random_are_no_domain():
-    """Two of them fit by chance now and then; a participant has two neighbours of its own."""
+    """Two random ports can fit a domain by chance; a participant has two adjacent ones."""
     first = 7400 + 250 * 208
 
     assert first >= 32768

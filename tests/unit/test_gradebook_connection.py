@@ -1,4 +1,4 @@
-"""What is said of a gradebook that cannot be asked."""
+"""Messages about a gradebook that cannot be used."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
 
 
 def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
-    """With or without the driver, which is an extra."""
+    """The message has no password, with or without the driver, which is optional."""
     url = 'postgresql+psycopg://grader:secret@127.0.0.1:1/marks'
 
     with pytest.raises(GraderError) as caught, connected(course(tmp_path, url)):
@@ -44,7 +44,7 @@ def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
 
 @pytest.fixture
 def filled(tmp_path):
-    """Return a course whose gradebook is a file with one table."""
+    """Return a course with a gradebook file of one table."""
     with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
         file.execute('create table grade (id text)')
     return course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
@@ -69,7 +69,7 @@ def execute(layout, *statements):
     ],
 )
 def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advice):
-    """A file has no server, so nothing is said of one."""
+    """The message about a file does not mention a server."""
     with pytest.raises(GraderError) as caught:
         execute(filled, *statements)
 
@@ -80,7 +80,7 @@ def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advic
 
 @pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
-    """The program that has locked it is what has to end."""
+    """The program that holds the lock has to end."""
     with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:
         other.execute('begin exclusive')
         with pytest.raises(GraderError) as caught:
@@ -92,7 +92,7 @@ def test_a_locked_gradebook_file_is_one_line(filled):
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
-    """Otherwise nbgrader creates an empty table, and nothing tells that its rows are lost."""
+    """An empty table that nbgrader creates would hide that its rows are lost."""
     layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
     refuse_incomplete(layout)
     make_gradebook(layout)
@@ -106,7 +106,7 @@ def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
 
 @pytest.mark.nbgrader
 def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkeypatch):
-    """A later nbgrader upgrades it from there; its command is not needed for that."""
+    """The version lets a later nbgrader upgrade the gradebook without a command."""
     from nbgrader.api import get_alembic_version
 
     monkeypatch.setenv('PATH', str(Path(sys.prefix) / 'bin'))
@@ -123,7 +123,7 @@ def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkey
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
-    """And no traceback of SQLAlchemy's."""
+    """The message has no traceback of SQLAlchemy."""
     from autograder.gradebook.converters import opened_gradebook
 
     (tmp_path / 'gradebook.db').write_bytes(b'no database' * 100)

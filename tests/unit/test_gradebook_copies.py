@@ -1,4 +1,4 @@
-"""Dated copies of the gradebook, and a gradebook that lost what was in it."""
+"""Dated copies of the gradebook, and a gradebook that has lost its content."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GMTIME = time.gmtime
 
 @pytest.fixture
 def course(tmp_path):
-    """Return a course with a gradebook in which two submissions are."""
+    """Return a course whose gradebook has two submissions."""
     url = f'sqlite:///{tmp_path}/autograder/_work/gradebook.db'
     (tmp_path / 'nbgrader_config.py').write_text(
         f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n', encoding='utf-8'
@@ -33,7 +33,7 @@ def course(tmp_path):
 
 
 def gradebook(layout):
-    """Return the file."""
+    """Return the file of the gradebook."""
     return layout.work / 'gradebook.db'
 
 
@@ -48,7 +48,7 @@ def submit(layout, *students, fill=''):
 
 
 def students(path):
-    """Return who is in a gradebook."""
+    """Return the students of a gradebook."""
     book = sqlite3.connect(path)
     found = [name for (name,) in book.execute('select student from submitted_assignment')]
     book.close()
@@ -68,7 +68,7 @@ def at(monkeypatch):
 
 
 def test_a_copy_has_what_the_gradebook_had(course, at):
-    """It is named by its date, and nothing unfinished stays."""
+    """The copy is named by its date, and no unfinished file stays."""
     copy = keep_copy(course)
     submit(course, 'cho')
 
@@ -78,7 +78,7 @@ def test_a_copy_has_what_the_gradebook_had(course, at):
 
 
 def test_an_unchanged_gradebook_is_not_copied_again(course, at):
-    """Or gradings that enter nothing would push the older copies out."""
+    """Gradings without changes must not replace older copies."""
     first = keep_copy(course)
     at(1)
 
@@ -89,7 +89,7 @@ def test_an_unchanged_gradebook_is_not_copied_again(course, at):
 
 
 def test_number_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest stay, and the first of each of the last days."""
+    """The newest copies stay, and the first of each of the last days."""
     monkeypatch.setattr(copies, 'MAX_RECENT', 2)
     monkeypatch.setattr(copies, 'MAX_DAYS', 3)
     for day in range(5):
@@ -109,7 +109,7 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
 
 
 def test_size_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest one stays whatever its size."""
+    """The newest copy stays, whatever its size is."""
     size = keep_copy(course).stat().st_size
     monkeypatch.setattr(copies, 'MAX_BYTES', 2 * size + 100)
     for day in range(1, 4):
@@ -126,27 +126,27 @@ def test_size_of_copies_is_bounded(course, at, monkeypatch):
 
 
 def empty(path):
-    """Leave nothing."""
+    """Remove everything."""
     path.write_bytes(b'')
 
 
 def truncate(path):
-    """Leave the first half."""
+    """Keep the first half."""
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
 def break_off_early(path):
-    """Leave part of the header."""
+    """Keep part of the header."""
     path.write_bytes(path.read_bytes()[:60])
 
 
 def replace_by_text(path):
-    """Leave something else."""
+    """Replace the content by a text."""
     path.write_bytes(b'no database' * 100)
 
 
 def take_rows(path):
-    """Leave only tables, as formgrader does with an empty file."""
+    """Keep only the tables, as formgrader does with an empty file."""
     book = sqlite3.connect(path)
     book.execute('delete from submitted_assignment')
     book.commit()
@@ -155,7 +155,7 @@ def take_rows(path):
 
 @pytest.mark.parametrize('damage', [empty, truncate, break_off_early, replace_by_text, take_rows])
 def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, damage):
-    """The command in the line restores it."""
+    """The message has the command that restores the copy."""
     keep_copy(course)
     damage(gradebook(course))
     broken = gradebook(course).read_bytes()
@@ -173,7 +173,7 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
 
 
 def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
-    """The earlier copy stays the newest."""
+    """The earlier copy stays the newest if only a full read finds the damage."""
     copy = keep_copy(course)
     data = bytearray(gradebook(course).read_bytes())
     page = 4096 * 3
@@ -187,7 +187,7 @@ def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
 
 
 def test_without_a_copy_a_backup_is_asked_for(course):
-    """There is no command that could help."""
+    """Without a copy, no command can help."""
     empty(gradebook(course))
 
     with pytest.raises(
@@ -197,7 +197,7 @@ def test_without_a_copy_a_backup_is_asked_for(course):
 
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
-    """As is one that is missing: the next grading makes a new gradebook."""
+    """If the file is empty or missing, the next grading creates a gradebook."""
     journal = course.work / 'entered' / '01.jsonl'
     journal.unlink()
     empty(gradebook(course))
@@ -210,7 +210,7 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
 
 
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
-    """It cannot be copied either, which is one line."""
+    """A locked gradebook cannot be copied, which is one line."""
     connect = sqlite3.connect
     monkeypatch.setattr(copies.sqlite3, 'connect', lambda path: connect(path, timeout=0))
     holder = connect(gradebook(course))

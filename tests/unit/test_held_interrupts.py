@@ -13,7 +13,7 @@ def _interrupt():
 
 
 def test_an_interrupt_comes_when_the_step_is_done():
-    """Nothing of the step is lost."""
+    """The step is completed before the interrupt."""
     done = []
 
     def step():
@@ -42,7 +42,7 @@ def test_an_inner_step_passes_its_interrupt_to_the_outer_one():
 
 
 def test_an_interrupt_that_came_before_is_delivered_where_it_is_allowed():
-    """A learner's constructor does not begin after an interrupt."""
+    """A learner's constructor does not start after an interrupt."""
     begun = []
 
     def construct():
@@ -57,7 +57,7 @@ def test_an_interrupt_that_came_before_is_delivered_where_it_is_allowed():
 
 
 def test_the_earlier_handler_is_back_afterwards():
-    """The kernel's own handler decides about later interrupts."""
+    """Later interrupts reach the kernel's own handler."""
     before = signal.getsignal(signal.SIGINT)
     with HeldInterrupts() as interrupts, interrupts.allowed():
         assert signal.getsignal(signal.SIGINT) is before

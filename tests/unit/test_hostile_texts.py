@@ -1,4 +1,4 @@
-"""Texts made to keep the grader busy for hours, or to break a check: they cost nothing."""
+"""Texts that would take hours or break a check take no time."""
 
 import time
 
@@ -17,7 +17,7 @@ ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': '
 
 
 def seconds_of(work) -> float:
-    """Return the processor time of something."""
+    """Return the processor time of a call [s]."""
     began = time.process_time()
     work()
     return time.process_time() - began
@@ -40,7 +40,7 @@ def test_a_file_of_line_ends_is_searched_once(text):
 
 
 def test_a_constant_in_another_unit_is_still_found():
-    """A period of 500 is meant in milliseconds."""
+    """A period of 500 is read as milliseconds."""
     run = Run({'x.py': 'class A:\n    PERIOD = 500\n\n    create_timer(PERIOD, f)\n'}, ENDED)
     assert why_late(run).cause_id == 'period_unit'
 
@@ -57,7 +57,7 @@ def test_a_line_of_one_word_in_the_output_of_a_build_is_searched_once():
 
 
 def test_no_node_file_is_put_where_a_folder_is():
-    """The exam then says that the file is missing."""
+    """The exam says that the file is missing."""
     files = {'talker.py/x.py': '', 'pkg/talker.py': ''}
     assert 'talker.py' not in with_node_files(files, ['talker.py'])
 

@@ -44,19 +44,19 @@ def imported(path: Path) -> Iterator[str]:
 
 
 def floor_of(module: str) -> str:
-    """Return the folder or single module below ``autograder`` that a module belongs to."""
+    """Return the folder or module directly below ``autograder`` that a module belongs to."""
     return module.split('.')[1] if '.' in module else ''
 
 
 def order() -> list[str]:
-    """Return the floors from the top, as ARCHITECTURE.md draws them."""
+    """Return the folders and modules from the top, as ARCHITECTURE.md draws them."""
     text = (ROOT / 'ARCHITECTURE.md').read_text(encoding='utf-8')
     block = text.partition('```\nautograder/\n')[2].partition('```')[0]
     return re.findall(r'^  (\w+) ', block, re.MULTILINE)
 
 
 def test_the_drawing_has_every_folder_and_module():
-    """Nothing is in the house that the drawing leaves out, and the other way round."""
+    """The drawing has every folder and module, and no other."""
     there = {floor_of(name) for name in modules()} - {''}
 
     assert sorted(order()) == sorted(there)
@@ -64,7 +64,7 @@ def test_the_drawing_has_every_folder_and_module():
 
 @pytest.mark.parametrize('floor', order())
 def test_a_folder_imports_only_what_stands_below_it(floor):
-    """So what is on the ground can be read without what stands on it."""
+    """A folder can be read without the folders above it."""
     allowed = {'', *order()[order().index(floor) :]}
     above = {
         (name, other)
@@ -78,7 +78,7 @@ def test_a_folder_imports_only_what_stands_below_it(floor):
 
 
 def test_no_file_imports_itself_through_others():
-    """A circle would be one module in several files."""
+    """Modules that import each other would be one module in several files."""
     TopologicalSorter(
         {name: set(imported(path)) - {name} for name, path in modules().items()}
     ).prepare()
@@ -86,7 +86,7 @@ def test_no_file_imports_itself_through_others():
 
 @pytest.mark.parametrize('floor', ['probe', 'inside'])
 def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
-    """Only its text is there."""
+    """The sandbox has only the text of these modules."""
     others = {
         other
         for name, path in modules().items()
@@ -98,7 +98,7 @@ def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
 
 
 def test_no_folder_has_more_modules_than_can_be_seen_at_once():
-    """A folder with more is several."""
+    """A folder with more than twelve modules has to be divided."""
     counts: dict[str, int] = {}
     for path in modules().values():
         if path.name != '__init__.py':
@@ -110,7 +110,7 @@ def test_no_folder_has_more_modules_than_can_be_seen_at_once():
 
 
 def test_nothing_outside_the_exams_names_the_package_of_this_course():
-    """The grader serves any course: what is its own stands in course.toml and in its exams."""
+    """The names of this course are in course.toml and in its exams."""
     naming = [
         str(path.relative_to(GRADER))
         for path in GRADER.rglob('*.py')

@@ -1,4 +1,4 @@
-"""The settings of a hub, and the files that give each kernel a ROS world of its own."""
+"""The settings of a hub, and the files that give each kernel a separate ROS world."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_the_settings_of_the_course_can_be_read() -> None:
 def test_a_value_that_cannot_be_used_is_named(
     tmp_path: Path, changed: dict[str, str | None], said: str
 ) -> None:
-    """The error says which line is wrong and what is expected."""
+    """The error names the line and what it expects."""
     with pytest.raises(SettingsError, match=said):
         read(written(tmp_path, **changed))
 
@@ -73,7 +73,7 @@ def test_the_trial_of_a_world_reads_no_file_of_the_project(
 
 
 def test_a_kernel_starts_in_its_own_world_and_the_server_reaches_it(tmp_path: Path) -> None:
-    """The script stands once before the kernel's command, and the server uses Unix sockets."""
+    """The script comes once before the kernel's command, and the server uses Unix sockets."""
     kernel = tmp_path / 'share' / 'jupyter' / 'kernels' / 'ros2_jazzy' / 'kernel.json'
     config = tmp_path / 'etc' / 'jupyter' / 'jupyter_server_config.json'
     for path, content in ((kernel, {'argv': ['python', '-m', 'kernel']}), (config, {'A': 1})):

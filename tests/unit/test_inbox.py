@@ -1,4 +1,4 @@
-"""The folder of submitted work: only real folders and regular files are looked into."""
+"""The folder of submitted work: only real folders and regular files are read."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def look(tmp_path, known=(LESSON, '02_other')):
 
 
 def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
-    """A report is the same every time."""
+    """The students have the same order in every report."""
     for name in ('zoe', 'ann', 'bob-2', 'x.y@z'):
         hand_in(name)
 
@@ -40,7 +40,7 @@ def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
 
 
 def test_a_regular_notebook_is_read(tmp_path, hand_in):
-    """The bytes come as they are."""
+    """A regular notebook is read unchanged."""
     hand_in('ann', data=b'\xff')
 
     found = look(tmp_path)['ann']
@@ -50,7 +50,7 @@ def test_a_regular_notebook_is_read(tmp_path, hand_in):
 
 
 def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
-    """Instructors keep notes there."""
+    """Files of the instructor next to the students' folders are ignored."""
     hand_in('ann')
     (tmp_path / 'notes.txt').write_text('x')
     (tmp_path / '.DS_Store').write_text('x')
@@ -68,7 +68,7 @@ def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
     ],
 )
 def test_a_folder_without_a_notebook_of_the_course_is_no_student(tmp_path, hand_in, path, why):
-    """A zero in every lesson would be its first entry in the gradebook."""
+    """Such a folder would otherwise get a zero in every lesson."""
     hand_in('zoe')
     place = tmp_path / path
     place.parent.mkdir(parents=True)
@@ -79,14 +79,14 @@ def test_a_folder_without_a_notebook_of_the_course_is_no_student(tmp_path, hand_
 
 
 def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
-    """Nobody gets a zero for what was not due."""
+    """A student with work for another assignment only gets no zero for this one."""
     hand_in('ann', assignment='02_other')
 
     assert look(tmp_path) == {}
 
 
 def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
-    """It may be this one under a wrong name."""
+    """The unknown folder may be this assignment under a wrong name."""
     hand_in('ann', assignment='1_talker')
     hand_in('ann', assignment='02_other')
 
@@ -98,7 +98,7 @@ def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
 
 @pytest.mark.parametrize('name', ['talker (1).ipynb', 'Talker.ipynb'])
 def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
-    """Browsers rename downloads."""
+    """A single notebook counts under any name, because browsers rename downloads."""
     hand_in('ann', name=name, data=b'here')
 
     found = look(tmp_path)['ann']
@@ -109,7 +109,7 @@ def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
 
 
 def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
-    """The grader does not guess."""
+    """If there are several other notebooks, none is chosen."""
     hand_in('ann', name='a.ipynb')
     hand_in('ann', name='b.ipynb')
 
@@ -120,7 +120,7 @@ def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
 
 
 def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
-    """The line says which file is missing."""
+    """The problem names the missing file."""
     hand_in('ann', name='readme.txt')
     hand_in('ann', assignment='02_other')
 
@@ -128,7 +128,7 @@ def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
 
 
 def test_links_are_refused_at_every_level(tmp_path, hand_in):
-    """A link could show another student's work or the gradebook."""
+    """A link could lead to another student's work or to the gradebook."""
     secret = tmp_path.parent / 'secret.ipynb'
     secret.write_text('secret')
     folder = hand_in('file_link', name='x')
@@ -148,7 +148,7 @@ def test_links_are_refused_at_every_level(tmp_path, hand_in):
 
 
 def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
-    """Reading it would wait for ever."""
+    """A pipe is not read, because reading would never end."""
     folder = hand_in('ann', name='x')
     (folder / 'x').unlink()
     os.mkfifo(folder / FILE)
@@ -159,7 +159,7 @@ def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
 
 
 def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
-    """The others go on."""
+    """Only the student with the unreadable folder has a problem."""
     hand_in('ann')
     hand_in('bob')
     listdir = os.listdir
@@ -178,7 +178,7 @@ def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, mon
 
 @pytest.mark.parametrize('name', ['a*', 'a,b', '=1+1', '-rf', 'a\nb', 'x' * 101, ' a', 'a '])
 def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, name):
-    """It globs with ids, splits them at commas and exports them unquoted."""
+    """Nbgrader uses ids as patterns, splits them at commas and exports them unquoted."""
     hand_in(name)
 
     (found,) = look(tmp_path).values()
@@ -188,7 +188,7 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
 
 def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
-    """The file system has it, the gradebook cannot."""
+    """The gradebook cannot store a name that is not UTF-8."""
     folder = os.path.join(os.fsencode(tmp_path), b'\xff\xfe', LESSON.encode())
     os.makedirs(folder)
     Path(os.fsdecode(folder), FILE).write_bytes(b'{}')
@@ -200,7 +200,7 @@ def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
 
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
-    """The line says how large it is."""
+    """The problem has the size of the file."""
     monkeypatch.setattr(reading, 'MAX_BYTES', 2**20)
     hand_in('ann', data=b' ' * (3 * 2**20))
 
@@ -212,7 +212,7 @@ def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
 
 
 def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
-    """Their bytes together are more than the grader's memory."""
+    """All notebooks together could exceed the memory, so each is read when it is needed."""
     for name in ('ann', 'bob'):
         hand_in(name)
     monkeypatch.setattr(inbox, 'read_file', lambda *_: pytest.fail('a notebook was read'))
@@ -221,7 +221,7 @@ def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
 
 
 def test_a_file_that_is_gone_when_it_is_read_is_a_problem_of_one_student(tmp_path, hand_in):
-    """It was there when the folder was looked at."""
+    """A file that disappears after the listing is a problem of its student only."""
     folder = hand_in('ann')
     found = look(tmp_path)['ann']
     (folder / FILE).unlink()

@@ -1,4 +1,4 @@
-"""Secret inputs: equal for all, different for each purpose, unknown without the secret."""
+"""Drawn inputs: equal for all students, different for each purpose, and secret."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def _forget_secret():
 
 
 def test_same_secret_and_purpose_give_the_same_inputs(monkeypatch):
-    """An appeal can be replayed."""
+    """An appeal can use the same inputs again."""
     monkeypatch.setenv('COURSE_SECRET', 'one')
 
     assert inputs.generator('e', 'p').random() == inputs.generator('e', 'p').random()
 
 
 def test_purpose_exam_and_secret_each_change_the_inputs(monkeypatch):
-    """Knowing one gives nothing away about another."""
+    """One drawn input reveals nothing about another."""
     monkeypatch.setenv('COURSE_SECRET', 'one')
     drawn = {inputs.generator(*names).random() for names in (('e', 'p'), ('e', 'q'), ('f', 'p'))}
     inputs.course_secret.cache_clear()
@@ -36,7 +36,7 @@ def test_purpose_exam_and_secret_each_change_the_inputs(monkeypatch):
 
 
 def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
-    """The file survives and nobody else may read it."""
+    """The file is kept, and no other user can read it."""
     monkeypatch.delenv('COURSE_SECRET', raising=False)
     monkeypatch.setattr(Layout, 'secret', tmp_path / 'work' / 'secret')
     first = inputs.course_secret()
@@ -49,7 +49,7 @@ def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
 
 
 def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
-    """Of an empty one everybody knows all hidden inputs: a CI without its secret sets it so."""
+    """Anyone can compute the inputs of an empty secret, which a CI without its secret sets."""
     monkeypatch.setenv('COURSE_SECRET', '')
     with pytest.raises(GraderError, match='COURSE_SECRET: expected the secret of the course'):
         inputs.generator('e', 'p')

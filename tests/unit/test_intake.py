@@ -1,4 +1,4 @@
-"""What is handed in as a script, a folder or a zip: taken in whole and safely, or refused."""
+"""A script, a folder or a zip is read safely and completely, or refused."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ PACKAGE = [
 
 
 class TestWhatIsTakenIn:
-    """The three forms give the same files by the same names."""
+    """The three forms give the same files with the same names."""
 
     def test_a_zip_and_its_folder_are_the_same(self, tmp_path):
         """The folder around the package has no meaning."""
@@ -53,13 +53,13 @@ class TestWhatIsTakenIn:
         ]
 
     def test_a_script_is_one_file(self, tmp_path):
-        """It keeps its name."""
+        """A script is one file and keeps its name."""
         (tmp_path / 'talker.py').write_text('x = 1')
 
         assert read_handed_in(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
-        """Builds, caches, version control and the other files of a Mac."""
+        """Builds, caches, version control and files of macOS are left out."""
         extra = [
             ('my_pkg/build/a.py', 'x'),
             ('my_pkg/.git/config.txt', 'x'),
@@ -74,7 +74,7 @@ class TestWhatIsTakenIn:
 
     @pytest.mark.parametrize('target', ['/etc/passwd', '/etc', '/nowhere'])
     def test_link_in_a_folder_is_refused_as_in_a_zip(self, tmp_path, target):
-        """Leaving it out would change the program that is judged."""
+        """Leaving out a link would change the program that is judged."""
         (tmp_path / 'package.xml').write_text('x')
         (tmp_path / 'linked.py').symlink_to(target)
 
@@ -82,14 +82,14 @@ class TestWhatIsTakenIn:
             read_handed_in(tmp_path)
 
     def test_two_packages_are_one_too_many(self, tmp_path):
-        """It is said which there are."""
+        """The refusal names the packages."""
         both = [*PACKAGE, ('other/package.xml', 'x')]
 
         with pytest.raises(NotTakenInError, match=r'expected one package, got 2: my_pkg, other'):
             read_handed_in(zip_of(tmp_path / 'a.zip', both))
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
-        """A tar file, a picture, or nothing."""
+        """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
         with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got another file'):
@@ -99,7 +99,7 @@ class TestWhatIsTakenIn:
 
 
 def info(name, **facts):
-    """Return a zip entry with some facts of its own."""
+    """Return a zip entry with these facts."""
     entry = zipfile.ZipInfo(name)
     for fact, value in facts.items():
         setattr(entry, fact, value)
@@ -131,14 +131,14 @@ class TestWhatAZipMayNotHold:
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
-        """The entry and the reason are named."""
+        """The refusal has the entry and the reason."""
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
         with pytest.raises(NotTakenInError, match=said):
             read_handed_in(path)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
-        """A thousandth of its size on disk."""
+        """The bytes are counted while a zip bomb is read, which is a thousand times smaller."""
         monkeypatch.setattr(intake, 'LARGEST_FILE', 1 << 16)
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
@@ -147,7 +147,7 @@ class TestWhatAZipMayNotHold:
             read_handed_in(path)
 
     def test_a_size_that_lies_is_not_believed(self, tmp_path):
-        """The table of contents says one byte; what comes out is another thing."""
+        """The bytes are counted, although the table of contents states one byte."""
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * 100_000)])
         data = bytearray(path.read_bytes())
         directory = data.index(b'PK\x01\x02')
@@ -158,7 +158,7 @@ class TestWhatAZipMayNotHold:
             read_handed_in(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
-        """Many files of a permitted size."""
+        """Many files of a permitted size are refused too."""
         monkeypatch.setattr(intake, 'LARGEST_WHOLE', 1000)
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
@@ -166,7 +166,7 @@ class TestWhatAZipMayNotHold:
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
-        """Of entries, and of files of a package."""
+        """The number of entries is limited, and the number of files in a package."""
         many = [(f'a{number}.py', '') for number in range(intake.MOST_FILES + 1)]
         with pytest.raises(NotTakenInError, match=f'more than {intake.MOST_FILES}'):
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
@@ -177,7 +177,7 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
     def test_a_name_has_one_meaning(self, tmp_path):
-        """Not two files, and not a file that is also a folder."""
+        """Two entries cannot share a name, and a file cannot also be a folder."""
         with pytest.raises(NotTakenInError, match='twice'):
             read_handed_in(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
         with pytest.raises(NotTakenInError, match='both a file and a folder'):
@@ -185,14 +185,14 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
-        """As is one that was broken off."""
+        """A truncated zip is one line, like a file that is not a zip."""
         (tmp_path / 'a.zip').write_bytes(data)
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
             read_handed_in(tmp_path / 'a.zip')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
-        """As everywhere in a submission."""
+        """A link to a zip is refused, like any link in a submission."""
         zip_of(tmp_path / 'a.zip', PACKAGE)
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
@@ -201,16 +201,16 @@ class TestWhatAZipMayNotHold:
 
 
 class TestNodeFiles:
-    """Exams know a node by the name of its executable's file."""
+    """Exams know a node by the file of its executable."""
 
     def test_a_module_of_that_name_is_found_in_its_package(self):
-        """Its own place stays, so that others can import it."""
+        """The file in the package stays, so that other modules can import it."""
         files = {'pkg/talker.py': 'node', 'test/talker.py': 'test', 'launch/talker.py': 'launch'}
 
         assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
 
     def test_an_entry_point_names_another_module(self):
-        """As in setup.py of a Python package."""
+        """The entry point in setup.py names a module."""
         files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
@@ -225,20 +225,20 @@ class TestNodeFiles:
         assert found['talker.py'] == 'node'
 
     def test_installed_file_comes_before_others_of_its_name(self):
-        """A CMake package names what it installs."""
+        """The file that CMake installs comes before other files of its name."""
         files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
         files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
 
     def test_entry_point_of_a_module_at_the_top_leaves_it_as_it_is(self):
-        """It must not import itself."""
+        """The module must not import itself."""
         files = {'setup.py': "'talker = talker:start'", 'talker.py': 'node'}
 
         assert with_node_files(files, ['talker.py']) == files
 
     def test_an_entry_point_may_call_another_function(self):
-        """Then the file is what ROS would write for it."""
+        """The file is then the one that ROS would write for the entry point."""
         files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
 
         text = with_node_files(files, ['talker.py'])['talker.py']
@@ -246,12 +246,12 @@ class TestNodeFiles:
         assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
 
     def test_a_file_at_the_top_is_not_replaced(self):
-        """It is what was handed in under that name."""
+        """A file at the top is what was handed in under that name."""
         files = {'talker.py': 'mine', 'pkg/talker.py': 'other'}
 
         assert with_node_files(files, ['talker.py']) == files
 
     def test_without_a_package_file_the_only_folder_is_the_package(self):
-        """Nodes of beginners come without package.xml."""
+        """Beginners hand in nodes without a package.xml."""
         assert in_package({'my/a.py': '1', 'my/b.py': '2'}, 'x') == {'a.py': '1', 'b.py': '2'}
         assert in_package({'my/a.py': '1', 'b.py': '2'}, 'x') == {'my/a.py': '1', 'b.py': '2'}

@@ -1,4 +1,4 @@
-"""Changed cells are told in words, and a notebook that a student only worked in gives none."""
+"""Changed cells are described in words, and ordinary work gives no line."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ TITLE, SPEC, ANSWER, CHECK = range(4)
 
 @pytest.fixture
 def student():
-    """Return a copy of the release, as a student would change it."""
+    """Return a copy of the release with a student's changes."""
     return copy.deepcopy(RELEASE)
 
 
 def flags(notebook):
-    """Return what is said about a notebook."""
+    """Return the flags of a notebook."""
     text = notebook if isinstance(notebook, str) else json.dumps(notebook)
     release = copy.deepcopy(RELEASE)
     for one in release['cells']:
@@ -48,7 +48,7 @@ def flags(notebook):
 
 
 def test_work_in_a_notebook_is_no_change(student):
-    """Answers, outputs, new cells and what editors write by themselves give no line."""
+    """Answers, outputs, new cells and the metadata of editors give no line."""
     student['cells'][ANSWER]['source'] = '%%node talker\nprint(1)'
     student['cells'][ANSWER]['metadata']['tags'] = ['mine']
     student['cells'][CHECK].update(outputs=[{'output_type': 'stream'}], execution_count=7, id='x')
@@ -62,12 +62,12 @@ def test_work_in_a_notebook_is_no_change(student):
 
 
 def test_points_with_a_fraction_of_nothing_are_the_same_points(student):
-    """Some editors write 3 as 3.0."""
+    """Some editors save 3 as 3.0."""
     assert flags(json.dumps(student).replace('"points": 3', '"points": 3.0')) == ()
 
 
 def test_points_of_a_fraction_are_points(student, monkeypatch):
-    """A check may be worth two and a half."""
+    """A check may give two and a half points."""
     monkeypatch.setitem(RELEASE['cells'][CHECK]['metadata']['nbgrader'], 'points', 2.5)
     student['cells'][CHECK]['metadata']['nbgrader']['points'] = 2.5
 
@@ -108,14 +108,14 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
     ],
 )
 def test_change_is_one_line(student, change, line):
-    """Each change is told once, with the cell's name."""
+    """Each change is one line with the cell's name."""
     change(student['cells'])
 
     assert flags(student) == (line,)
 
 
 def test_lines_are_bounded(student):
-    """Thousands of strange cells make twenty lines and a number."""
+    """Thousands of unknown cells give twenty lines and a number."""
     student['cells'] += [cell(f'x{number}', '') for number in range(1000)]
     found = flags(student)
 
@@ -137,5 +137,5 @@ def test_lines_are_bounded(student):
     ],
 )
 def test_numbers_are_small_or_just_numbers(text, number):
-    """No large number is ever made."""
+    """A large number in the file is never computed."""
     assert small_number(text) is number or small_number(text) == number

@@ -1,4 +1,4 @@
-"""Refusals say the exact repair, weak modes are named, and results say what was not protected."""
+"""Refusals name the repair, weak modes need their name, and results state what they lack."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ PIVOT = 'bwrap: pivot_root: Operation not permitted'
     ],
 )
 def test_each_refusal_has_its_repair(said, system, words):
-    """What bubblewrap printed and what the system is decide the command to type."""
+    """The output of bubblewrap and the system decide which command is shown."""
     assert words in fix_for(said, system)
 
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
-    """The line can be pasted."""
+    """The line can be pasted into a terminal."""
     monkeypatch.setattr(choose.shutil, 'which', lambda name: None)
     choose.strongest.cache_clear()
     try:
@@ -101,7 +101,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     ],
 )
 def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
-    """Without a name there is no weak mode; root never runs programs as root."""
+    """Without a name no weak mode is used, and root never runs programs as root."""
     assert isolation.permitted(named, root) == tried
 
 
@@ -116,7 +116,7 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
-    """The kernel is asked, and its own words are passed on."""
+    """The message has the kernel's own words."""
 
     def ask() -> int:
         if error:
@@ -153,7 +153,7 @@ def test_a_weak_mode_runs_one_submission_at_a_time():
 
 
 def weak_result() -> SubmissionResult:
-    """Return a result that was made behind Landlock alone."""
+    """Return a result that was made with Landlock alone."""
     check = CheckResult('c', 'It runs.', Verdict.PASSED, 1, 1)
     lacks = isolation.not_protected('landlock')
     exam = ExamResult('talker', (check,), mode='landlock', not_protected=lacks)
@@ -161,7 +161,7 @@ def weak_result() -> SubmissionResult:
 
 
 def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
-    """Pages, JSON, terminal and notebook carry the stamp."""
+    """Pages, JSON, terminal and notebook show the weak mode."""
     result = weak_result()
     write_reports(tmp_path, '03_topics', [result])
     pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
@@ -185,7 +185,7 @@ CLOSED = (
 
 @pytest.fixture
 def built(tmp_path):
-    """Return a description of ROS with a built package: one module of text, one compiled."""
+    """Return a description of ROS with a package of a text module and a compiled one."""
     workspace = tmp_path / 'workspace' / 'install' / 'temp_monitor_pkg'
     for name in (f'{PACKAGE}/__init__.py', *CLOSED, 'share/x.msg', 'lib/libx.so'):
         (workspace / name).parent.mkdir(parents=True, exist_ok=True)
@@ -196,7 +196,7 @@ def built(tmp_path):
 
 
 def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
-    """Neighbours of a closed file are opened one by one, and folders above by their names only."""
+    """Files next to a closed one are opened one by one, and folders above only by name."""
     workspace = Path(built.workspace)
     read, names = landlock.readable(built, course_messages=True)
     assert {str(tmp_path / 'bin'), str(workspace / PACKAGE / '__init__.py')} <= set(read)
@@ -210,7 +210,7 @@ def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
 
 
 def test_bubblewrap_covers_the_course_s_own_answer(built):
-    """A text module and a compiled one become empty; the folder of executables, too."""
+    """The modules become empty, and so does the folder of executables."""
     workspace = Path(built.workspace)
     options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
 
@@ -221,7 +221,7 @@ def test_bubblewrap_covers_the_course_s_own_answer(built):
 
 
 def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
-    """A claim and ports in the kernel's table both mean that the domain is in use."""
+    """A claim, or ports in the kernel's table, show that a domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
     monkeypatch.setattr(landlock, 'ports', lambda pid: used)
@@ -238,7 +238,7 @@ def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
 
 
 def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_path):
-    """Files and bytes below its folder; links are not followed."""
+    """Files and bytes below the folder count, and links are not followed."""
     (tmp_path / 'deep' / 'er').mkdir(parents=True)
     (tmp_path / 'deep' / 'er' / 'file').write_bytes(b'x' * 8192)
     (tmp_path / 'link').symlink_to('/usr')
@@ -250,7 +250,7 @@ def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_pa
 
 
 def test_a_folder_that_is_closed_to_others_is_named(tmp_path):
-    """A throw-away user cannot pass it, so the refusal has to say which one it is."""
+    """The refusal names the folder that the temporary user cannot enter."""
     inner = tmp_path / 'closed' / 'python'
     inner.mkdir(parents=True)
     (tmp_path / 'closed').chmod(0o700)

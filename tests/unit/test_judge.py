@@ -1,4 +1,4 @@
-"""The judge is pure: recordings made by hand are enough to test it."""
+"""The judge has no side effects, so recordings that are made by hand can test it."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_more_precise_cause_is_given_if_the_program_does_its_act():
 
 
 class TestJudge:
-    """Every verdict, and where points go."""
+    """The verdicts, and the points of each check."""
 
     def test_passed_check_earns_its_points(self):
         """A check that returns has passed."""
@@ -97,7 +97,7 @@ class TestJudge:
         ],
     )
     def test_exception_is_read_about_where_it_is_explained(self, cause_id, place):
-        """Else the check's own section comes before the exam's."""
+        """The section to read is the exception's, or else that of the check."""
         exam = make_exam(read='Part 1')
 
         def dies(run):
@@ -111,7 +111,7 @@ class TestJudge:
         assert result.read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
-        """For example a wrong node name: its messages are judged as if the name were right."""
+        """If the node has a wrong name, its messages are judged as if the name were right."""
         exam = make_exam()
 
         @exam.check(points=1)
@@ -124,7 +124,7 @@ class TestJudge:
         assert [one.points for one in judge(exam, Run({}, NOTHING))] == [0, 4]
 
     def test_failed_check_tells_five_things(self):
-        """Expected, observed, cause, what to try and where to read reach the result."""
+        """The result has expected and observed values, the cause, the advice and the section."""
         exam = make_exam(read='Part 1')
         exam.check(points=2)(fails)
 
@@ -136,7 +136,7 @@ class TestJudge:
         assert (result.try_this, result.read, result.cause_id) == ('this', 'Part 1', 'because')
 
     def test_check_whose_need_failed_is_not_run_and_names_it(self):
-        """A check that cannot be looked at is not failed."""
+        """A check that cannot be judged is not failed."""
         exam = make_exam()
         exam.check(points=1)(fails)
         exam.check(points=4, needs=['fails'])(passes)
@@ -147,7 +147,7 @@ class TestJudge:
         assert 'It fails.' in result.observed
 
     def test_share_gives_part_of_the_points(self):
-        """Partial points are a share of the check's own."""
+        """A share is a part of the check's points."""
         exam = make_exam()
 
         @exam.check(points=4)
@@ -158,7 +158,7 @@ class TestJudge:
         assert judge(exam, Run({}, NOTHING))[0].points == 2
 
     def test_broken_check_is_the_graders_fault(self):
-        """An unexpected exception is not a verdict."""
+        """An unexpected exception in a check is not a verdict."""
         exam = make_exam()
         exam.check(points=1)(breaks)
 
@@ -167,10 +167,10 @@ class TestJudge:
 
 
 class TestWorthRunning:
-    """Nothing is run when the files alone decide every verdict."""
+    """If the files alone decide every verdict, nothing is run."""
 
     def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
-        """The only dynamic check waits for a static one that fails."""
+        """The only dynamic check needs a static one that fails."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -178,7 +178,7 @@ class TestWorthRunning:
         assert not worth_running(exam, {})
 
     def test_independent_check_makes_the_run_worth_it(self):
-        """One dynamic check without such a need is enough."""
+        """One dynamic check without such a need is enough for a run."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1)(passes)
@@ -186,7 +186,7 @@ class TestWorthRunning:
         assert worth_running(exam, {})
 
     def test_blocking_passes_on(self):
-        """A dynamic check that waits for a blocked one is blocked too."""
+        """A check that needs a blocked one is blocked too."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -199,10 +199,10 @@ class TestWorthRunning:
 
 
 class TestExam:
-    """Mistakes in an exam are refused with the place."""
+    """Mistakes in an exam are refused with their place."""
 
     def test_unknown_need_is_refused_with_the_earlier_names(self):
-        """The message lists what could have been meant."""
+        """The message lists the names of earlier checks."""
         exam = make_exam()
         exam.check(points=1)(passes)
 
@@ -210,7 +210,7 @@ class TestExam:
             exam.check(points=1, needs=['pases'])(fails)
 
     def test_name_used_twice_is_refused(self):
-        """Two checks of one name could not be told apart."""
+        """Two checks with one name could not be distinguished."""
         exam = make_exam()
         exam.check(points=1)(passes)
 
@@ -218,12 +218,12 @@ class TestExam:
             exam.check(points=1)(passes)
 
     def test_check_without_points_is_refused(self):
-        """A check of no points would never be noticed missing."""
+        """A check without points could be missing unnoticed."""
         with pytest.raises(ExamInvalid, match='points > 0'):
             make_exam().check(points=0)(passes)
 
     def test_check_without_docstring_is_refused(self):
-        """The docstring is what the learner reads."""
+        """The learner reads the docstring."""
 
         def silent(run):
             pass
@@ -232,7 +232,7 @@ class TestExam:
             make_exam().check(points=1)(silent)
 
     def test_check_of_a_run_is_refused_where_nothing_runs(self):
-        """An exam on files alone has static checks only, and is never worth a run."""
+        """An exam on files alone has only static checks and is never run."""
         exam = make_exam(scenario=Scenario(program=''))
         exam.check(points=1, static=True)(passes)
 

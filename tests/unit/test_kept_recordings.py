@@ -1,4 +1,4 @@
-"""Recordings are the journal of a class: each is complete or missing, and missing ones are run."""
+"""A recording is complete or missing, and only missing ones are run again."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WHOLE = Recording(
 
 
 class Runs:
-    """Runs something, and counts."""
+    """Returns a recording, and counts its calls."""
 
     def __init__(self):
         self.count = 0
@@ -39,12 +39,12 @@ class Runs:
 
 @pytest.fixture
 def path(tmp_path):
-    """Return where a recording is to be kept."""
+    """Return the path of a recording."""
     return tmp_path / 'talker' / 'abc.jsonl'
 
 
 def test_a_kept_recording_is_read_and_nothing_is_run(path):
-    """Any number of times."""
+    """A stored recording is read any number of times."""
     runs = Runs()
 
     first, _ = _kept_or_run(path, False, runs)
@@ -56,7 +56,7 @@ def test_a_kept_recording_is_read_and_nothing_is_run(path):
 
 @pytest.mark.parametrize('left', [0, 1, 40, -1], ids=['empty', 'a byte', 'a piece', 'all but one'])
 def test_a_recording_that_was_cut_off_is_made_again(path, left):
-    """As a power cut leaves it, on a file system that tells lies."""
+    """A power cut can leave a truncated file, which is run again."""
     runs = Runs()
     WHOLE.save(path)
     path.write_bytes(path.read_bytes()[:left])
@@ -80,7 +80,7 @@ def test_lines_that_were_lost_are_noticed_though_the_rest_is_sound(path):
 
 
 def test_a_recording_of_an_older_format_is_made_again(path):
-    """Its times are from a different clock."""
+    """The times of an older format are from a different clock."""
     runs = Runs()
     path.parent.mkdir()
     path.write_bytes(WHOLE.to_bytes().replace(b'"version": 3', b'"version": 1'))
@@ -92,7 +92,7 @@ def test_a_recording_of_an_older_format_is_made_again(path):
 
 
 def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):
-    """Absent is better than half."""
+    """A killed run leaves no file under the name of the recording."""
 
     def dies():
         raise KeyboardInterrupt
@@ -132,7 +132,7 @@ FILES = {'talker.py': 'x = 1'}
 
 
 def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
-    """And so is what it was made with; of a rerun nothing says that it was run now."""
+    """A recording has its duration and versions, and a rerun does not change them."""
     first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
     again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
 
@@ -145,7 +145,7 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
 
 
 def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):
-    """A machine that was too busy, or an observer that died, ends a run only once."""
+    """A run that was repeated, for example on a busy machine, stays marked."""
     whole, ended = module.observe, []
 
     def ends_once(*given):

@@ -1,4 +1,4 @@
-"""Which course is meant, and what its file says."""
+"""The choice of the course, and the contents of course.toml."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
     ],
 )
 def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
-    """The file is named, and what it says."""
+    """The error names the file and its wrong value."""
     (tmp_path / FILE).write_text(text)
 
     with pytest.raises(GraderError) as caught:
@@ -33,7 +33,7 @@ def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
 
 
 def test_what_the_file_leaves_out_is_usual(tmp_path):
-    """So a course without a package needs one line."""
+    """A course without a package needs only one line."""
     (tmp_path / FILE).write_text("name = 'doors'")
 
     course = Layout(tmp_path)
@@ -50,7 +50,7 @@ def test_what_the_file_leaves_out_is_usual(tmp_path):
     ],
 )
 def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
-    """With the same defaults, without a reader of TOML."""
+    """The set-up has the same defaults, and reads the file without a library for TOML."""
     (tmp_path / FILE).write_text(text)
 
     found = Layout(tmp_path).facts
@@ -59,7 +59,7 @@ def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
 
 
 def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
-    """Taking the default for it would prepare another course."""
+    """A default in place of an unreadable line would prepare another course."""
     (tmp_path / FILE).write_text("package = '''doors_msgs'''")
 
     with pytest.raises(ValueError, match="expected a line package = 'NAME', got package"):
@@ -67,16 +67,16 @@ def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
 
 
 class TestHere:
-    """The course that is meant where nobody names one."""
+    """The course that is used without a name."""
 
     def test_it_is_the_one_that_was_chosen(self, tmp_path, monkeypatch):
-        """Whatever the folder."""
+        """The course that was chosen is used in every folder."""
         (tmp_path / FILE).touch()
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         assert Layout.here().root == tmp_path
 
     def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
-        """Grading another course would be worse."""
+        """The refusal prevents a grading of another course."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         with pytest.raises(
             GraderError, match=f'this is not the folder of a course; it has no {FILE}'
@@ -84,7 +84,7 @@ class TestHere:
             Layout.here()
 
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
-        """As for a notebook of a lesson; else it is the one that the grader came with."""
+        """The course around the folder is used, or else the one with the grader."""
         inside = tmp_path / 'notebooks' / '01_doors'
         inside.mkdir(parents=True)
         monkeypatch.delenv(CHOSEN, raising=False)

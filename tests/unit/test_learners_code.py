@@ -1,4 +1,4 @@
-"""What a learner's code says: comments and texts say nothing, and files need not be Python."""
+"""What a learner's code contains: comments and strings do not count, nor does invalid Python."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def node(callback: str, made: str = 'self.create_timer(1.0, self.tick)') -> dict
 
 
 class TestTexts:
-    """Comments and texts are blanked, and the rest stays where it is."""
+    """Comments and strings become blanks, and the rest keeps its place."""
 
     @pytest.mark.parametrize(
         ('code', 'left'),
@@ -35,7 +35,7 @@ class TestTexts:
         ],
     )
     def test_only_code_is_left(self, code, left):
-        """An f-string has code in its braces, so it stays."""
+        """The code in the braces of an f-string stays."""
         found = without_texts(code)
 
         assert found.count('\n') == code.count('\n')
@@ -43,12 +43,12 @@ class TestTexts:
 
     @pytest.mark.parametrize('code', ['a = (', "a = 'open\n", 'if a:\n  b\n c\n', '\x00'])
     def test_what_is_no_python_stays_as_it_is(self, code):
-        """Nothing is known of it."""
+        """A file that is not Python is unchanged."""
         assert without_texts(code) == code
         assert not Code({'n.py': code}).calls
 
     def test_texts_and_calls_are_found_in_python_files_only(self):
-        """A package has other files too."""
+        """Strings and calls are found only in Python files."""
         files = {'n.py': "math.isnan(a) or 'Farenheit'", 'package.xml': "<a b='c'>isfinite(1)</a>"}
 
         assert Code(files).texts == {'Farenheit'}
@@ -74,12 +74,12 @@ class TestTexts:
     ],
 )
 def test_what_is_done_with_a_field(code, use):
-    """A variable of the same name is none."""
+    """A variable with the name of the field does not count."""
     assert use_of_field({'n.py': code}, 'timestamp') == use
 
 
 class TestPauses:
-    """A sleep counts where ROS calls the function."""
+    """A sleep counts only in a function that ROS calls."""
 
     @pytest.mark.parametrize(
         'made',
@@ -94,17 +94,17 @@ class TestPauses:
     )
     @pytest.mark.parametrize('code', ['time.sleep(1.0)', 'sleep(PAUSE_S)', 'self.rate.sleep()'])
     def test_a_callback_that_sleeps_is_found_with_its_line(self, made, code):
-        """The callback is found whatever it is passed to and whichever call sleeps."""
+        """The callback is found, whatever it is passed to and whichever call sleeps."""
         assert pause_in_callback(node(code, made)) == Pause('tick', 5)
 
     def test_what_a_callback_calls_belongs_to_it(self):
-        """A method of its own that waits."""
+        """A method that the callback calls and that sleeps is found."""
         files = node('self.work()\n    def work(self):\n        time.sleep(1.0)')
 
         assert pause_in_callback(files) == Pause('tick', 7)
 
     def test_callbacks_of_one_name_in_two_classes_are_all_looked_at(self):
-        """Each class may have its tick()."""
+        """Two classes may have a callback with one name, and both are read."""
         other = 'class M(Node):\n    def tick(self):\n        pass\n'
         code = node('time.sleep(1.0)')['n.py']
 
@@ -127,20 +127,20 @@ class TestPauses:
         ],
     )
     def test_what_nobody_waits_for_is_none(self, code):
-        """A comment, an instant, what lets others work, and a loop that is to blame itself."""
+        """A comment, a short sleep, an await and a loop are not pauses."""
         files = {name: text.replace('def t', 'async def t') for name, text in node(code).items()}
 
         assert pause_in_callback(files) is None
 
     def test_a_function_that_ros_does_not_call_may_sleep(self):
-        """A thread of one's own, for example."""
+        """A function of the learner's own thread may sleep."""
         files = {'n.py': 'def work():\n    time.sleep(1.0)\nThread(target=work).start()\n'}
 
         assert pause_in_callback(files) is None
         assert pause_in_callback({'n.py': BROKEN}) is None
 
     def test_each_function_is_looked_at_once(self, monkeypatch):
-        """However many callbacks come to it: a file of thousands must not stall a class."""
+        """A file with thousands of callbacks takes no time."""
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []

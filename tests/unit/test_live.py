@@ -1,4 +1,4 @@
-"""Events as lines on a terminal: one line each, whatever a student's code wrote into them."""
+"""Events are shown as one line each, whatever a student's code wrote into them."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ def event(kind, clock_ns=None, **facts):
     ],
 )
 def test_what_happened_is_one_line(happened, line):
-    """With the virtual time in front, a dash before there is one."""
+    """The line begins with the virtual time, or with a dash if there is none."""
     assert line in live_line(happened)
     assert '\n' not in live_line(happened)
 
 
 def test_control_characters_do_not_reach_the_terminal():
-    """A log line could clear the screen."""
+    """A control character in a log line could clear the screen."""
     line = live_line(event('log', name='a', level=20, text='\x1b[2Jgone'))
 
     assert '\x1b' not in line
@@ -63,12 +63,12 @@ def test_control_characters_do_not_reach_the_terminal():
 
 
 def test_long_lines_are_cut():
-    """A message may have a whole picture in it."""
+    """A message may contain a whole picture."""
     assert len(live_line(event('message', topic='/t', data=['x' * 500]))) == WIDEST
 
 
 def test_every_kind_of_event_has_a_line():
-    """A new event is shown, or its absence is meant."""
+    """Every kind of event is shown, or is left out on purpose."""
     kinds = [
         kind['properties']['event']['const']
         for kind in SCHEMA['$defs'].values()

@@ -1,4 +1,4 @@
-"""What the files of a message package say, and what a learner reads about it."""
+"""The files of a message package, and the causes that a learner reads about them."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def failure(check, *given):
 
 
 def station(text):
-    """Return a run of nothing but Station.msg."""
+    """Return a run with only Station.msg."""
     return Run({'msg/Station.msg': text}, Recording({}, ()))
 
 
@@ -83,14 +83,14 @@ class TestFields:
 
     @pytest.mark.parametrize('cause', MISTAKES)
     def test_each_mistake_has_a_name(self, cause):
-        """One mistake in a right text is called what it is."""
+        """A single mistake has its own cause."""
         failed = failure(require_fields, RIGHT.replace(*MISTAKES[cause]), WANTED)
 
         assert failed.why.cause_id == cause
         assert failed.share < 0.6
 
     def test_the_bound_is_explained(self):
-        """What [<=4] means is said where it is missing."""
+        """The cause says what [<=4] means."""
         failed = failure(require_fields, RIGHT.replace('[<=4]', '[]'), WANTED)
 
         assert failed.why.try_this == '[<=4] is at most 4: float64[<=4] values'
@@ -103,27 +103,27 @@ class TestFields:
         assert failed.why.text.endswith('Also fix: str unit')
 
     def test_many_lines_earn_nothing(self):
-        """Who writes down everything that could be asked for has answered nothing."""
+        """A file with all possible lines earns no points."""
         assert failure(require_fields, RIGHT + 'bool b\n' * 9, WANTED).share == 0.0
 
 
 class TestDeclarations:
-    """What package.xml has to say, in any of the ways of REP 149."""
+    """package.xml may declare a dependency in any of the ways of REP 149."""
 
     def test_other_tags_that_say_the_same_pass(self):
-        """A build_depend and an exec_depend are a depend."""
+        """A build_depend and an exec_depend together are a depend."""
         require_declarations(MANIFEST, 'words')
 
     @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
     def test_each_line_is_needed(self, line):
-        """Without any one of them something is missing, and the cause says so."""
+        """The cause names the line that is missing."""
         failed = failure(require_declarations, MANIFEST.replace(line, ''), 'words')
 
         assert failed.why.cause_id == 'manifest'
         assert 0 < failed.share < 0.5
 
     def test_a_tag_that_says_something_else_is_named(self):
-        """A dependency of the tests is none of those who use the package."""
+        """A dependency of the tests is not one of the package's users."""
         text = MANIFEST.replace(
             'depend>rosidl_default_runtime</', 'test_depend>rosidl_default_runtime</test_'
         )
@@ -131,7 +131,7 @@ class TestDeclarations:
         assert '<test_depend>' in failure(require_declarations, text, 'words').why.text
 
     def test_what_is_no_xml_is_said_to_be_none(self):
-        """The line of the mistake is shown."""
+        """The cause has the line of the mistake."""
         failed = failure(require_declarations, MANIFEST.replace('</name>', '<name>'), 'words')
 
         assert failed.why.cause_id == 'xml'
@@ -139,11 +139,11 @@ class TestDeclarations:
 
 
 class TestStation:
-    """Constants and the default of the weather station."""
+    """The constants and the default of the weather station."""
 
     @pytest.mark.parametrize('cause', CONSTANTS)
     def test_each_mistake_in_a_constant_has_a_name(self, cause):
-        """One mistake among three right constants is called what it is."""
+        """One mistake among three right constants has its own cause."""
         text = STATES.replace(*CONSTANTS[cause])
 
         assert failure(station_message.names_the_states, station(text)).why.cause_id == cause
@@ -155,18 +155,18 @@ class TestStation:
 
     @pytest.mark.parametrize('cause', DEFAULTS)
     def test_each_mistake_in_the_default_has_a_name(self, cause):
-        """One mistake in the default is called what it is."""
+        """A mistake in the default has its own cause."""
         run = station(DEFAULTS[cause])
 
         assert failure(station_message.starts_at_the_lowest, run).why.cause_id == cause
 
 
 class TestBuild:
-    """How a build ended is told apart."""
+    """The ends of a build have different causes."""
 
     @staticmethod
     def built(**process):
-        """Return the cause for a build that ended so."""
+        """Return the cause for a build that ended like this."""
         event = {
             'event': 'process',
             'exit': 1,
@@ -178,14 +178,14 @@ class TestBuild:
         return why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
 
     def test_a_limit_is_no_error_of_the_tools(self):
-        """What was ended by the grader is said to be."""
+        """If the grader ended the build, the cause says so."""
         cause = self.built(killed='cpu_limit', stderr='CMake Error: half a word')
 
         assert cause.cause_id == 'cpu_limit'
         assert '30 s' in cause.text
 
     def test_build_that_waits_forever_is_said_to_wait(self):
-        """Time stands still until the build is over, so it is ended by a limit."""
+        """Time stands still during a build, so a limit ends one that waits."""
         cause = self.built(exit=None, killed='waits_outside')
 
         assert cause.cause_id == 'waits_outside'
@@ -200,7 +200,7 @@ class TestBuild:
         assert cause.text.startswith('CMakeLists.txt, line 1: ')
 
     def test_a_build_that_makes_no_message_is_named(self):
-        """The package builds, and the program that wants its message finds none."""
+        """The package builds, but no program can import its message."""
         said = (
             'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
         )
@@ -208,7 +208,7 @@ class TestBuild:
         assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
 
     def test_an_unknown_error_is_shown(self):
-        """What is in no table is not explained away."""
+        """An error that is in no table is shown."""
         cause = self.built(stderr='foo.c:1:2: error: no such thing\n')
 
         assert cause.cause_id == 'build'

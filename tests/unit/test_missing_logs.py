@@ -1,4 +1,4 @@
-"""Log lines that do not come: where else they are is told, and what is right is not blamed."""
+"""Missing log lines: the cause says where they are, and blames no correct line."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def why(run, found=(), level=INFO, belongs=lambda text: '37.42' in text):
 
 
 def test_own_lines_on_standard_output_are_not_printed():
-    """The course shows log lines on standard output; their numbers prove no print()."""
+    """ROS shows log lines on standard output too, so their numbers prove no print()."""
     assert why(run_of(WARNING, stdout=OWN)) is None
 
 
 def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
-    """A warning about something else is right where it is."""
+    """A warning about something else does not replace the line."""
     assert why(run_of(WARNING), [WARNING]) == 'wrong_level'
     assert why(run_of(WARNING), [{**WARNING, 'text': 'silence'}]) is None
 
@@ -51,19 +51,19 @@ def test_line_of_another_level_comes_instead_only_if_it_is_the_one():
     ],
 )
 def test_line_that_is_elsewhere_is_found_among_those_of_the_node(printed, cause_id):
-    """A node may log one thing as it should, and print another."""
+    """A node may log one thing correctly and print another."""
     assert why(run_of(WARNING, stdout=OWN + printed)) == cause_id
 
 
 def test_second_line_of_a_log_text_is_not_printed():
-    """It has no level in front of it, and yet it was logged."""
+    """The second line of a logged text has no level in front of it."""
     entry = {**WARNING, 'text': 'Too warm:\n37.42'}
 
     assert why(run_of(entry, stdout='[WARN] [lab.a]: Too warm:\n37.42\n')) is None
 
 
 def test_any_printed_line_counts_where_nothing_is_logged():
-    """Then it need not show what was sent."""
+    """If nothing is logged, any printed line counts, whatever it shows."""
     assert why(run_of(stdout='too hot\n')) == 'print_instead_of_logger'
     assert why(run_of(stdout='too hot\n'), belongs=None) == 'print_instead_of_logger'
     assert why(run_of(WARNING, stdout='hot\n'), level=WARN, belongs=None) is None
@@ -82,5 +82,5 @@ def test_any_printed_line_counts_where_nothing_is_logged():
     ],
 )
 def test_hidden_level_is_named_only_if_it_explains_the_line(code, level, cause_id):
-    """A program may have lines for its author."""
+    """A line on a hidden level may be for the program's author."""
     assert why(run_of(WARNING, code=code), level=level) == cause_id

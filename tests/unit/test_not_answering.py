@@ -1,4 +1,4 @@
-"""A program that lives on and does not answer: its thread has ended, or a callback sleeps."""
+"""A running program that does not answer: its thread has ended, or a callback sleeps."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **p
 
 
 class TestThreads:
-    """An exception that ends a thread does not end the program."""
+    """An exception in a thread does not end the program."""
 
     @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
     def test_exception_in_the_thread_that_spins_is_told_with_its_line(self, reason):
@@ -60,7 +60,7 @@ class TestThreads:
         assert found.text.endswith('to str. It ended the thread that spins the node.')
 
     def test_known_exception_keeps_its_own_words(self):
-        """They are those of a program that dies of it."""
+        """The cause is that of a program that dies of the exception."""
         error = "AttributeError: 'String' object has no attribute 'dat'"
 
         found = why_silent(run(stderr=died(error=error)))
@@ -69,7 +69,7 @@ class TestThreads:
         assert 'A String has no field dat' in found.text
 
     def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
-        """It should have spun, perhaps; a helper's end says nothing of a node that answers."""
+        """The thread may be the one that spins; the end of a helper explains nothing."""
         helper = died(frames='')
 
         never = why_silent(run(stderr=helper, code=''))
@@ -79,20 +79,20 @@ class TestThreads:
         assert served is None
 
     def test_thread_that_ends_before_it_has_a_node_is_told(self):
-        """No loop is looked for that keeps main() from making one."""
+        """The cause is not a loop that keeps main() from creating a node."""
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
         assert found.cause_id == 'exception'
         assert 'It ended a thread' in found.text
 
     def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
-        """No line of the cell can be named."""
+        """If the exception is not in the learner's code, no line is named."""
         found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code='rclpy.spin(node)'))
 
         assert found.cause_id == 'blocked'
 
     def test_words_of_an_exception_do_not_show_what_was_sent(self):
-        """A hidden exam's inputs stay hidden here too."""
+        """The message of an exception could show hidden inputs."""
         sent = {'event': 'input', 'index': 0, 'data': {'data': 47.25}}
         error = 'ValueError: 47.25 is too much'
 
@@ -103,7 +103,7 @@ class TestThreads:
 
 
 def test_executor_without_a_node_is_told():
-    """It spins, so no loop is looked for that keeps the program from it."""
+    """An executor without a node spins, so the cause is not a loop."""
     found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
 
     assert 'has no node' in found.text
@@ -113,7 +113,7 @@ class TestSleep:
     """A pause in a callback stops the node."""
 
     def test_long_pause_explains_a_node_that_does_not_answer(self):
-        """With the line, in place of words about loops."""
+        """The cause names the line of the pause, and no loop."""
         found = why_silent(run())
 
         assert found.cause_id == 'sleeps_in_callback'
@@ -121,11 +121,11 @@ class TestSleep:
         assert found.line == 5
 
     def test_pause_in_an_endless_loop_is_the_loops_fault(self):
-        """Without the sleep it would not end either."""
+        """An endless loop is the cause, whether it sleeps or not."""
         assert why_silent(run(code=f'{LOOPS}rclpy.spin(node)\n')).cause_id == 'blocked'
 
     def test_loop_that_serves_its_node_is_no_callback(self):
-        """No callback is blamed where there is none."""
+        """A loop that spins the node is not a callback."""
         code = (
             'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
             '    time.sleep(0.5)\n'
@@ -136,5 +136,5 @@ class TestSleep:
             assert why_silent(run(code=other + code)).cause_id == 'blocked'
 
     def test_node_that_answers_is_not_told_to_sleep_less(self):
-        """Its pauses may be short enough."""
+        """If the node answers, its pauses are short enough."""
         assert why_silent(run(answered=True)) is None

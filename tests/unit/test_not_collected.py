@@ -1,4 +1,4 @@
-"""What could not be collected stays in the reports until something of the student arrives."""
+"""Work that could not be collected is in the reports until the student hands in other work."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ PDF = 'no notebook, only essay.pdf'
 
 
 def kept(layout):
-    """Return whose deliveries are kept, with assignment and reason."""
+    """Return the students, assignments and reasons that are saved."""
     return [(one.student, one.assignment, one.why) for one in read_not_collected(layout)]
 
 
 def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
-    """Whose notebook was taken is not in the list."""
+    """A student whose notebook was collected is not saved."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
     assert kept(layout) == [
@@ -53,7 +53,7 @@ def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
 
 
 def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
-    """By a later collection, or laid there by hand."""
+    """The other work may be collected, or put there by hand."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     later = {'diaz_1004_56004_talk.ipynb': GOOD, 'berg_1002_56002_talk.ipynb': GOOD}
     collect(packed(tmp_path / 'later.zip', later), layout, layout.submitted)
@@ -63,7 +63,7 @@ def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
 
 
 def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path, layout):
-    """The last one is what the student has to hear of."""
+    """The student has to know the last reason."""
     first = {'diaz_1004_1_essay.pdf': b'%PDF', 'ann_1_2_talk.ipynb': GOOD}
     again = {'diaz_1004_3_listen.ipynb': OTHER, 'ann_1_2_talk.ipynb': GOOD}
     collect(packed(tmp_path / 'a.zip', first), layout, layout.submitted, TALK)
@@ -74,7 +74,7 @@ def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path
 
 @pytest.mark.parametrize('write', [False, True])
 def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
-    """Neither is a collection of this course."""
+    """A dry run, and a collection into another folder, save nothing."""
     to = tmp_path / 'elsewhere' if write else layout.submitted
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, to, write=write)
 
@@ -82,7 +82,7 @@ def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
 
 
 def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
-    """A student of whom nothing has arrived at all."""
+    """If the assignment is unknown, the work is missing in each assignment."""
     collect(laid(tmp_path / 's', {'ann/essay.pdf': b'%PDF'}), layout, layout.submitted)
 
     for assignment in (TALK, LISTEN):
@@ -93,7 +93,7 @@ def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
 
 @pytest.mark.parametrize('damage', [b'', b'{', b'{"a": 1}', b'[1]', b'[{"student": 1}]'])
 def test_damaged_list_is_empty_and_can_be_written(damage, layout):
-    """It is a help, and stops nothing."""
+    """A damaged list counts as empty, so that it stops nothing."""
     layout.work.mkdir(parents=True)
     layout.not_collected.write_bytes(damage)
 
@@ -103,7 +103,7 @@ def test_damaged_list_is_empty_and_can_be_written(damage, layout):
 
 
 class TestShown:
-    """In the pages, in the table of grade, and after the table of collect."""
+    """The list is shown in the pages, and in the tables of grade and collect."""
 
     @pytest.fixture
     def missing(self, layout):
@@ -118,7 +118,7 @@ class TestShown:
         return read_not_collected(layout)
 
     def test_pages_have_reasons_and_names(self, missing, layout):
-        """The names stand together, for an e-mail."""
+        """The names are together, so that they can be copied into an e-mail."""
         write_reports(layout.reports, TALK, [submission('cho')], missing=missing)
         write_class_report(layout, graded(layout, TALK)[0])
 
@@ -128,7 +128,7 @@ class TestShown:
             assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
 
     def test_table_has_a_row_for_each(self, missing):
-        """Below those who have points."""
+        """The rows come after those with points."""
         console = Console(record=True, width=120, file=None)
         print_table(console, TALK, [submission('cho')], missing=missing)
         text = console.export_text()
@@ -140,7 +140,7 @@ class TestShown:
     def test_collect_prints_the_names_of_all_that_are_missing(
         self, missing, tmp_path, layout, monkeypatch, capsys
     ):
-        """Of earlier collections too."""
+        """Students of earlier collections are named too."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
         source = laid(tmp_path / 's', {'cho/talk.ipynb': GOOD})
 
@@ -148,14 +148,14 @@ class TestShown:
         assert capsys.readouterr().out.endswith('Nothing to grade yet from: Ann <b>, bob\n')
 
     def test_a_student_is_named_once(self):
-        """However many lessons are missing."""
+        """A student is named once for all lessons."""
         two = [NotCollected('ann', TALK, PDF), NotCollected('ann', LISTEN, PDF)]
 
         assert names_to_write_to(two) == 'ann'
 
 
 def test_forgotten_student_leaves_the_list(tmp_path, layout):
-    """The student may have nothing else in the course."""
+    """A forgotten student leaves the list, even without other work."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     url = f'sqlite:///{layout.root}/gradebook.db'
     text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'

@@ -17,7 +17,7 @@ CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf':
 
 
 def test_names_of_what_was_taken_are_kept(tmp_path, layout):
-    """Those of every source, the last one counts."""
+    """The names of all sources are saved, and the last one counts."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     assert read_people(layout) == {'1001': 'exampleann'}
 
@@ -37,7 +37,7 @@ def test_names_of_what_was_taken_are_kept(tmp_path, layout):
 
 
 def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
-    """Most are ids themselves."""
+    """Most names of Moodle are ids already."""
     place = '{}_assignsubmission_file/talk.ipynb'
     files = {place.format(who): GOOD for who in ("Bo O'Neil_1", 'Ann_2')}
 
@@ -47,7 +47,7 @@ def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
 
 
 def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
-    """The file stays as it is."""
+    """A dry run, and one without news, leave the file unchanged."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
     assert not layout.people.exists()
@@ -59,7 +59,7 @@ def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
 
 
 def test_names_are_text_of_one_line(layout):
-    """Names become one line of printable text, whatever a student has typed."""
+    """A name becomes one line of printable text."""
     keep_people(
         layout,
         {
@@ -89,7 +89,7 @@ def test_names_are_text_of_one_line(layout):
     ],
 )
 def test_a_damaged_file_is_no_trouble(data, known, layout):
-    """And is replaced by the next names."""
+    """A damaged file is replaced with the next names."""
     layout.work.mkdir(parents=True)
     layout.people.write_bytes(data)
     assert read_people(layout) == known
@@ -99,7 +99,7 @@ def test_a_damaged_file_is_no_trouble(data, known, layout):
 
 
 def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
-    """The notebooks are collected anyway."""
+    """The notebooks are collected if the names cannot be saved."""
     layout.people.mkdir(parents=True)
 
     rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
@@ -113,7 +113,7 @@ def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
     [('1001', '1001'), ('Ann Lee', '1001'), ('  ann   LEE ', '1001'), ('Bo', 'Bo')],
 )
 def test_student_is_found_by_id_or_name(name, student, layout):
-    """Capitals and spaces do not count; an id comes before a name."""
+    """Capitals and spaces do not count, and an id comes before a name."""
     keep_people(layout, {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'})
 
     assert student_named(layout, name, {'1001', '1002', 'Bo'}) == student
@@ -132,7 +132,7 @@ def test_student_is_found_by_id_or_name(name, student, layout):
     ],
 )
 def test_name_of_several_students_or_of_none_is_refused(name, said, layout):
-    """The message has the ids to choose from."""
+    """The message lists the ids."""
     keep_people(layout, {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'})
 
     with pytest.raises(GraderError, match=said):

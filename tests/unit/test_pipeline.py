@@ -1,4 +1,4 @@
-"""A class in a pool: every submission gets its own answer, whatever happens to another."""
+"""A class in a pool: each submission gets its own result, whatever happens to others."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ RELEASE: Notebook = {
 
 @dataclass(frozen=True)
 class FakeExam:
-    """What the pipeline needs of an exam."""
+    """The parts of an exam that the pipeline needs."""
 
     name: str
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """Gives a point for the word right; some words break it."""
+    """Gives a point for the word right, and raises for some words."""
 
     def __init__(self):
         self.threads = set()
 
     def run(self, exam, files):
-        """Judge by words."""
+        """Return a result that depends on the words."""
         self.threads.add(threading.current_thread().name)
         text = ''.join(files.values())
         if 'probe' in text and exam.name == 'first':
@@ -69,12 +69,12 @@ def handed_in(student, word):
 
 
 def points(graded):
-    """Return points by student, None for review."""
+    """Return the points by student, None for review."""
     return {one.result.student: None if one.result.fault else one.result.points for one in graded}
 
 
 def test_results_come_in_the_order_of_the_submissions():
-    """However long each one took."""
+    """The order of the results does not depend on their duration."""
     class_ = [handed_in(f's{number}', 'right') for number in range(20)]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=4)
@@ -85,7 +85,7 @@ def test_results_come_in_the_order_of_the_submissions():
 
 @pytest.mark.parametrize('word', ['probe', 'bug'])
 def test_our_own_fault_is_for_review_and_stops_nobody(word):
-    """Neither a zero nor full points, and the others have theirs."""
+    """A submission for review has no points, and the others have theirs."""
     class_ = [handed_in('ann', 'right'), handed_in('bob', word), handed_in('cho', 'wrong')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -105,7 +105,7 @@ def test_a_broken_file_is_zero_with_the_reason():
 
 
 def test_progress_is_told_for_each_exam_of_each_student():
-    """Two exams, three students, of whom two have the same answer."""
+    """Two exams of three students, of whom two have the same answer, are reported."""
     told = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 
@@ -118,7 +118,7 @@ def test_progress_is_told_for_each_exam_of_each_student():
 
 
 def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
-    """In their order, and never somebody without a result."""
+    """The results are reported in their order, and only if they exist."""
     told, where = [], set()
     hold = threading.Event()
 
@@ -153,7 +153,7 @@ def test_no_more_runs_at_a_time_than_asked_for():
 
 
 def test_ctrl_c_starts_nothing_new():
-    """What was planned is dropped."""
+    """Planned runs are dropped."""
     engine, begun, held = FakeEngine(), threading.Event(), threading.Event()
     run, ran = engine.run, []
 
@@ -181,7 +181,7 @@ def test_ctrl_c_starts_nothing_new():
 
 
 def test_one_notebook_is_graded_the_same_way():
-    """Bytes in, result out."""
+    """The bytes of a notebook give a result without a class."""
     result = grade_notebook(handed_in('ann', 'right').data, LESSON, 'ann', FakeEngine())
 
     assert (result.student, result.points, result.max_points) == ('ann', 2.0, 2)

@@ -1,4 +1,4 @@
-"""What a program does, seen from outside."""
+"""The state of a program, observed from outside."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
 
 @contextmanager
 def started(program):
-    """Yield a program that has said its first word."""
+    """Yield a program that has printed its first word."""
     argv = [sys.executable, '-c', program]
     with subprocess.Popen(argv, stdout=subprocess.PIPE, start_new_session=True) as process:
         try:
@@ -52,7 +52,7 @@ def started(program):
 
 
 def reaches(process, wanted: bytes) -> bool:
-    """Wait until each thread is in one of some states."""
+    """Wait until each thread is in one of these states."""
     while not set(found := states(process.pid)) <= set(wanted):
         assert found
     return True
@@ -61,7 +61,7 @@ def reaches(process, wanted: bytes) -> bool:
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize(('program', 'threads'), [(SLEEPS, 1), (THREADS, 4)])
 def test_threads_that_wait_are_asleep(program, threads):
-    """All of them."""
+    """A program sleeps if all its threads wait."""
     with started(program) as process:
         assert reaches(process, b'S')
         assert len(states(process.pid)) == threads
@@ -69,7 +69,7 @@ def test_threads_that_wait_are_asleep(program, threads):
 
 @pytest.mark.timeout(60)
 def test_a_program_that_computes_is_seen_in_its_parent():
-    """A child's threads and processor time count."""
+    """The threads and the processor time of a child count for its parent."""
     with started(CHILD) as process:
         before = used_ns(process.pid)
 
@@ -80,7 +80,7 @@ def test_a_program_that_computes_is_seen_in_its_parent():
 
 @pytest.mark.timeout(60)
 def test_a_stopped_program_is_seen_as_one():
-    """It is no sleep: somebody has stopped it."""
+    """A stopped program is not asleep."""
     with started(COMPUTES) as process:
         process.send_signal(signal.SIGSTOP)
 
@@ -89,14 +89,14 @@ def test_a_stopped_program_is_seen_as_one():
 
 @pytest.mark.timeout(60)
 def test_child_that_has_ended_is_not_running():
-    """Its parent has not asked for its exit code, so the kernel still lists it."""
+    """The kernel lists an ended child until its parent asks for the exit code."""
     with started(ZOMBIE) as process:
         assert len(list(family(process.pid))) == 2
         assert running(process.pid) == [process.pid]
 
 
 def test_a_program_that_has_ended_has_nothing():
-    """Nothing of it runs any more."""
+    """An ended program has no threads."""
     with started(SLEEPS) as process:
         process.kill()
         process.wait()

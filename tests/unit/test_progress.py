@@ -1,4 +1,4 @@
-"""Progress: totals, the slowest, one living line on a terminal, and lines in a log."""
+"""Progress: totals, the slowest, one changing line on a terminal, and lines in a log."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from autograder.results import CheckResult, ExamResult, Verdict
 
 
 def done(student: str, points: float, run_s: float = 0.0) -> Done:
-    """Return a run with so many of two points."""
+    """Return a run with this many of two points."""
     check = CheckResult('c', 'C.', Verdict.PASSED, points, 2)
     return Done(student, 'e', ExamResult('e', (check,), timing={'run_s': run_s}))
 
 
 class TestTotals:
-    """What came of a class so far."""
+    """The totals of a class so far."""
 
     def test_full_marks_less_and_reviews_are_counted(self):
-        """A review is neither of the two."""
+        """A submission for review counts as neither."""
         totals = Totals()
         for one in (done('ann', 2), done('bob', 1), done('cho', 2)):
             totals.add(one)
@@ -35,7 +35,7 @@ class TestTotals:
         assert totals.text() == '2 full marks, 1 less, 1 for review'
 
     def test_the_slowest_is_who_took_longest_over_all_exams(self):
-        """Of this grading."""
+        """The times of all exams are added."""
         totals = Totals()
         for one in (done('ann', 2, 1.5), done('bob', 2, 2.0), done('ann', 2, 1.0)):
             totals.add(one)
@@ -44,7 +44,7 @@ class TestTotals:
         assert totals.slowest_text() == 'longest run time: ann, 2.5 s'
 
     def test_a_rerun_has_the_same_slowest(self):
-        """The time of a run stays with its recording; equal files come in any order."""
+        """The time of a run is stored with its recording."""
         totals = Totals()
         for student in ('cho', 'bob', 'ann'):
             kept = ExamResult('e', (), timing={'kept_run_s': 0.5 if student == 'ann' else 2.0})
@@ -53,7 +53,7 @@ class TestTotals:
         assert totals.slowest == ('bob', 2.0)
 
     def test_nobody_is_slow_where_no_time_is_known(self):
-        """Recordings made before the grader stored run times have none."""
+        """Older recordings have no time."""
         totals = Totals()
         totals.add(done('ann', 2))
 
@@ -61,7 +61,7 @@ class TestTotals:
         assert totals.slowest_text() == ''
 
     def test_a_name_acts_on_no_terminal(self):
-        """Folder names are not ours."""
+        """The name of a folder may contain control characters."""
         totals = Totals()
         totals.add(done('\x1b[31mann', 2, 1.0))
 
@@ -73,14 +73,14 @@ class TestTotals:
     [(True, '', True), (True, 'false', True), (True, 'true', False), (False, '', False)],
 )
 def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monkeypatch):
-    """A log would keep every state of it."""
+    """A log would keep every state of the line."""
     monkeypatch.setenv('CI', variable)
 
     assert is_alive(Console(file=io.StringIO(), force_terminal=terminal)) is alive
 
 
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
-    """It is over before the first line."""
+    """A short grading ends before the first line."""
     with progress(2, 'x') as tell:
         tell(done('ann', 2, 1.0))
 
@@ -89,7 +89,7 @@ def test_a_short_grading_prints_nothing_into_a_log(capsys):
 
 
 def test_a_line_in_a_log_has_counts_and_the_time_left():
-    """The time by the pace so far, which is unknown at first."""
+    """The time left is unknown at first, and then follows from the pace."""
     totals = Totals()
     assert line_of(totals, 8, 3.0) == '0 of 8 runs'
 
@@ -99,10 +99,10 @@ def test_a_line_in_a_log_has_counts_and_the_time_left():
 
 
 def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
-    """Also if the first run takes long: a reader sees that the grading lives."""
+    """A log gets lines even if the first run takes long."""
 
     class Log(io.StringIO):
-        """Says when the second line is there."""
+        """Notices the second line."""
 
         second = threading.Event()
 

@@ -125,5 +125,5 @@ class TestThisCourse:
     """The real notebooks and exams."""
 
     def test_everything_committed_fits_together(self):
-        """The same as ``make check`` says."""
+        """``make check`` finds no mistake in a notebook or an exam, whatever the secret draws."""
         assert course.check(Layout.here()) == []
