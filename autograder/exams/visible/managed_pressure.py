@@ -105,6 +105,11 @@ def warns(
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
 
 
+def cutting(cut: Callable[[float], float]) -> Callable[[Pressure], float]:
+    """Return the limit that a node uses which changes its decimals."""
+    return lambda one: cut(one.limit)
+
+
 NOT_MANAGED = Cause(
     'subscription_not_managed',
     'A subscription receives messages in every state; rclpy manages only publishers.',
@@ -175,7 +180,7 @@ SLIPS = (
         'limit_cut',
         'Your node does not use the exact limit: it cuts off or rounds the decimals.',
         "Use it unchanged: self.limit = self.get_parameter('limit').value.",
-        *(warns(limit=lambda one, cut=cut: cut(one.limit)) for cut in CUTS[:3]),
+        *(warns(limit=cutting(cut)) for cut in CUTS[:3]),
     ),
     *above_limit(warns, 'self.limit'),
     of_nan(warns, 'self.limit'),
@@ -207,8 +212,10 @@ def tells_why(run: Run) -> None:
     refused, told = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
     last = run.during('not a number')
     done = [field_of(one, 'success') for one in last.recording.answers(CHANGE)]
-    taken = done == [True, True]
-    if done[:1] == [True]:  # the cleanup before; otherwise the node was not asked
+    ready = [field_of(one, 'results.0.successful') for one in last.recording.answers(SETTING)]
+    asked = [*done[:1], *ready] == [True, True]  # NaN was set after a cleanup
+    taken = asked and done[1:] == [True]
+    if asked:
         refused, told = (*refused, math.nan), [*told, *own_logs(last, NODE, ERROR)]
     found = [str(line['text']) for line in told]
     if len(found) != len(refused) or not all(map(shows, found, refused)):
