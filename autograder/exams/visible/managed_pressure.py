@@ -212,8 +212,10 @@ def tells_why(run: Run) -> None:
     refused, told = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
     last = run.during('not a number')
     done = [field_of(one, 'success') for one in last.recording.answers(CHANGE)]
-    taken = done == [True, True]
-    if done[:1] == [True]:  # the cleanup before; otherwise the node was not asked
+    ready = [field_of(one, 'results.0.successful') for one in last.recording.answers(SETTING)]
+    asked = [*done[:1], *ready] == [True, True]  # NaN was set after a cleanup
+    taken = asked and done[1:] == [True]
+    if asked:
         refused, told = (*refused, math.nan), [*told, *own_logs(last, NODE, ERROR)]
     found = [str(line['text']) for line in told]
     if len(found) != len(refused) or not all(map(shows, found, refused)):
