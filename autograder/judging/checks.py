@@ -50,22 +50,25 @@ def require_node(run: Run, node: str, only_named: bool = False) -> None:
     raise Failed(
         expected=f'a node called {base}{where}',
         observed=', '.join(name[:60] for name in shown) or 'no node',
-        why=_why_elsewhere(run, namespace, base) or why_no_node(run, node),
+        why=why_other_namespace(run, node) or why_no_node(run, node),
         blocks=not (only_named and len(run.recording.nodes) == 1),
     )
 
 
-def _why_elsewhere(run: Run, namespace: str, base: str) -> Cause | None:
-    """Explain a node with the right name in a wrong namespace."""
+def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
+    """
+    Explain a node with the right name in a wrong namespace.
+
+    :param node: full name
+    :param repair: what to do, by default for a namespace that the command line chooses
+    """
+    namespace, _, base = node.rpartition('/')
     spaces = [name.rpartition('/')[0] for name in run.recording.nodes if name.endswith(f'/{base}')]
     if not spaces or namespace in spaces:
         return None
-    return Cause(
-        'namespace',
-        f'Your node {base} is in the namespace {spaces[0] or "/"}.',
-        f'{_own_namespace(Code(run.files))} The command line chooses the namespace.',
-        about=[spaces[0]],
-    )
+    where = f'the namespace {spaces[0]}' if spaces[0] else 'no namespace'
+    repair = repair or f'{_own_namespace(Code(run.files))} The command line chooses the namespace.'
+    return Cause('namespace', f'Your node {base} is in {where}.', repair, [spaces[0], base])
 
 
 def _own_namespace(code: Code) -> str:

@@ -12,7 +12,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
-from autograder.judging.checks import own_logs
+from autograder.judging.checks import own_logs, why_other_namespace
 from autograder.judging.rhythm import require_period, seconds_between
 from autograder.recording import Event, INFO
 
@@ -67,18 +67,10 @@ def both_nodes_exist(run: Run) -> None:
 def _why_missing(run: Run, node: str) -> Cause:
     """Explain why one of the two nodes does not exist."""
     base = node.rpartition('/')[2]
-    others = [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]
-    for name in others:
-        space, _, last = name.rpartition('/')
-        if last == base:
-            return Cause(
-                'namespace',
-                f'Your node {base} is in '
-                + (f'the namespace {space}.' if space else 'no namespace.'),
-                "Pass it to the parent class: super().__init__(name, namespace='harbour').",
-                about=[space, base],
-            )
-    if run.recording.nodes and not others:
+    repair = "Pass it to the parent class: super().__init__(name, namespace='harbour')."
+    if why := why_other_namespace(run, node, repair):
+        return why
+    if run.recording.nodes and not {*run.recording.nodes} - {LOOKOUT, KEEPER}:
         return why_silent(run) or Cause(
             'one_node',
             f'The other node exists, but {base} does not: your code creates it below '

@@ -35,12 +35,12 @@ MSG, MANIFEST, CMAKE = 'msg/Temperature.msg', 'package.xml', 'CMakeLists.txt'
 
 def defines_the_fields(run: Run) -> None:
     """Temperature.msg has exactly the four fields, with these types and in this order."""
-    require_fields(_text(run, MSG), FIELDS)
+    require_fields(run.files.get(MSG, ''), FIELDS)
 
 
 def declares_its_dependencies(run: Run) -> None:
     """package.xml declares what generating and using the message needs."""
-    require_declarations(_text(run, MANIFEST), 'temp_monitor_pkg')
+    require_declarations(run.files.get(MANIFEST, ''), 'temp_monitor_pkg')
 
 
 def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
@@ -62,8 +62,8 @@ def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
 
 def generates_the_interface(run: Run) -> None:
     """CMakeLists.txt finds the generators and generates the message with its dependency."""
-    require_registered(_text(run, CMAKE))
-    found = commands_of(_text(run, CMAKE))
+    require_registered(run.files.get(CMAKE, ''))
+    found = commands_of(run.files.get(CMAKE, ''))
     if travelled(run):
         _require_required(found)
         return  # a working file may have any form
@@ -130,10 +130,6 @@ def builds_and_travels(run: Run) -> None:
             'Name, field types and field order all belong to a message type.',
         ),
     )
-
-
-def _text(run: Run, name: str) -> str:
-    return run.files.get(name, '')
 
 
 def random_reading(draw: random.Random) -> dict[str, Any]:

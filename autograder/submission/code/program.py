@@ -191,6 +191,7 @@ class Program:
         if isinstance(node, ast.Name):
             yield from ((one, node.id) for one in self.around(node) if isinstance(one, FUNCTIONS))
             yield None, node.id
+            yield None, f'.{node.id}'  # in the body of a class
 
     def is_near(self, node: ast.AST, due: float) -> bool:
         """Return whether an expression is a number near another one."""
