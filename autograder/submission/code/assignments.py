@@ -63,7 +63,7 @@ def kept_first(program: Program) -> Iterator[ast.AST]:
 
 def kept_messages(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that store a message for later, in place of the one before."""
-    for body in program.passed('create_subscription'):
+    for body in program.reached(program.passed('create_subscription')):
         names = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
         for node in ast.walk(body):
             target = node.targets[0] if isinstance(node, ast.Assign) else node
