@@ -39,6 +39,7 @@ EARLY = Cause(
     'early_stop',
     'A stop comes although the last command is less than 0.5 s old.',
     'Measure the silence from the last command: self.silence.reset() in each call of guard().',
+    act='if:reset()',
 )
 REPEATS = Cause(
     'repeats_stop',

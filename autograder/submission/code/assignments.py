@@ -63,14 +63,17 @@ def kept_first(program: Program) -> Iterator[ast.AST]:
 
 def kept_messages(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that store a message for later, in place of the one before."""
-    for body in program.passed('create_subscription'):
-        names = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
-        for node in ast.walk(body):
-            target = node.targets[0] if isinstance(node, ast.Assign) else node
-            if isinstance(node, ast.Assign) and isinstance(target, ast.Attribute):
-                own = names.isdisjoint(names_in(target))
-                if own and not names.isdisjoint(names_in(node.value)):
-                    yield node
+    for body in program.reached(program.passed('create_subscription')):
+        given = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
+        for node in (one for one in ast.walk(body) if isinstance(one, ast.Assign)):
+            target = node.targets[0]
+            kept = isinstance(target, ast.Attribute) and not _uses(target, given)
+            if kept and _uses(node.value, given):
+                yield node
+
+
+def _uses(node: ast.AST, names: set[str]) -> bool:
+    return any(isinstance(one, ast.Name) and one.id in names for one in ast.walk(node))
 
 
 def forgotten(program: Program) -> Iterator[ast.AST]:
