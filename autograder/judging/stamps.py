@@ -68,7 +68,7 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
     if sec > SYSTEM_TIME_S:
         return Cause('wall_clock', 'The stamp comes from the system time.', take, [field])
     if abs(sec - right) > FAR_S:
-        other = 'The stamp comes from a clock that is not the ROS clock, or sec is no second.'
+        other = 'The stamp comes from a clock that is not the ROS clock, or sec is not in seconds.'
         return Cause('other_clock', other, take, [field])
     if sec == right and nanosec == 0:
         return Cause('whole_seconds', 'The fraction of the second is lost.', take, [field])
