@@ -106,9 +106,9 @@ def _left_out(folder: str, names: list[str]) -> list[str]:
 def _set_window(path: Path, seconds: int) -> None:
     """Set the duration of the copied exam."""
     text = path.read_text(encoding='utf-8')
-    if text.count('seconds=MANY') != 1:
-        raise RuntimeError(f'{path.name}: expected seconds=MANY once; adapt this benchmark.')
-    path.write_text(text.replace('seconds=MANY', f'seconds={seconds}'), encoding='utf-8')
+    if text.count('seconds=WATCH_S') != 1:
+        raise RuntimeError(f'{path.name}: expected seconds=WATCH_S once; adapt this benchmark.')
+    path.write_text(text.replace('seconds=WATCH_S', f'seconds={seconds}'), encoding='utf-8')
 
 
 def _answered(release: dict[str, Any], text: str) -> dict[str, Any]:

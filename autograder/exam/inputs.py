@@ -22,12 +22,11 @@ import secrets
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
-MANY = 121
+WATCH_S = 121
 """
-More than a program can count unnoticed.
+How long hidden exams watch a node that acts by itself [s].
 
-Hidden exams watch a node that acts by itself for so many seconds: a temperature that grows by one
-degree per second has left the range of common sensors.
+A temperature that grows by one degree per second has then left the range of common sensors.
 """
 _other_secret: ContextVar[bytes | None] = ContextVar('_other_secret', default=None)
 

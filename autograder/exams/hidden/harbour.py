@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from autograder.exam.inputs import MANY
+from autograder.exam.inputs import WATCH_S
 from autograder.exams.visible.harbour import build
 
-exam = build(seconds=MANY)
+exam = build(seconds=WATCH_S)

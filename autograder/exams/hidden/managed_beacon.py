@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from autograder.exam.inputs import generator, MANY
+from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.managed_beacon import build
 
 _draw = generator('managed_beacon', 'place and time')
 exam = build(
     namespace='/' + ''.join(_draw.choices('bdghjklmnprstvz', k=6)),
-    seconds=float(MANY + _draw.randint(0, 2)),
+    seconds=float(WATCH_S + _draw.randint(0, 2)),
 )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from autograder.exam.inputs import generator, MANY
+from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.night_watch import build
 
 _draw = generator('night_watch', 'time and place')
-exam = build(seconds=MANY, namespace='/' + ''.join(_draw.choices('bcdfghklmnprst', k=6)))
+exam = build(seconds=WATCH_S, namespace='/' + ''.join(_draw.choices('bcdfghklmnprst', k=6)))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from autograder.exam.inputs import generator, MANY
+from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.talker import build
 
 _draw = generator('talker', 'place')
 exam = build(
     f'/{"".join(_draw.choices("bdghjklmnprtvwz", k=6))}',
-    seconds=MANY + _draw.choice((0.0, 1.0, 2.0)),
+    seconds=WATCH_S + _draw.choice((0.0, 1.0, 2.0)),
     comes=True,
 )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from autograder.exam.inputs import generator, MANY
+from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.temperature_publisher import build
 
 _draw = generator('temperature_publisher', 'clock')
 exam = build(
-    seconds=MANY,
+    seconds=WATCH_S,
     begins_s=round(_draw.uniform(0.01, 0.09), 9),
     rate=round(_draw.choice((_draw.uniform(0.7, 0.85), _draw.uniform(1.15, 1.4))), 3),
 )

@@ -175,7 +175,7 @@ SLIPS = (
         'last_few',
         'Your node publishes the mean of only the last numbers.',
         'Keep the sum and the count of all numbers.',
-        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50, 100),
+        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50),
     ),
     Slip(
         'each_once',
