@@ -57,6 +57,16 @@ def range_slips(
             lambda value: lowest <= value < math.inf,
         ),
         slip(
+            'nearly_in_range',
+            f'A value less than a millionth outside {lowest} to {highest} is accepted, as a '
+            'FloatingPointRange does.',
+            lambda value: (
+                lowest <= value <= highest
+                or any(math.isclose(value, end, rel_tol=1e-6) for end in (lowest, highest))
+            ),
+            try_this=f'Use a callback instead of a FloatingPointRange. {test}',
+        ),
+        slip(
             'decimals_cut',
             f'A value just outside {lowest} to {highest} is accepted: its decimals are cut off.',
             *(

@@ -19,6 +19,7 @@ LOWEST_C, HIGHEST_C = -40.0, 125.0
 BURST = 3
 """Number of temperatures above the limit that are sent at once at the end."""
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
+JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
 ACCEPTED = 'results.0.successful'
 """Field of the ``set_parameters`` response that contains whether a change was accepted."""
 Change = tuple[str, float | int | str]

@@ -7,7 +7,7 @@ import pytest
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import safety_stop
-from autograder.exams.visible.safety_stop import Command, guarding, LIMIT, places
+from autograder.exams.visible.safety_stop import Command, guarding, LIMIT, MIDDLE_S, places, STOP
 from autograder.recording import Recording
 
 
@@ -20,17 +20,17 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
-    """No stop is sent, and a wrong limit shows where commands are fast, and nowhere else."""
+    """One stop is sent before a silence; a wrong limit shows where commands are fast, and nowhere else."""
     asked = catalog.drawn('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]
     fast = [asked.inputs[place].speed for place in places(asked, silent=False, fast=True)]
 
-    assert all(one.speed and one.turn for one in asked.inputs)
+    assert [one for one in asked.inputs if not (one.speed and one.turn)] == [(*STOP, MIDDLE_S)]
     assert all(max(one[:2]) <= LIMIT for one in before_silence)
     assert min(fast) < -LIMIT
     assert max(fast) > 1.0
-    assert len(silent) == 4
+    assert len(silent) == 5
 
 
 def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():

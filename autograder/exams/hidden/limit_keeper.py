@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from autograder.exam.inputs import generator
-from autograder.exams.limit_changes import Change, HIGHEST_C, LIMIT, LOWEST_C, NO_NUMBERS, PLACE
+from autograder.exams.limit_changes import (
+    Change,
+    HIGHEST_C,
+    JUST_OUTSIDE,
+    LIMIT,
+    LOWEST_C,
+    NO_NUMBERS,
+    PLACE,
+)
 from autograder.exams.visible.limit_keeper import build
 
 _draw = generator('limit_keeper', 'limits')
@@ -14,7 +22,7 @@ def _between(low: float, high: float) -> float:
 
 
 _limits: list[float | int] = [
-    *(*NO_NUMBERS, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.01, 0.4)),
+    *(*NO_NUMBERS, *JUST_OUTSIDE, LOWEST_C, HIGHEST_C, LOWEST_C - _between(0.01, 0.4)),
     *(HIGHEST_C + _between(0.01, 0.4), _between(200.0, 900.0), _between(-900.0, -200.0)),
     *(_between(-30.0, 20.0), _between(32.0, 110.0), _draw.randint(31, 99)),
 ]

@@ -23,6 +23,7 @@ from autograder.exams.limit_changes import (
     deciding,
     HIGHEST_C,
     in_force,
+    JUST_OUTSIDE,
     kind_of,
     LIMIT,
     LOWEST_C,
@@ -177,5 +178,5 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     return exam
 
 
-limits = (35.0, *NO_NUMBERS, 200.0, 40, LOWEST_C, -300.0, HIGHEST_C, 130.0, 60.5)
+limits = (35.0, *NO_NUMBERS, 200.0, 40, LOWEST_C, -300.0, HIGHEST_C, *JUST_OUTSIDE, 130.0, 60.5)
 exam = build(28.4, [*((LIMIT, one) for one in limits), (PLACE, 'pump'), (PLACE, '')])

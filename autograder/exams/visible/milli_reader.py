@@ -185,9 +185,10 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
     :param burst: number of messages at the end that are sent at once, at most five
     """
     # Vary the field ``values``, which the exercise does not use, to detect a node that reads it.
+    # It depends on the number, so that a repeated message is the same in every field.
     inputs = [
-        Num(number, name, [1.5] * (place % 3))
-        for place, (number, name) in enumerate(zip(numbers, names, strict=True))
+        Num(number, name, [1.5] * (number % 3))
+        for number, name in zip(numbers, names, strict=True)
     ]
     sent = [asdict(one) for one in inputs]
     naming = each(lambda one: (one.description,))

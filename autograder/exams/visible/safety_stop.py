@@ -3,14 +3,14 @@ Lesson 05, part 6: a node between a driver and a robot, which notices silence.
 
 The specification, as the lesson gives it: node ``safety_stop``; each ``geometry_msgs/msg/Twist``
 of ``cmd_vel_raw`` is published at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 to 0.5
-and ``angular.z`` unchanged; 0.5 s after the last command, at most 0.1 s later, one ``Twist`` with
-zeros, then nothing until the next command; nothing before the first command.
+and ``angular.z`` unchanged; 0.5 s after the last command, even one of zeros, at most 0.1 s later,
+one ``Twist`` with zeros, then nothing until the next command; nothing before the first command.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import groupby, pairwise
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
@@ -152,6 +152,10 @@ SLIPS = (
          guarding(stops=lambda one, silence: [(within(one.speed, LIMIT), 0.0)])),
     Slip('repeats_last', 'In a silence, the last command is published again.', ZEROS,
          guarding(stops=lambda one, silence: [right_pair(one)])),
+    Slip('no_stop_after_zeros', 'After a command of zeros, no stop comes in the silence.',
+         'Call self.silence.reset() for each command, whatever is in it.',
+         guarding(stops=lambda one, silence: [] if one[:2] == STOP else [STOP]),
+         guarding(stops=lambda one, silence: [] if one.speed == 0.0 else [STOP])),
     Slip('stops_once', 'Only the first silence causes a stop.',
          'Call self.silence.reset() for each command: then the cancelled timer runs again.',
          guarding(stops=lambda one, silence: [STOP] if silence == 1 else [])),
@@ -209,8 +213,7 @@ def stops_in_silence(run: Run) -> None:
     asked, came = _came(run)
     silent = places(asked, silent=True)
     for place in silent:
-        stops = [len(list(group)) for one, group in groupby(came[place] or ()) if one == STOP]
-        if stops and max(stops) > 1:
+        if (came[place] or ()).count(STOP) > asked.answers[place].count(STOP):
             why = asked.cause(came, place, silent) or REPEATS
             raise Failed(expected='one stop', observed='more than one stop', why=why)
     require_values(run, asked, came, silent)
@@ -244,7 +247,7 @@ def build(commands: Sequence[Command]) -> Exam:
     """
     Return the exam for some commands.
 
-    :param commands: none is a stop; the last :data:`BURST` of them come at once
+    :param commands: the last :data:`BURST` of them come at once
     """
     data = [{'linear': {'x': one.speed}, 'angular': {'z': one.turn}} for one in commands]
     singles = [
@@ -277,7 +280,9 @@ def build(commands: Sequence[Command]) -> Exam:
 
 def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     """
-    Return commands with three silences among them, the first one twice, and a burst at the end.
+    Return commands with four silences among them, one of them after a command of zeros.
+
+    The first command comes twice, and the last ones in a burst.
 
     A mistake in the limit costs nothing in a silence: before one, speed and turn are small.
 
@@ -289,7 +294,7 @@ def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     pauses = (short, long, short, long, LONG_S, short, MIDDLE_S, long, short, LONG_S)
     lasts = (*pauses, *(0.0,) * (BURST - 1), LONG_S)
     commands = [Command(*one) for one in zip(speeds, turns, lasts, strict=True)]
-    return [commands[0], *commands]
+    return [commands[0], *commands[:6], Command(*STOP, MIDDLE_S), *commands[6:]]
 
 
 exam = build(
