@@ -3,8 +3,8 @@ Define scenarios: the steps that the probe executes in order, as data.
 
 Steps hold inputs and never an expected value.  Most exams need only ``Advance`` and ``Feed``.
 ``Call`` calls a service of the student's node; ``Offer`` and ``Join`` add a publisher or a
-subscription of the probe, and ``Leave`` removes one; ``Mark`` begins a phase that checks can
-select; ``Look`` records the graph.
+subscription of the probe, and ``Leave`` removes one; during ``Unheard``, a recorded topic has no
+subscription; ``Mark`` begins a phase that checks can select; ``Look`` records the graph.
 
 All seconds are virtual and exact; 60 virtual seconds take about 0.1 s of real time.
 """
@@ -95,7 +95,8 @@ There = Mapping[str, set[str]]
 """
 Names of the probe's endpoints, by the kind of the matching endpoint in the program.
 
-A subscription of the probe is under ``publisher``, a publisher under ``subscription``.
+A subscription of the probe is under ``publisher``, a publisher under ``subscription``; ``watch``
+has the recorded topics.
 """
 
 
@@ -286,11 +287,32 @@ class Leave(Step):
 
     def mistakes(self, there: There) -> Iterator[str]:
         """Reject a name that was not announced; otherwise remove it."""
-        announced = set().union(*there.values())
+        announced = there['publisher'] | there['subscription']
         if self.name not in announced:
             yield _not_announced(self.name, announced)
         for names in there.values():
             names.discard(self.name)
+
+
+@dataclass(frozen=True)
+class Unheard(Step):
+    """
+    Let time pass while the probe has no subscription on a topic, and then listen again.
+
+    As the first step, except for :class:`Mark`, the topic has no subscription from the start on.
+    See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
+
+    :param topic: full topic name in :attr:`Scenario.watch`
+    """
+
+    topic: str
+    seconds: float
+    label = 'topic'
+
+    def mistakes(self, there: There) -> Iterator[str]:
+        """Reject a topic that is not recorded."""
+        if self.topic not in there['watch']:
+            yield f'expected a topic of Scenario(watch=...), got {self.topic!r}'
 
 
 @dataclass(frozen=True)
@@ -444,6 +466,10 @@ class Scenario:
         for word, topics in (('watch', self.watch), ('feed', self.feed)):
             for topic in (one for one in topics if not one.startswith('/')):
                 yield f'{word} {topic!r}: expected a full topic name, got no slash at its start'
-        there = {'publisher': set[str](), 'subscription': set(self.feed)}
+        there = {
+            'publisher': set[str](),
+            'subscription': set(self.feed),
+            'watch': set(self.watch),
+        }
         for place, step in self.placed():
             yield from (f'{place}: {one}' for one in step.mistakes(there))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 import math
+from statistics import median
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.ended import why_it_ended, why_silent
@@ -16,8 +17,6 @@ from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
-SEEN_S = 0.2
-"""Time in which the probe sees a new node [s]."""
 FLOOD = 10
 """A flood is more than this multiple of the expected count; its recording is incomplete."""
 
@@ -42,16 +41,16 @@ def require_period(
     :param what: the expected thing in the singular, such as ``message``
     :param explain: returns the exam's own cause, which has priority over causes found in the gaps
     :param when: description of the phase, appended to the expectation
-    :param waited_s: time until the first one, which must come in less than two periods [s]
+    :param waited_s: time until the first one, at most one period [s]
     """
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = _gaps(seconds)
     more = len(seconds) - during_s / period_s
     odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
-    late = waited_s > 2 * period_s - SEEN_S
+    late = waited_s > period_s + GRAIN_S
     if abs(more) <= 1.5 and not odd and not late:
         return
-    disturbed = _why_disturbed(run, found, period_s, late or more < -1.5, what)
+    disturbed = why_disturbed(run, found, period_s, late or more < -1.5, what)
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     if sleeps and 'reset' in Code(run.files).calls:
         sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
@@ -70,11 +69,65 @@ def require_period(
 
 
 def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
-    """Return the time between the first events of two lists [s], 0.0 if one list is empty."""
-    return sum((two['clock_ns'] - one['clock_ns']) / SECOND for one, two in zip(begun[:1], found))
+    """Return the time from the first event of one list to the next one of another [s], or 0.0."""
+    starts = [one['clock_ns'] for one in begun[:1]]
+    later = (one['clock_ns'] - start for start in starts for one in found)
+    return next((ns / SECOND for ns in later if ns >= 0), 0.0)
 
 
-def _why_disturbed(
+def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
+    """
+    Return messages, and those that were published while the probe had no subscription.
+
+    The number of the first message after this time shows how many these are.  They are taken to be
+    as far apart as most of the later ones.
+
+    :param found: messages on one topic, in order
+    """
+    after, missed = _missed(run, found)
+    place = found.index(after) if after in found else len(found)
+    gaps = [two['clock_ns'] - one['clock_ns'] for one, two in pairwise(found[place:])]
+    if not gaps:
+        return list(found)
+    seen_ns = max((one['clock_ns'] for one in run.recording.of('seen')), default=0)
+    times = (after['clock_ns'] - n * round(median(gaps)) for n in range(missed, 0, -1))
+    unheard = [{**after, 'clock_ns': one} for one in times if one > seen_ns]
+    return [*found[:place], *unheard, *found[place:]]
+
+
+def _missed(run: Run, found: Sequence[Event]) -> tuple[Event, int]:
+    """
+    Return the first message after a time without a subscription, and how many it has missed.
+
+    :returns: an empty event if no such time is recorded
+    """
+    topic = found[0].get('topic') if found else None
+    heard = run.recording.messages(topic) if topic else []
+    for left in run.recording.of('left', name=topic):
+        before = [one for one in heard if one['clock_ns'] < left['clock_ns']]
+        for after in heard[len(before) : len(before) + 1]:
+            return after, after['number'] - 1 - (before[-1]['number'] if before else 0)
+    return {}, 0
+
+
+def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | None:
+    """Explain a program that published nothing while its topic had no subscription."""
+    after, missed = _missed(run, found)
+    if missed or after not in found or not _in_rhythm(found[found.index(after) :], period_s):
+        return None
+    return Cause(
+        'only_if_heard',
+        'While the topic has no subscription, your node publishes nothing.',
+        'Publish each time the timer ticks, without get_subscription_count() and without waiting '
+        'for a subscription.',
+    )
+
+
+def _in_rhythm(found: Sequence[Event], period_s: float) -> bool:
+    return _is(period_s, *_gaps([one['clock_ns'] / SECOND for one in found]))
+
+
+def why_disturbed(
     run: Run, found: Sequence[Event], period_s: float, few: bool, what: str
 ) -> Cause | None:
     """
@@ -86,12 +139,14 @@ def _why_disturbed(
         return None
     seconds = [one['clock_ns'] / SECOND for one in found]
     gaps = _gaps(seconds)
+    if unheard := _why_unheard(run, found, period_s):
+        return unheard
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
         text = (
             f'Every {what} is in time, but the first comes too late: the timer starts late, or '
             'its first call is skipped.'
         )
-        hint = 'Create the timer in __init__(), wait for nothing, and act in each call.'
+        hint = 'Create the timer at once, wait for nothing, and act in each call.'
         return Cause('begins_late', text, hint)
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
     for event, moments in other_moments(run, found).items():

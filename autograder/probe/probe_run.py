@@ -80,8 +80,13 @@ class Probe:
         )
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self.watched: list[Any] = []
-        self._watch_topics()
+        self.watched: dict[str, Any] = {}
+        first = next((step for step in scenario['steps'] if step['do'] != 'mark'), {})
+        for topic in scenario['watch']:
+            if first.get('do') != 'unheard' or topic != first['topic']:
+                self.watch(topic)
+        logs = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._subscribe(Log, '/rosout', self._log, logs)
         self.clock = self._publisher(Clock, '/clock', 10) if scenario['ros_clock'] else None
         self.ticks = 0
         self.feeds: dict[str, tuple[Any, Any]] = {}
@@ -97,7 +102,8 @@ class Probe:
         self.seen = Graph(self.node)
         self.imitated = False
 
-    def _watch_topics(self) -> None:
+    def watch(self, topic: str) -> None:
+        """Subscribe to a topic that the scenario records."""
         # A best-effort, volatile subscription matches every publisher, so a wrong QoS profile of
         # the program does not hide its messages.
         hearing = QoSProfile(
@@ -105,14 +111,12 @@ class Probe:
             reliability=ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.VOLATILE,
         )
-        for topic, name in self.scenario['watch'].items():
 
-            def heard(message: Any, info: Any, topic: str = topic) -> None:
-                self.message(topic, message, info)
+        def heard(message: Any, info: Any) -> None:
+            self.message(topic, message, info)
 
-            self.watched.append(self._subscribe(load_type(name), topic, heard, hearing))
-        logs = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._subscribe(Log, '/rosout', self._log, logs)
+        kind = load_type(self.scenario['watch'][topic])
+        self.watched[topic] = self._subscribe(kind, topic, heard, hearing)
 
     def _publisher(self, cls: Any, topic: str, qos: Any) -> Any:
         return self.node.create_publisher(cls, topic, qos, event_callbacks=SILENT_PUBLISHER)

@@ -143,6 +143,17 @@ def leave(probe: Any, step: dict[str, Any]) -> None:
     probe.settle()
 
 
+def unheard(probe: Any, step: dict[str, Any]) -> None:
+    """Let time pass without a subscription on a recorded topic, then subscribe again."""
+    topic = step['topic']
+    if topic in probe.watched:
+        probe.node.destroy_subscription(probe.watched.pop(topic))
+    probe.emit('left', name=topic)
+    probe.listen(step['seconds'])
+    probe.watch(topic)
+    probe.settle()
+
+
 def mark(probe: Any, step: dict[str, Any]) -> None:
     """Record the start of a phase of the scenario."""
     probe.emit('mark', name=step['name'])
@@ -160,6 +171,7 @@ STEPS: dict[str, Callable[[Any, dict[str, Any]], None]] = {
     'join': join,
     'offer': offer,
     'leave': leave,
+    'unheard': unheard,
     'mark': mark,
     'look': look,
 }

@@ -20,7 +20,7 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
-    """One stop is sent before a silence; a wrong limit shows where commands are fast, and nowhere else."""
+    """One command is a stop; a wrong limit shows where commands are fast, and nowhere else."""
     asked = catalog.drawn('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]

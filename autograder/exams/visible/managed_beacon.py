@@ -21,12 +21,13 @@ from autograder.exam.scenario import (
     state,
     Step,
     transition,
+    Unheard,
 )
 from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.causes.lifecycle import why_refused
 from autograder.judging.checks import require_answers, require_endpoint, require_partner
 from autograder.judging.claims import node
-from autograder.judging.rhythm import require_period, seconds_between
+from autograder.judging.rhythm import require_period, seconds_between, with_unheard
 from autograder.judging.rows import endpoints_at
 from autograder.recording import Event
 
@@ -37,6 +38,7 @@ UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activat
 """Transitions at the end, which clean up a configuration that was never active."""
 SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
+UNHEARD_S = 2.0  # in the first active phase, without a subscription [s]
 NOT_CLEANED = Cause(
     'not_cleaned',
     'After cleanup, the timer or publisher that on_configure() created still exists.',
@@ -200,6 +202,7 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     later = len(at_once) > 1 and len(found) - len(at_once) <= active_s
     more = SENT_LATER if later else why_more if len(found) > active_s + 1 else None
     when = f' while it is {phase}'
+    found = with_unheard(run, found)
     waited_s = seconds_between(part.of('mark'), found)
     require_period(run, found, 1.0, active_s, 'message', lambda: more, when, waited_s)
 
@@ -251,13 +254,14 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     # Add 0.05 s, so that an active phase does not end exactly at a tick of a timer that a
     # transition started.
     pause, work = Advance(2.0), Advance(seconds + 0.05)
+    unheard, rest = Unheard(topic, UNHEARD_S), Advance(seconds + 0.05 - UNHEARD_S)
     changes = {way: transition(name, way) for way in WAYS}
     configure, activate = changes['configure'], changes['activate']
     deactivate, cleanup = changes['deactivate'], changes['cleanup']
     steps: list[Step] = [
         *(Mark('fresh'), state(name), pause, Look('fresh')),
         *(Mark('configured'), configure, pause, Look('configured')),
-        *(Mark('active'), activate, work),
+        *(Mark('active'), activate, unheard, rest),
         *(Mark('paused'), deactivate, pause),
         *(Join('latecomer', topic, TYPE, Qos(durability='TRANSIENT_LOCAL')), Leave('latecomer')),
         *(Mark('active again'), activate, work),

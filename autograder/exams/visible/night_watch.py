@@ -18,7 +18,7 @@ from autograder.judging.causes.missing_logs import why_left_out, why_no_line, wh
 from autograder.judging.checks import own_logs, SECOND
 from autograder.judging.claims import node
 from autograder.judging.numbers import whole_numbers_in, why_not_numbered
-from autograder.judging.rhythm import GRAIN_S, require_period
+from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
 from autograder.recording import Event, INFO, LEVELS, WARN
 from autograder.results import shortened
 
@@ -171,8 +171,15 @@ def levels_by_second(found: Sequence[Event]) -> list[Levels]:
 def reports_every_second(run: Run) -> None:
     """It logs one line a second, with its own logger."""
     found = reports(run)
+    waited_s = seconds_between(run.recording.of('seen'), own_logs(run, node_of(run)))
     require_period(
-        run, found, 1.0, run.facts['seconds'], 'line', lambda: _why_not_every_second(run, found)
+        run,
+        found,
+        1.0,
+        run.facts['seconds'],
+        'line',
+        lambda: _why_not_every_second(run, found),
+        waited_s=waited_s,
     )
 
 

@@ -19,7 +19,7 @@ from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.exam.specification import Specification
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers
-from autograder.judging.rhythm import require_period
+from autograder.judging.rhythm import require_period, seconds_between
 from autograder.judging.rows import published, require_all_sent, require_values
 
 FLOAT, TWIST = 'std_msgs/msg/Float64', 'geometry_msgs/msg/Twist'
@@ -70,7 +70,10 @@ def keeps_its_rhythm(run: Run) -> None:
     ]
     during_s = sum(one.lasts_s for one in asked.inputs[begins:])
     causes = (asked.cause(came, place) for place in asked.wrong(came))
-    require_period(run, found, PERIOD_S, during_s, 'command', lambda: next(causes, None))
+    waited_s = seconds_between(run.recording.of('input')[begins:], found)
+    require_period(
+        run, found, PERIOD_S, during_s, 'command', lambda: next(causes, None), waited_s=waited_s
+    )
 
 
 def _require_commands(run: Run, stops: bool) -> None:

@@ -5,8 +5,8 @@ Specification from the lesson: node ``talker``; a ``std_msgs/msg/String`` twice 
 relative topic ``chatter``; texts ``hello 1``, ``hello 2`` and so on; quality of service reliable
 and volatile, which is the default with depth 10.  The node is started in a namespace.
 
-The probe subscribes to ``chatter`` in the namespace and to the absolute ``/chatter``, so that an
-absolute name fails its own check and no others.
+The probe subscribes to ``chatter`` in the namespace, after a while, and to the absolute
+``/chatter``, so that an absolute name fails its own check and no others.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from __future__ import annotations
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Call, Join, Scenario
+from autograder.exam.scenario import Advance, Call, Join, Scenario, Unheard
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import require_messages, require_qos, SECOND
+from autograder.judging.checks import require_messages, require_qos
 from autograder.judging.claims import node
 from autograder.judging.numbers import why_not_numbered
-from autograder.judging.rhythm import just_before, require_period
+from autograder.judging.rhythm import just_before, require_period, seconds_between, with_unheard
 from autograder.recording import Event
 from autograder.results import shortened
 
@@ -27,6 +27,7 @@ TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'
 PERIOD_S = 0.5
 GUEST_S = 0.2  # duration of a join, or of a call [s]
+UNHEARD_S = 2.8  # at the start, without a subscription [s]
 WAITS_S = 1.0  # additional time if there is no publisher, or no service of that name [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
@@ -71,21 +72,19 @@ def moves_with_its_namespace(run: Run) -> None:
 
 
 def speaks_twice_a_second(run: Run) -> None:
-    """It publishes twice a second."""
-    found = run.recording.messages(heard_on(run))
-    # If a program starts publishing late, subtract the whole seconds of its delay.
-    begins_s = found[0]['clock_ns'] / SECOND if found else 0.0
-    late_s = max(0, int(begins_s - 2 * PERIOD_S))
+    """It publishes twice a second, even while nothing subscribes."""
+    found = with_unheard(run, run.recording.messages(heard_on(run)))
     missing = run.recording.of('joined', matched=False) + run.recording.of('no_answer')
     if f'{run.facts["space"]}/talker' not in run.recording.nodes:
         missing += run.recording.of('answer')
-    waited_s = WAITS_S * len(missing)
-    require_period(run, found, PERIOD_S, run.facts['seconds'] - late_s + waited_s)
+    during_s = run.facts['seconds'] + WAITS_S * len(missing)
+    waited_s = seconds_between(run.recording.of('seen'), found)
+    require_period(run, found, PERIOD_S, during_s, waited_s=waited_s)
 
 
 def counts_its_greetings(run: Run) -> None:
     """The texts are hello 1, hello 2 and so on, without gaps."""
-    found, least = greetings(run), int(run.facts['seconds']) // 2
+    found, least = greetings(run), int(run.facts['seconds'] - UNHEARD_S) // 2
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} messages, to see how it counts',
@@ -153,7 +152,12 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
             file='talker.py',
             arguments=('-r', f'__ns:={space}'),
             watch={f'{space}/chatter': TYPE, ABSOLUTE: TYPE},
-            steps=(Advance(seconds / 2), *visits, Advance(seconds / 2 - GUEST_S * len(visits))),
+            steps=(
+                Unheard(f'{space}/chatter', UNHEARD_S),
+                Advance(seconds / 2 - UNHEARD_S - GUEST_S),
+                *visits,
+                Advance(seconds / 2 - GUEST_S * len(visits)),
+            ),
         ),
         read='Part 2: Names',
         facts={'space': space, 'seconds': seconds},
@@ -173,4 +177,4 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     return exam
 
 
-exam = build('/lab', seconds=6.0)
+exam = build('/lab', seconds=8.0)

@@ -18,12 +18,19 @@ from itertools import pairwise
 import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Mark, RosClock, Scenario
+from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, Unheard
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm, why_paced
+from autograder.judging.rhythm import (
+    GRAIN_S,
+    is_flood,
+    why_disturbed,
+    why_other_rhythm,
+    why_paced,
+    with_unheard,
+)
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 from autograder.submission.code.code_places import seed_in_callback
@@ -33,8 +40,9 @@ TOPIC = '/temperature_topic'
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
+UNHEARD_S = 2.5  # at the start, without a subscription [s]
 STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exactly one second
-BEGINS_S = 2.0  # latest start of the rhythm [s of ROS time]
+BEGINS_S = 1.0 + STEP_S  # latest first message, after the node is seen [s of ROS time]
 OTHER_CLOCK = Cause(
     'other_clock',
     "Your messages do not follow the node's own clock.",
@@ -80,10 +88,10 @@ def publishes_readings(run: Run) -> None:
 
 
 def publishes_once_per_second(run: Run) -> None:
-    """It publishes exactly once per second, measured on the ROS clock."""
+    """It publishes once per second of the ROS clock, even while nothing subscribes."""
     seconds = int(run.facts['seconds'])
     minute = run.recording.phase('minute')
-    found = minute.messages(TOPIC)
+    found = with_unheard(run, minute.messages(TOPIC))
     right, wrong_ns = _seconds_in_rhythm(run, [event['clock_ns'] for event in found])
     if wrong_ns is None:
         return
@@ -115,8 +123,9 @@ def _seconds_in_rhythm(run: Run, found: list[int]) -> tuple[int, int | None]:
     clock: RosClock = run.facts['clock']
     step_ns = round(clock.step_s * SECOND)
     end_ns = _begin_ns(run) + round(run.facts['seconds'] / clock.rate * SECOND)
-    due_ns = clock.at(_begin_ns(run))
-    if found and clock.at(found[0]) < due_ns + BEGINS_S * SECOND:
+    seen = run.recording.of('seen')
+    due_ns = clock.at(seen[0]['clock_ns'] if seen else _begin_ns(run))
+    if found and clock.at(found[0]) <= due_ns + BEGINS_S * SECOND:
         due_ns = clock.at(found[0])
     for number, moment_ns in enumerate(found):
         if abs(clock.at(moment_ns) - due_ns) > step_ns:
@@ -132,11 +141,11 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
     gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
     if gaps and all(abs(gap / SECOND - 1.0) <= GRAIN_S for gap in gaps):
         return OTHER_CLOCK
-    if why := why_paced(run):
+    clock: RosClock = run.facts['clock']
+    if why := why_paced(run) or why_disturbed(run, found, 1.0 / clock.rate, True, 'message'):
         return why
     if 0 not in gaps and (sleeps := why_it_sleeps(run)):
         return sleeps
-    clock: RosClock = run.facts['clock']
     # Start at the first message, so that a late start does not look like an early end.
     late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
     during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
@@ -227,7 +236,12 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
         scenario=Scenario(
             file='temp_publisher.py',
             watch={TOPIC: TYPE},
-            steps=(Mark('minute'), Advance(seconds / rate), Mark('over')),
+            steps=(
+                Mark('minute'),
+                Unheard(TOPIC, UNHEARD_S),
+                Advance(seconds / rate - UNHEARD_S),
+                Mark('over'),
+            ),
             ros_clock=clock,
         ),
         read='Part 2: The publisher',
