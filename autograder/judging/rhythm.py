@@ -50,8 +50,9 @@ def require_period(
     late = waited_s > period_s + GRAIN_S
     if abs(more) <= 1.5 and not odd and not late:
         return
-    disturbed = why_disturbed(run, found, period_s, late or more < -1.5, what)
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
+    begins_late = not sleeps and (late or more < -1.5)
+    disturbed = why_disturbed(run, found, period_s, begins_late, what)
     if sleeps and 'reset' in Code(run.files).calls:
         sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
     rhythm = (

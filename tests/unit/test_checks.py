@@ -148,18 +148,42 @@ class TestMessages:
 
         assert failed.value.observed == observed
 
-    def test_first_message_after_two_periods_fails_and_later_ones_pass(self):
-        """The first call of the timer has no message; one and a half periods are a late start."""
+    def test_first_message_comes_within_one_period(self):
+        """The first call of the timer has no message."""
         found = [message(clock) for clock in (2.0, 3.0, 4.0)]
         run = run_of({'event': 'mark', 'clock_ns': 4_500_000_000})
         waited_s = rhythm.seconds_between([{'event': 'seen', 'clock_ns': 0}], found)
 
-        rhythm.require_period(run, found, 1.0, 4.0, waited_s=1.5)
+        rhythm.require_period(run, found, 1.0, 4.0, waited_s=1.01)
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run, found, 1.0, 4.0, waited_s=waited_s)
 
         assert failed.value.observed == '3 messages, 1 s apart, the first after 2 s'
         assert failed.value.why.cause_id == 'begins_late'
+
+    @pytest.mark.parametrize(
+        ('number', 'seconds'),
+        [(5, [1, 2, 3, 4, 5, 6, 7]), (4, [1, 3, 4, 5, 6, 7]), (2, [1, 5, 6, 7])],
+    )
+    def test_number_shows_what_was_published_without_a_subscription(self, number, seconds):
+        """Messages are numbered; the probe had no subscription from second 1.5 to 4.5."""
+        later = [{**message(5 + more), 'number': number + more} for more in range(3)]
+        heard = [{**message(1), 'number': 1}, *later]
+        run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 1_500_000_000}, *heard)
+
+        found = rhythm.with_unheard(run, heard)
+
+        assert [one['clock_ns'] / 1e9 for one in found] == seconds
+
+    def test_silence_without_a_subscription_is_explained(self):
+        """The next number shows that no message was published in this time."""
+        found = [{**message(clock), 'number': clock - 4} for clock in (5, 6, 7)]
+        run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 600_000_000}, *found)
+
+        with pytest.raises(Failed) as failed:
+            rhythm.require_period(run, rhythm.with_unheard(run, found), 1.0, 7.0)
+
+        assert failed.value.why.cause_id == 'only_if_heard'
 
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):

@@ -17,7 +17,7 @@ from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario
+from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario, Unheard
 from autograder.layout import Layout
 
 STRING = 'std_msgs/msg/String'
@@ -59,6 +59,10 @@ class TestWhenItIsMade:
                 "step 3 (Feed): 'one' was not announced",
             ),
             ({'steps': (Leave('late'),)}, "step 1 (Leave): 'late' was not announced"),
+            (
+                {'steps': (Unheard('/a', 1.0),)},
+                "step 1 (Unheard) '/a': expected a topic of Scenario(watch=...)",
+            ),
             (
                 {'feed': {'/t': STRING}, 'steps': (feed('/t', *[{}] * 11, burst=True),)},
                 'step 1 (Feed): expected at most 10 messages per burst, got 11',

@@ -23,6 +23,7 @@ from autograder.exam.scenario import (
     set_parameter,
     state,
     transition,
+    Unheard,
 )
 
 STEPS = [
@@ -32,6 +33,7 @@ STEPS = [
     Join('late', '/out', 'std_msgs/msg/String', Qos(durability='TRANSIENT_LOCAL')),
     Offer('sensor', '/in', 'std_msgs/msg/String', Qos(deadline_s=0.3)),
     Leave('late'),
+    Unheard('/out', 2.0),
     Mark('second'),
     Look('second'),
 ]
@@ -43,7 +45,7 @@ def test_every_step_is_json():
 
     assert json.loads(json.dumps(told))['steps'] == told['steps']
     assert [step['do'] for step in told['steps']] == [
-        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'mark', 'look')
+        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'unheard', 'mark', 'look')
     ]
 
 

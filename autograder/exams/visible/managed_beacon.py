@@ -38,7 +38,7 @@ UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activat
 """Transitions at the end, which clean up a configuration that was never active."""
 SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
-UNHEARD_S = 2.0  # in the first active phase, without a subscription [s]
+UNHEARD_S = 1.2  # in the first active phase, without a subscription [s]
 NOT_CLEANED = Cause(
     'not_cleaned',
     'After cleanup, the timer or publisher that on_configure() created still exists.',

@@ -27,7 +27,7 @@ TYPE = 'std_msgs/msg/String'
 ABSOLUTE = '/chatter'
 PERIOD_S = 0.5
 GUEST_S = 0.2  # duration of a join, or of a call [s]
-UNHEARD_S = 2.8  # at the start, without a subscription [s]
+UNHEARD_S = 1.2  # at the start, without a subscription [s]
 WAITS_S = 1.0  # additional time if there is no publisher, or no service of that name [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
@@ -177,4 +177,4 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     return exam
 
 
-exam = build('/lab', seconds=8.0)
+exam = build('/lab', seconds=6.0)
