@@ -18,6 +18,7 @@ from autograder.exam.scenario import (
     set_parameter,
     state,
     transition,
+    Unheard,
 )
 from autograder.recording import WARN
 
@@ -307,6 +308,28 @@ def make():
         times = [event['clock_ns'] for event in seen.messages('/out')]
         assert [later - times[0] for later in times] == [0, SECOND, 2 * SECOND]
         assert times == [event['clock_ns'] for event in seen.of('input')]
+
+
+@pytest.mark.parametrize(
+    ('steps', 'numbers'),
+    [
+        ([Unheard('/ticks', 2.0), Advance(2.0)], [6, 7, 8, 9]),
+        ([Mark('begin'), Advance(1.0), Unheard('/ticks', 2.0), Advance(1.0)], [1, 2, 3, 8, 9]),
+    ],
+    ids=['from the start', 'in between'],
+)
+def test_numbers_show_how_many_messages_had_no_subscription(run, steps, numbers):
+    """A timer ticks on, whether or not something subscribes."""
+    body = """
+def make():
+    node = Node('clock')
+    publisher = node.create_publisher(Int32, '/ticks', 10)
+    node.create_timer(0.5, lambda: publisher.publish(Int32()))
+    return node
+"""
+    seen = run(body, *steps, watch={'/ticks': INT})
+
+    assert [event['number'] for event in seen.messages('/ticks')] == numbers
 
 
 def test_a_step_that_cannot_be_taken_is_named(run):
