@@ -81,9 +81,10 @@ class Probe:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.watched: dict[str, Any] = {}
-        first = next((step for step in scenario['steps'] if step['do'] != 'mark'), {})
+        acts = [step for step in scenario['steps'] if step['do'] != 'mark']
+        alone = [step['topic'] for step in acts[:1] if step['do'] == 'unheard']
         for topic in scenario['watch']:
-            if first.get('do') != 'unheard' or topic != first['topic']:
+            if topic not in alone:
                 self.watch(topic)
         logs = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._subscribe(Log, '/rosout', self._log, logs)
