@@ -26,7 +26,6 @@ from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import (
     GRAIN_S,
     is_flood,
-    why_late_start,
     why_other_rhythm,
     why_paced,
 )
@@ -160,11 +159,8 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
         return sleeps
     clock: RosClock = run.facts['clock']
     # Start at the first message, so that a late start does not look like an early end.
-    late_s = (found[0]['clock_ns'] - _begin_ns(run)) / SECOND * clock.rate if found else 0.0
-    steady = all(abs(gap / SECOND * clock.rate - 1.0) <= clock.step_s for gap in gaps)
-    if late_s > BEGINS_S and steady:
-        return why_late_start('message')
-    during_s = run.facts['seconds'] - late_s
+    late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
+    during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
     return why_other_rhythm(run, found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
 
 
