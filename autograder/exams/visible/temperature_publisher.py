@@ -23,12 +23,7 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.not_answering import why_it_sleeps
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
-from autograder.judging.rhythm import (
-    GRAIN_S,
-    is_flood,
-    why_other_rhythm,
-    why_paced,
-)
+from autograder.judging.rhythm import GRAIN_S, is_flood, why_other_rhythm, why_paced
 from autograder.judging.stamps import require_stamps
 from autograder.recording import Event
 
@@ -59,10 +54,8 @@ SEEDED = Cause(
     'Each call of your callback restarts the random numbers with the same seed, so every reading '
     'is the first random number.',
     'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
-    act=' '.join(
-        f'{seed}@to:create_timer()'
-        for seed in ('seed()', 'Random()', 'RandomState()', 'default_rng()')
-    ),
+    act='seed()@to:create_timer() Random()@to:create_timer() RandomState()@to:create_timer() '
+    'default_rng()@to:create_timer()',
 )
 CONSTANT = Cause(
     'constant',
