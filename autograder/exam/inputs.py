@@ -22,11 +22,12 @@ import secrets
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
-WATCH_S = 121
+WATCH_S = 131
 """
 How long hidden exams watch a node that acts by itself [s].
 
-A temperature that grows by one degree per second has then left the range of common sensors.
+By then, a temperature that grows by one degree per second has left the range of common sensors,
+and a counter of one byte that grows twice a second has overflowed.
 """
 _other_secret: ContextVar[bytes | None] = ContextVar('_other_secret', default=None)
 

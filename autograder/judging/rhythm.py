@@ -149,7 +149,12 @@ def why_disturbed(
     if unheard := _why_unheard(run, found, period_s):
         return unheard
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
-        return why_late_start(what)
+        text = (
+            f'Every {what} is in time, but the first comes too late: the timer starts late, or '
+            'its first calls are skipped.'
+        )
+        hint = 'Create the timer at once, wait for nothing, and act in each call.'
+        return Cause('begins_late', text, hint)
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
     for event, moments in _alone_and_together(other_moments(run, found)):
         first = next((one for one in seconds if not _near(one, moments)), seconds[0])
@@ -162,16 +167,6 @@ def why_disturbed(
             text = f'When {event}, the timer begins a new period, so the next {what} is late.'
             return Cause('timer_reset', text, 'Leave out reset(), and create the timer only once.')
     return None
-
-
-def why_late_start(what: str) -> Cause:
-    """Explain a rhythm that is right from its first message or line on, which comes too late."""
-    return Cause(
-        'begins_late',
-        f'Every {what} is in time, but the first comes too late: the timer starts late, or its '
-        'first calls are skipped.',
-        'Create the timer at once, wait for nothing, and act in each call.',
-    )
 
 
 def _alone_and_together(

@@ -27,7 +27,6 @@ from autograder.judging.rhythm import (
     GRAIN_S,
     is_flood,
     why_disturbed,
-    why_late_start,
     why_other_rhythm,
     why_paced,
     with_unheard,
@@ -63,10 +62,8 @@ SEEDED = Cause(
     'Each call of your callback restarts the random numbers with the same seed, so every reading '
     'is the first random number.',
     'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
-    act=' '.join(
-        f'{seed}@to:create_timer()'
-        for seed in ('seed()', 'Random()', 'RandomState()', 'default_rng()')
-    ),
+    act='seed()@to:create_timer() Random()@to:create_timer() RandomState()@to:create_timer() '
+    'default_rng()@to:create_timer()',
 )
 CONSTANT = Cause(
     'constant',
@@ -164,11 +161,8 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
     if 0 not in gaps and (sleeps := why_it_sleeps(run)):
         return sleeps
     # Start at the first message, so that a late start does not look like an early end.
-    late_s = (found[0]['clock_ns'] - _begin_ns(run)) / SECOND * clock.rate if found else 0.0
-    steady = all(abs(gap / SECOND * clock.rate - 1.0) <= clock.step_s for gap in gaps)
-    if late_s > BEGINS_S and steady:
-        return why_late_start('message')
-    during_s = run.facts['seconds'] - late_s
+    late_ns = found[0]['clock_ns'] - _begin_ns(run) if found else 0
+    during_s = run.facts['seconds'] - late_ns / SECOND * clock.rate
     return why_other_rhythm(run, found, 1.0, during_s, rate=clock.rate, grain_s=clock.step_s)
 
 
