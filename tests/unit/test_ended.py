@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from autograder.exam.exam import Run
+from autograder.exam.names import Names
 from autograder.judging.causes import ended as causes
 from autograder.recording import Recording
 from autograder.runs.observe import LARGEST_RECORDING, PACKAGE_LIMITS
@@ -51,6 +54,14 @@ def test_topics_that_come_with_a_node_are_no_slip():
     seen = run(endpoints=[end('/n/transition_event'), end('/rosout')])
 
     assert causes.why_no_endpoint(seen, 'publisher', TOPIC, TYPE).cause_id == 'no_endpoint'
+
+
+def test_another_topic_of_the_exam_is_no_slip():
+    """A node that lacks one of two topics has not misspelt the other."""
+    names = Names(published={'/speed': TYPE, '/turn': TYPE})
+    seen = replace(run(endpoints=[end('/speed')]), facts={'exam_names': names})
+
+    assert causes.why_no_endpoint(seen, 'publisher', '/turn', TYPE).cause_id == 'no_endpoint'
 
 
 @pytest.mark.parametrize(

@@ -104,11 +104,14 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
             return cause_of('wrong_type', kind=kind, topic=topic, seen=end['type'], wanted=wanted)
     if why := _why_longer_name(run, kind, topic, type_name):
         return why
-    near = close_name(topic, (end['topic'] for end in recording.endpoints(kind)))
+    # An endpoint that the exam expects is no misspelling of another.
+    right = run.names.published if kind == 'publisher' else run.names.heard
+    ends = [end for end in recording.endpoints(kind) if end['topic'] not in right]
+    near = close_name(topic, (end['topic'] for end in ends))
     other = {'publisher': 'subscription', 'subscription': 'publisher'}[kind]
     if not near and recording.endpoints(other, topic):
         return cause_of('wrong_direction', kind=kind, topic=topic, other=other)
-    same_type = (end['topic'] for end in recording.endpoints(kind) if end['type'] == type_name)
+    same_type = (end['topic'] for end in ends if end['type'] == type_name)
     near = near or next(same_type, '')
     if near and topic.endswith(near):
         space = topic.removesuffix(near)
