@@ -82,8 +82,8 @@ def _compared(
     counts = {'verdicts': 0, 'agree': 0, 'named': 0, 'same_cause': 0}
     lines, causes = [], {}
     for sample, result in zip(theirs, done):
-        wanted = expected_verdicts(exercise.exam, sample.failed)
         got = verdicts_of(result)
+        wanted = expected_verdicts(exercise.exam, sample.failed, got)
         for name, (verdict, cause_id) in wanted.items():
             counts['verdicts'] += 1
             counts['agree'] += got[name][0] == verdict

@@ -1,8 +1,8 @@
 """
 The sample submissions by exercise: what each one tries, and what every check must report.
 
-``expected.json`` of a submission lists the checks that fail, with their causes.  Every other check
-passes, unless it needs a check that does not pass.
+``expected.json`` of a submission lists its points, and the checks that fail, with their causes.
+Every other check passes; one that needs a check that does not pass may also be not run.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from autograder.authoring import sample_class
 from autograder.authoring.sample_class import compose, expected_of
@@ -34,6 +33,7 @@ class Sample:
     :param own: whether it differs from the reference in this exercise
     :param files: what the exam judges, relative path to text
     :param failed: the checks that must fail, with the ids of their causes
+    :param points: what it must get in this exercise
     """
 
     exercise: Exercise
@@ -42,6 +42,7 @@ class Sample:
     own: bool
     files: Mapping[str, str]
     failed: Mapping[str, str]
+    points: float
 
     @property
     def counts(self) -> bool:
@@ -84,53 +85,55 @@ def _of_submission(path: Path, assignment: str, release: Notebook) -> Iterator[S
             own or bool(failed and expected.get('notebook')),
             files[exercise.name].files,
             failed,
+            expected['points'][exercise.name],
         )
 
 
-BY_THE_ONLY_NODE = (
-    *('night_watch', 'milli_reader', 'map_server', 'sensor_watch'),
-    *('managed_beacon', 'managed_pressure', 'limiter'),
-)
-"""The exams in which a wrong name of the node costs its own check alone."""
+Verdicts = dict[str, tuple[str, str]]
+"""The verdict of each check by its name, with the id of the cause if it fails."""
 
 
-def expected_verdicts(exam: Exam, failed: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+def expected_verdicts(exam: Exam, failed: Mapping[str, str], got: Verdicts) -> Verdicts:
     """
-    Return what every check must say: its verdict, and the id of its cause if it fails.
+    Return what every check must say.
 
     :param failed: the checks that must fail, with the ids of their causes
+    :param got: what the checks say: one that needs a failed check may pass or be not run
     """
-    found: dict[str, tuple[str, str]] = {}
+    passed, not_run = (Verdict.PASSED.value, ''), (Verdict.NOT_RUN.value, '')
+    found: Verdicts = {}
     missing = 'missing_file' in failed.values()  # nothing was run, so nothing else was looked at
-    only_named = exam.name in BY_THE_ONLY_NODE
     for check in exam.checks:
         if check.name in failed:
             found[check.name] = Verdict.FAILED.value, failed[check.name]
-        elif missing or any(
-            found[need][0] != Verdict.PASSED.value
-            and not (only_named and found[need][1] in ('node_name', 'namespace'))
-            for need in check.needs
-        ):
-            found[check.name] = Verdict.NOT_RUN.value, ''
+        elif missing:
+            found[check.name] = not_run
+        elif all(found[need] == passed for need in check.needs) or got[check.name] == passed:
+            found[check.name] = passed
         else:
-            found[check.name] = Verdict.PASSED.value, ''
+            found[check.name] = not_run
     return found
 
 
-def verdicts_of(result: ExamResult) -> dict[str, tuple[str, str]]:
+def verdicts_of(result: ExamResult) -> Verdicts:
     """Return what every check said: its verdict, and the id of its cause."""
     return {one.check: (one.verdict.value, one.cause_id) for one in result.checks}
 
 
 def differences(sample: Sample, result: ExamResult) -> list[str]:
-    """Return one line for each check whose result differs from the expected one."""
-    wanted: Mapping[str, Any] = expected_verdicts(sample.exercise.exam, sample.failed)
+    """Return one line for each result that differs from the expected one: points and checks."""
     got = verdicts_of(result)
-    return [
+    wanted = expected_verdicts(sample.exercise.exam, sample.failed, got)
+    points = round(result.points, 3)
+    other = (
+        [] if points == sample.points else [f'expected {sample.points:g} points, got {points:g}']
+    )
+    checks = [
         f'{name}: expected {" ".join(wanted[name]).strip()}, got {" ".join(got[name]).strip()}'
         for name in wanted
         if got[name] != wanted[name]
     ]
+    return [*other, *checks]
 
 
 def counted(found: Sequence[Sample], exercise: Exercise, right: bool) -> list[Sample]:

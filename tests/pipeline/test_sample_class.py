@@ -129,7 +129,7 @@ def test_verdicts_and_causes_and_points_are_those_expected(assignment):
         wanted = {
             exam.name: (
                 expected['points'][exam.name],
-                expected_verdicts(exam, expected['failed'].get(exam.name, {})),
+                expected_verdicts(exam, expected['failed'].get(exam.name, {}), got[exam.name][1]),
             )
             for exam in catalog.for_assignment(assignment)
         }
