@@ -107,11 +107,9 @@ def why_not_numbered(
     if len(set(texts)) == 1:
         return Cause('never_counts', 'The number is the same in every text.', COUNT_IN)
     if place:
-        before = {number for one in texts[:place] for number in whole_numbers_in(one)}
-        if before & set(numbers) and text != texts[place - 1]:
-            again = f'The count goes back after {place} texts: something sets it again.'
-            again = f'{again} Just then, {when}.' if when else again
-            return Cause('begins_again', again, COUNT_IN)
+        changed = set(numbers) - set(whole_numbers_in(texts[place - 1]))
+        if any(number < due for number in changed):
+            return _why_back(due - 1, f' Just then, {when}.' if when else '')
         wrong = 'From one text to the next the number does not grow by 1.'
         return Cause('wrong_step', wrong, COUNT_IN)
     if due - 1 in numbers:
@@ -121,4 +119,35 @@ def why_not_numbered(
         f'Text {due} has the number {numbers[0]}: the count does not begin with 1, or something '
         'counts that sends nothing.',
         'Begin with self.count = 0, and let the timer alone call the method that counts.',
+    )
+
+
+def _why_back(count: int, when: str) -> Cause:
+    """
+    Explain a number that goes back.
+
+    :param count: number of texts before it
+    :param when: what else happened just then, as a sentence
+    """
+    back = f'After {count} texts the numbers begin again'
+    reset = f'The count goes back after {count} texts: something sets it again.{when}'
+    return Cause(
+        'begins_again',
+        f'{back}.{when}',
+        f'Write the count itself into the text, without % and cycle(). {COUNT_IN}',
+        closer=[
+            Cause('begins_again', reset, COUNT_IN, act='recount'),
+            Cause(
+                'begins_again',
+                f'{back}: the text has the remainder of the count.',
+                'Write the count itself into the text, and use % in the condition only.',
+                act='wrapped_count',
+            ),
+            Cause(
+                'begins_again',
+                f'{back}: cycle() repeats them.',
+                'Use itertools.count(1), or a count of your own.',
+                act='cycle()',
+            ),
+        ],
     )

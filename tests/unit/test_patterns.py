@@ -157,6 +157,27 @@ def test_count_that_goes_back_is_told_with_what_else_happened():
 
 
 @pytest.mark.parametrize(
+    ('code', 'says'),
+    [
+        ('n += 1\nif n > 9:\n    n = 0', 'begin again.'),
+        ('def tick(self):\n    self.n += 1\n    self.n = 0', 'something sets it again.'),
+        ("n += 1\nif n % 5 == 0 or n % 7:\n    show(f'hello {n % 24}')", 'the remainder of'),
+        ('n += 1\nif n % 5 == 0 or n % 7:\n    show(n)', 'begin again.'),
+        ('numbers = cycle(range(1, 9))', 'cycle() repeats them.'),
+    ],
+)
+@pytest.mark.parametrize('texts', [['hello 7', 'hello 8', 'hello 1'], ['8', '9', '0']])
+def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, says, texts):
+    """A count that nothing sets again is not blamed."""
+    first = int(texts[0][-1])
+
+    cause = closest(run_of(code=code), why_not_numbered(texts, 2, first))
+
+    assert (cause.cause_id, says in cause.text) == ('begins_again', True)
+    assert f'After {first + 1} texts' in cause.text or 'goes back after' in cause.text
+
+
+@pytest.mark.parametrize(
     ('clocks', 'others', 'cause_id'),
     [
         ([1, 1.7, 2, 3, 4], [at(1.7, 'input', index=0)], 'additional'),

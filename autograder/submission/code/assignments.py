@@ -41,9 +41,23 @@ def compared_counts(program: Program) -> Iterator[ast.AST]:
             yield node
 
 
+def wrapped_counts(program: Program) -> Iterator[ast.AST]:
+    """Yield the remainders of a count, but not those in conditions."""
+    counted = _counted(program)
+    conditions = (
+        one if isinstance(one, ast.Compare) else getattr(one, 'test', None)
+        for one in program.nodes
+    )
+    asked = {part for one in conditions if one for part in ast.walk(one)}
+    for node in program.operations(ast.Mod):
+        left = getattr(node, 'left', None) or getattr(node, 'target', None)
+        if left and node not in asked and not counted.isdisjoint(names_in(left)):
+            yield node
+
+
 def _counted(program: Program) -> set[str]:
     """Return the names that count something."""
-    return {name for one in counts(program) for name in _set_by(one)}
+    return {name for one in counts(program) for name in _set_by(one) if name}
 
 
 def stored(program: Program) -> Iterator[ast.AST]:

@@ -335,5 +335,6 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'use': _uses,
     'wall_clock': _wall_clocks,
     'without_result': _without_result,
+    'wrapped_count': assignments.wrapped_counts,
 }
 """The names of these acts, see :mod:`.acts`."""
