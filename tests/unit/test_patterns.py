@@ -410,6 +410,19 @@ def test_map_that_is_published_for_each_newcomer_is_told():
 
 
 @pytest.mark.parametrize(
+    ('code', 'cause_id'),
+    [
+        ('PublisherEventCallbacks(matched=self.welcome)', 'repeats_for_new'),
+        ('if self.publisher.get_subscription_count():\n    publish()', 'repeats_for_new'),
+        ('self.create_timer(1.0, self.publish)', 'first_map_late'),
+    ],
+)
+def test_first_map_for_a_newcomer_is_told_from_a_late_one(code, cause_id):
+    """Of a map that is published again for each subscription, only the last copy is kept."""
+    assert closest(run_of(code=code), map_server.FIRST_LATE).cause_id == cause_id
+
+
+@pytest.mark.parametrize(
     ('reason', 'together', 'cause_id'),
     [('', False, 'no_reason'), ('too high', True, 'looks_at_one')],
 )

@@ -51,10 +51,18 @@ PUBLISHER_GONE = Cause(
     'Create one publisher in __init__, and publish every map with it.',
     act='destroy_publisher()',
 )
+FIRST_FOR_NEW = Cause(
+    'repeats_for_new',
+    'Your node publishes the map when a subscription connects.',
+    'Publish the first map once, at the end of __init__: late subscriptions get it from the '
+    'durability TRANSIENT_LOCAL.',
+    act='matched= | get_subscription_count()',
+)
 FIRST_LATE = Cause(
     'first_map_late',
     'The first map is published some time after the start.',
     'Publish it at the end of __init__, and not in a timer or when a subscription connects.',
+    closer=[FIRST_FOR_NEW],
 )
 FIRST_REPEATS = Cause(
     'repeats',
