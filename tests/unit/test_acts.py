@@ -302,8 +302,36 @@ class TestKnownActs:
         place(act, ['0.5'], code=f'{names}\na60 = 1\n{deep}x{".y" * 500} = 1\n')
 
 
+PILOT = """\
+node.create_subscription(Float64, 'speed', keep, 10)
+node.create_timer(0.5, steer)
+node.add_on_set_parameters_callback(changed)
+def keep(message):
+    node.speed = message.data
+    node.came['speed'] = clock.now()
+def is_old(moment):
+    return clock.now() - moment > OLD
+def steer():
+    newest = max(node.came.values())
+    if is_old(newest):
+        command.linear.x = 0.0
+    publisher.publish(command)
+def changed(parameters):
+    self.limit = parameters[0].value
+def on_configure(state):
+    return node.get_parameter('limit').value
+"""
+
+
 class TestTable:
     """The table of causes and their acts."""
+
+    @pytest.mark.parametrize(
+        ('cause_id', 'line'), [('one_age_for_all', 10), ('half_a_stop', 12), ('early_limit', 15)]
+    )
+    def test_innocent_line_with_a_similar_act_is_not_named(self, cause_id, line):
+        """A time is stored, an age compared and a parameter read, and each of these is right."""
+        assert place(acts_by_cause()[cause_id], code=PILOT) == (line, '')
 
     def test_cause_has_one_row(self):
         """A second row would be ignored."""
