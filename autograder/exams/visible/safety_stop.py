@@ -138,6 +138,19 @@ def skipping(instead: Sequence[Pair]) -> Rule:
     return rule
 
 
+def bursting(kept: int) -> Rule:
+    """Return the rule of a safety stop that passes on one command of the burst, by its index."""
+
+    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
+        due = guarding()(inputs)
+        burst = due[-BURST:]
+        others = [row[1:] for row in burst]  # a stop in the silence remains
+        others[kept] = burst[kept]
+        return [*due[:-BURST], *others]
+
+    return rule
+
+
 SLIPS = (
     Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
@@ -178,6 +191,13 @@ SLIPS = (
     Slip.of(EARLY, guarding(after_s=0.25)),
     Slip('late_stop', 'The stop comes only after a longer silence than 0.5 s.',
          'Create the timer with 0.5 s.', guarding(after_s=1.0)),
+    Slip('only_the_last', 'If several commands arrive at once, your node publishes only the last.',
+         'Publish each command in guard(), and store none for later. Give create_subscription() '
+         'the depth 10.', bursting(-1)),
+    Slip('the_rest_dropped',
+         'If several commands arrive at once, your node publishes only the first.',
+         'Publish each command in guard(), however soon it comes after another one.', bursting(0),
+         act='if:early_return@to:create_subscription() | if:publish()@to:create_subscription()'),
     Slip.of(REPEATS, guarding(
         stops=lambda one, silence: [STOP] * int(one.lasts_s / SILENCE_S))),
 )  # fmt: skip
