@@ -141,10 +141,17 @@ NO_VALUE = Cause(
     'Your INFO line does not contain the value of the reading, or lacks its decimals.',
     "Put msg.temperature_value into the text: f'{msg.temperature_value:.2f}'.",
 )
+TO_STDERR = Cause(
+    'print_instead_of_logger',
+    'Your code writes to stderr, which is not the log of the node.',
+    'Use self.get_logger().error(...): it also goes to the topic /rosout.',
+    act='stderr@to:create_subscription()',
+)
 NO_ERROR = Cause(
     'no_error',
     'Your node logs no ERROR line for a reading in an unknown unit.',
     'For any unit that you do not know: self.get_logger().error(...), return.',
+    closer=[TO_STDERR],
 )
 ERROR_ONCE = Cause(
     'error_once',

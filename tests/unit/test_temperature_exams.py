@@ -12,6 +12,7 @@ from autograder.exam.specification import Specification
 from autograder.exams.readings import Reading, SLIPS, warns
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
+from autograder.judging.judge import closest
 from autograder.judging.lines import share
 from autograder.recording import ERROR, INFO, Recording, WARN
 
@@ -294,6 +295,22 @@ class TestUnlogged:
 
         assert found.cause_id == cause_id
         assert 'info(' not in found.try_this
+
+    @pytest.mark.parametrize(
+        ('what', 'cause_id'),
+        [
+            ("print('unknown', file=sys.stderr)", 'print_instead_of_logger'),
+            ("print('unknown')", 'no_error'),
+        ],
+    )
+    def test_error_that_goes_to_stderr_is_no_log(self, what, cause_id):
+        """Of the output only stdout is searched, so the code shows it."""
+        code = f"node.create_subscription(T, 't', hear, 10)\ndef hear(msg):\n    {what}\n"
+        run = heard([COOL, ODD, COOL], lambda one: right(one)[:1] if one is COOL else [], code)
+
+        found = why(subscriber.reports_an_unknown_unit, run)
+
+        assert closest(run, found).cause_id == cause_id
 
 
 class TestErrors:
