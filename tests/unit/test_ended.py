@@ -300,6 +300,10 @@ def test_helper_that_nobody_spins_explains_nothing():
         ('def speak(self):\n    self.publisher.publish(String())', 'no_timer'),
         ('self.create_timer(1.0, self.speak)\nself.publisher.publish(String())', 'silent'),
         ('', 'silent'),
+        (
+            'if pub.get_subscription_count() > 0:\n    pub.publish(m)\ncreate_timer(1.0, f)',
+            'only_if_heard',
+        ),
     ],
 )
 def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
