@@ -20,6 +20,12 @@ from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
+USED_UP = Cause(
+    'stops',
+    'next() has taken everything from its iterator, and then nothing more comes.',
+    'Use itertools.cycle() or itertools.count(), which have no end.',
+    act='next(1)',
+)
 FLOOD = 10
 """A flood is more than this multiple of the expected count; its recording is incomplete."""
 
@@ -272,11 +278,14 @@ def why_other_rhythm(
     due = during_s / period_s
     sizes = [len(list(some)) for _, some in groupby(found, key=itemgetter('clock_ns'))]
     if 0.0 in gaps and (len(found) > due + 1.5 or min(sizes[:-1], default=1) > 1):
+        steps = _gaps([place for place, size in enumerate(sizes) if size > 1])
+        same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1
+        often = f', once in {steps[0]:g} periods' if same else ''
         return Cause(
             'several_at_once',
-            f'Several {what}s come at the same moment.',
+            f'Several {what}s come at the same moment{often}.',
             f'One timer causes one {what} each time it ticks, every {period_s:g} s. Use no second '
-            'timer and no loop.',
+            'timer, no loop and no second call.',
         )
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
@@ -287,6 +296,7 @@ def why_other_rhythm(
             'stops',
             f'The {what}s come in time at first, but then nothing more comes.',
             'Is a timer cancelled, or what it sends used up? It goes on until the program ends.',
+            closer=[USED_UP],
         )
     periods = [gap / period_s for gap in gaps]
     whole = (

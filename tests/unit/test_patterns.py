@@ -215,6 +215,33 @@ def test_what_disturbs_a_rhythm_is_told(clocks, others, cause_id):
     assert (cause and cause.cause_id) == cause_id
 
 
+@pytest.mark.parametrize(
+    ('clocks', 'text'),
+    [
+        ([1, 2, 2, 3, 4, 4, 5, 6, 6], 'at the same moment, once in 2 periods.'),
+        ([1, 2, 2, 3, 3, 4, 5, 5], 'at the same moment.'),
+        ([1, 1, 2, 2, 3, 3, 4, 4], 'at the same moment.'),
+    ],
+    ids=['every second', 'uneven', 'each'],
+)
+def test_second_message_that_comes_evenly_has_its_period(clocks, text):
+    """No number is given if the moments with several messages have no rhythm."""
+    found = [message(clock) for clock in clocks]
+
+    assert why(rhythm.require_period, run_of(), found, 1.0, 4.0).text.endswith(text)
+
+
+@pytest.mark.parametrize('code', ['next(self.texts, None)', 'next(self.numbers)'])
+def test_iterator_that_ends_is_the_cause_if_its_end_is_expected(code):
+    """Without a second argument, the end of an iterator is an exception."""
+    found = [message(clock) for clock in (1, 2, 3, 4)]
+    run = run_of(code=code)
+
+    cause = closest(run, why(rhythm.require_period, run, found, 1.0, 15.0))
+
+    assert (cause.cause_id, 'next()' in cause.text) == ('stops', 'None' in code)
+
+
 TWO = """\
 class Watcher(Node):
     def __init__(self, name, period_s):
