@@ -75,14 +75,12 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
     if sec == right and nanosec < MILLISECOND:
         wrong = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
         return Cause('nanoseconds', wrong, take, [field])
-    other = 'The stamp was taken at another moment, or its parts are wrong.'
-    return why_it_sleeps(run) or _stale(other, field, take)
-
-
-def _stale(text: str, field: str, take: str) -> Cause:
-    after = f'The {field} is set after publish(), so each message has the stamp of the one before.'
-    late = Cause('stale_stamp', after, f'{take[:-1]}, before publish().', [field], 'late_field')
-    return Cause('stale_stamp', text, take, [field], closer=[late])
+    return why_it_sleeps(run) or Cause(
+        'stale_stamp',
+        'The stamp was taken at another moment, or its parts are wrong.',
+        take,
+        [field],
+    )
 
 
 def _why_zero(code: FieldUse, field: str, take: str) -> Cause:
@@ -95,4 +93,4 @@ def _why_zero(code: FieldUse, field: str, take: str) -> Cause:
     if code.empty:
         return Cause('empty_time', 'An empty Time is 0: Time() asks no clock.', take)
     early = 'The stamp is 0: a time taken before the clock ran, as in __init__, or never set.'
-    return _stale(early, field, take)
+    return Cause('stale_stamp', early, take, [field])

@@ -272,20 +272,6 @@ class TestKnownActs:
         """A number, a name or a string of the run chooses between several places."""
         assert place(act, about)[0] == line
 
-    @pytest.mark.parametrize(
-        ('lines', 'found'),
-        [
-            ('publish(m)\n    m.timestamp = now()', (3, '')),
-            ('m.timestamp = now()\n    publish(m)', None),
-            ('publish(m)\n    m.timestamp = now()\n    publish(m)', None),
-        ],
-    )
-    def test_field_that_is_set_after_the_message_is_sent_is_found(self, lines, found):
-        """A field that is set before one of the messages is in it."""
-        code = f'def hear(number):\n    {lines}\n'
-
-        assert place('late_field', ['timestamp'], code=code) == found
-
     def test_innocent_timer_is_not_the_place_of_another_rhythm(self):
         """The program has two timers, and neither has the period that was observed."""
         assert place('period', ['0.7']) is None

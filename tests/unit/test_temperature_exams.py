@@ -187,17 +187,6 @@ def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words)
     assert words in found.text
 
 
-def test_stamp_that_is_set_after_the_message_is_sent_is_told():
-    """Each message has the stamp of the one before; the code tells it from another old stamp."""
-    code = 'def tick(self):\n    self.out.publish(self.msg)\n    self.msg.timestamp = now()'
-    run = published(every(1.0), code, stamp=lambda now: CLOCK.at(now) - 10**9)
-
-    found = why(publisher.stamps_follow_the_clock, run)
-
-    assert 'after publish()' in closest(run, found).text
-    assert closest(published(every(1.0)), found) is found
-
-
 # -- the subscriber -------------------------------------------------------------------------
 
 COOL, HOT = Reading(21.5, 'a cool reading'), Reading(45.25, 'a hot reading')

@@ -122,16 +122,6 @@ def _fields(program: Program) -> Iterator[ast.AST]:
         yield from map(program.origin, program.given(name.rpartition('.')[2]))
 
 
-def _late_fields(program: Program) -> Iterator[ast.AST]:
-    """Yield what the field in question gets only after the last message is published."""
-    for node in _fields(program):
-        outer = program.function_around(node)
-        inner = set(ast.walk(outer)) if outer else set()
-        sent = [line_of(one) for one in program.calls('publish') if one in inner]
-        if sent and max(sent) < line_of(node):
-            yield node
-
-
 def _texts(program: Program) -> Sequence[ast.AST]:
     """Return the strings that give the first of the names in question that the code has."""
     for name in program.about:
@@ -320,7 +310,6 @@ ACTS: Mapping[str, Callable[[Program], Iterable[ast.AST]]] = {
     'joined': _joined,
     'kept_first': assignments.kept_first,
     'kept_message': assignments.kept_messages,
-    'late_field': _late_fields,
     'limit': _limits,
     'list': _lists,
     'log': _log_calls,
