@@ -128,7 +128,7 @@ def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | N
     after, missed = _missed(run, found)
     if missed or after not in found or not _in_rhythm(found[found.index(after) :], period_s):
         return None
-    # A node that skips its first calls has published nothing until then, whoever listens.
+    # A node that skips its first calls has published nothing until then, heard or not.
     if after is found[0] and not place_of(Code(run.files), 'get_subscription_count()'):
         return None
     return Cause(

@@ -270,8 +270,8 @@ class TestExplain:
         text = evidence_text(found)
         (marked,) = [line for line in text.splitlines() if line.startswith('>')]
 
-        assert '4.000s  /temperature_topic: ' in marked
-        assert 'timestamp: 5.000000000' in marked
+        assert '5.600s  /temperature_topic: ' in marked
+        assert 'timestamp: 7.000000000' in marked
         assert found['check']['verdict'] == 'FAILED'
         assert found['now'] == 'judged again now from the recording: same verdict'
         assert found['recording']['of_these_files']
@@ -286,7 +286,7 @@ class TestExplain:
         found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
 
         assert found['deviation']['how'] == 'the check names this moment'
-        assert found['deviation']['clock_ns'] == 1_200_000_000  # half a second too early
+        assert found['deviation']['clock_ns'] == 800_000_000  # half a second too early
 
     def test_a_program_that_died_is_shown_with_its_last_words(self, layout, now):
         """They explain, and the end of the run is the moment."""

@@ -33,7 +33,6 @@ KINDS = (
     'setitimer',
     'multiprocessing.Queue',
     'polling now()',
-    'sleep in a callback',
 )
 
 

@@ -175,15 +175,23 @@ class TestMessages:
 
         assert [one['clock_ns'] / 1e9 for one in found] == seconds
 
-    def test_silence_without_a_subscription_is_explained(self):
-        """The next number shows that no message was published in this time."""
+    @pytest.mark.parametrize(
+        ('code', 'because_unheard'),
+        [
+            ('if node.publisher.get_subscription_count(): node.publish()', True),
+            ('if node.ready: node.publish()', False),
+        ],
+    )
+    def test_silence_without_a_subscription_is_explained(self, code, because_unheard):
+        """The next number shows that no message was published in this time; the code says why."""
         found = [{**message(clock), 'number': clock - 4} for clock in (5, 6, 7)]
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 600_000_000}, *found)
+        run = replace(run, files={'n.py': code})
 
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run, rhythm.with_unheard(run, found), 1.0, 7.0)
 
-        assert failed.value.why.cause_id == 'only_if_heard'
+        assert (failed.value.why.cause_id == 'only_if_heard') == because_unheard
 
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):

@@ -28,5 +28,5 @@ def everything():
         )
 
 
-timer = node.create_timer(2.0, everything)
+timer = node.create_timer(4.0, everything)
 rclpy.spin(node)
