@@ -23,8 +23,8 @@ def calm(monkeypatch):
 
 def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor():
     """A child that has ended changes nothing."""
-    threads = 'import threading, sys; threading.Thread(target=sys.stdin.read).start(); '
-    code = f'{threads}print("begun", flush=True); threading.enumerate()[1].join(); {AFFINITY}'
+    begin = 'import sys, threading; other = threading.Thread(target=sys.stdin.read); other.start()'
+    code = f'{begin}; print("begun", flush=True); other.join(); {AFFINITY}'
     argv = [sys.executable, '-c', code]
     ended = subprocess.Popen(['true'])
     ended.wait()
