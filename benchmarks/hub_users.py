@@ -187,22 +187,17 @@ def measure(hub: str, names: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def main() -> int:
+def main() -> None:
     """Measure, print and save."""
     parser = argparse.ArgumentParser(description=(__doc__ or '').strip().splitlines()[0])
     parser.add_argument('--hub', default='http://127.0.0.1:8000/', metavar='ADDRESS')
     parser.add_argument('users', nargs='+', help='names of users; the first one begins alone')
     chosen = parser.parse_args()
-    machine = report.machine()
-    report.print_machine(machine)
+    facts = report.machine()
     one, *others = chosen.users
-    figures = {}
-    for name, users in (('alone', [one]), ('together', others)):
-        figures[name] = measure(chosen.hub, users)
-        print(name, json.dumps(figures[name], indent=2), flush=True)
-    report.save('hub_users', machine, figures, full=len(others) >= 10)
-    return 0
+    figures = {'alone': measure(chosen.hub, [one]), 'together': measure(chosen.hub, others)}
+    report.save('hub_users', facts, figures, full=len(others) >= 10)
 
 
 if __name__ == '__main__':
-    raise SystemExit(main())
+    main()

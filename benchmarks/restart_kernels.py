@@ -13,7 +13,6 @@ import argparse
 from collections.abc import Sequence
 import os
 from pathlib import Path
-import statistics
 import sys
 import tempfile
 import time
@@ -70,29 +69,25 @@ def main() -> int:
 
     :returns: exit code, 1 if anything was left behind
     """
-    chosen = _arguments()
+    parser = argparse.ArgumentParser(description=(__doc__ or '').strip().splitlines()[0])
+    parser.add_argument('--times', type=int, default=FULL_TIMES, help='kernels (default 100)')
+    times = parser.parse_args().times
     os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
     facts = report.machine()
-    rounds = [_one_kernel(number) for number in range(chosen.times)]
+    rounds = [_one_kernel(number) for number in range(times)]
     left = {
         'processes': sum(item['processes'] for item in rounds),
         'shared memory files': sum(item['shared_memory'] for item in rounds),
         'nodes in the graph': _nodes_in_the_graph(),
     }
-    threads = sorted({item['threads'] for item in rounds})
-    seconds = [item['seconds'] for item in rounds]
-    ends = [item['end_seconds'] for item in rounds]
-    print(f'\n{len(rounds)} kernels, left behind: {left}')
-    print(f'threads in a kernel: {threads}')
-    print(f'median {statistics.median(seconds):.2f} s a kernel, its end {max(ends):.2f} s at most')
     figures = {
         'kernels': len(rounds),
         'left_behind': left,
-        'threads_in_a_kernel': threads,
-        'kernel_s': report.spread(seconds),
-        'end_s': report.spread(ends),
+        'threads_in_a_kernel': sorted({item['threads'] for item in rounds}),
+        'kernel_s': report.spread([item['seconds'] for item in rounds]),
+        'end_s': report.spread([item['end_seconds'] for item in rounds]),
     }
-    report.save('restart_kernels', facts, figures, full=chosen.times >= FULL_TIMES)
+    report.save('restart_kernels', facts, figures, full=times >= FULL_TIMES)
     return 1 if any(left.values()) else 0
 
 
@@ -131,8 +126,7 @@ def _one_kernel(number: int) -> dict[str, Any]:
         'seconds': ended - began,
         'end_seconds': ended - ending,
     }
-    print(f'kernel {number + 1}: {left["seconds"]:.1f} s, {threads} threads,', end=' ')
-    print(f'{left["processes"]} processes and {left["shared_memory"]} files left', flush=True)
+    print(f'kernel {number + 1}:', left, flush=True)
     return left
 
 
@@ -173,12 +167,6 @@ def _nodes_in_the_graph() -> int:
         return len(found) - 1
     finally:
         context.try_shutdown()
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
-    parser.add_argument('--times', type=int, default=FULL_TIMES, help='kernels (default 100)')
-    return parser.parse_args()
 
 
 if __name__ == '__main__':
