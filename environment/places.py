@@ -68,11 +68,6 @@ class Places:
         return self.venv / 'ros2_course'
 
     @property
-    def logs(self) -> Path:
-        """The folder with one log file per step."""
-        return self.notes / 'logs'
-
-    @property
     def ready(self) -> Path:
         """Written last: the digest of all inputs of the prepared environment."""
         return self.notes / 'ready.json'

@@ -72,15 +72,15 @@ class Plan:
         path = os.path.realpath(python.path)
         venv = stamps.digest_of(str(self.places.venv), path, python.version, self.kind)
         packages = stamps.packages_digest(python.version, self.kind)
-        if step == 'venv':
-            return venv
-        if step == 'packages':
-            return packages
-        if step == 'messages':
-            return stamps.digest_of(venv, packages, stamps.messages_text())
-        if step == 'clock':
-            return stamps.digest_of(venv, stamps.clock_digest())
-        return stamps.digest_of(venv, packages, stamps.package_digest(self.places))
+        return {
+            'venv': lambda: venv,
+            'packages': lambda: packages,
+            'messages': lambda: stamps.digest_of(venv, packages, stamps.messages_text()),
+            'clock': lambda: stamps.digest_of(venv, stamps.clock_digest()),
+            'workspace': lambda: stamps.digest_of(
+                venv, packages, stamps.package_digest(self.places)
+            ),
+        }[step]()
 
 
 def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:

@@ -122,17 +122,17 @@ def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpret
         raise StepError(f'missing: {names}', f'type: {command_to_type(tools, python)}')
 
 
-def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
+def bubblewrap_failure(bwrap: str | None) -> str:
     """
     Run bubblewrap to find out whether it works.
 
     :param bwrap: path of the program, None if it is not installed
-    :param root: whether the user is root, for whom no user namespace is created
     :returns: '' if it works, else its error message
     """
     if not bwrap:
         return 'not installed'
-    user = [] if root else ['--unshare-user', '--disable-userns']
+    # For root, no user namespace is created.
+    user = [] if os.geteuid() == 0 else ['--unshare-user', '--disable-userns']
     done = subprocess.run(
         [bwrap, *user, '--unshare-ipc', '--unshare-pid', '--unshare-net', '--die-with-parent']
         + ['--size', '65536', '--tmpfs', '/tmp', '--ro-bind', '/usr', '/usr']
@@ -143,8 +143,5 @@ def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
         text=True,
         stdin=subprocess.DEVNULL,
     )
-    if done.returncode == 0:
-        return ''
-    return (
-        done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'it ended with an error'
-    )
+    said = done.stderr.strip().splitlines()
+    return '' if done.returncode == 0 else (said or ['it ended with an error'])[-1]

@@ -50,7 +50,8 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
     (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
     places = Places.of('.venv', tmp_path)
     places.prefix.mkdir(parents=True)
-    stamps.write_stamp(places, 'workspace', 'done')
+    places.notes.mkdir()
+    stamps.stamp_of(places.notes, 'workspace').write_text('done')
 
     found = doctor.check_workspace(places, 'done')
     assert (found.state, found.detail) == (doctor.OK, detail)
@@ -69,7 +70,9 @@ def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor, '_description', lambda _: ros)
     monkeypatch.setattr(doctor, 'check_by_running', lambda _: ())
     monkeypatch.setattr(interpreters, 'probe', lambda *_: python)
-    stamps.write_stamp(places, 'workspace', Plan(places, {}, 'wheels', python).digest('workspace'))
+    places.notes.mkdir()
+    built = Plan(places, {}, 'wheels', python).digest('workspace')
+    stamps.stamp_of(places.notes, 'workspace').write_text(built)
 
     def line():
         return next(one.line() for one in doctor.findings(places, {}) if one.name == 'doors')
@@ -177,5 +180,5 @@ def test_bubblewrap_failure_repeats_its_words(tmp_path):
     program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
     program.chmod(0o755)
 
-    assert system.bubblewrap_failure(None, root=False) == 'not installed'
-    assert system.bubblewrap_failure(str(program), root=False) == 'bwrap: No permissions'
+    assert system.bubblewrap_failure(None) == 'not installed'
+    assert system.bubblewrap_failure(str(program)) == 'bwrap: No permissions'
