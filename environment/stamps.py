@@ -12,7 +12,6 @@ import hashlib
 import json
 from pathlib import Path
 
-from environment.cmake_notes import STAND_IN
 from environment.pins import requirements_for
 from environment.places import (
     CLOCK_SOURCES,
@@ -60,7 +59,7 @@ def package_digest(places: Places) -> str:
     """Return the digest of the course package's sources and of the code that builds it."""
     environment = PROJECT / 'environment'
     own = files_below(places.package) if places.package_name else []
-    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py', STAND_IN]
+    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py']
     return digest_of(digest_of_files(own, places.project), digest_of_files(builds))
 
 

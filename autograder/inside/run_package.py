@@ -17,7 +17,6 @@ import sys
 
 import build_package  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 import gate  # type: ignore[import-not-found]
-import warm_python  # type: ignore[import-not-found]
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
@@ -62,7 +61,6 @@ def command(file: Path) -> list[str]:
 
 def main() -> None:
     """Build the package and replace this process by the program."""
-    warm_python.import_colcon()
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]
     try:
