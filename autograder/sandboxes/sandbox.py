@@ -66,6 +66,7 @@ class Sandbox:
 
     def variables(self, program: Program, home: str, domain: int) -> dict[str, str]:
         """Return all environment variables of a confined program."""
+        profile = '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
         chosen = self.ros.variables if program.course_messages else self.ros.base_variables
         variables = {
             **chosen,
@@ -73,7 +74,7 @@ class Sandbox:
             'ROS_LOG_DIR': f'{home}/log',
             'ROS_DOMAIN_ID': str(domain),
             'RMW_IMPLEMENTATION': 'rmw_fastrtps_cpp',
-            'FASTRTPS_DEFAULT_PROFILES_FILE': self.profile,
+            'FASTRTPS_DEFAULT_PROFILES_FILE': profile,
             'RCUTILS_COLORIZED_OUTPUT': '0',
             'LANG': 'C.UTF-8',
             'OPENBLAS_NUM_THREADS': '1',
@@ -81,14 +82,9 @@ class Sandbox:
             'PYTHONUNBUFFERED': '1',
             **program.variables,
         }
-        # This variable must be unset: the profile above sets peers and transports.
+        # This variable must be unset: the profile sets peers and transports.
         variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
         return variables
-
-    @property
-    def profile(self) -> str:
-        """Return the path of the Fast DDS profile for a confined program."""
-        return '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
 
     def bwrap(
         self,
