@@ -94,20 +94,21 @@ def _of_the_only_node(probe: Any, step: dict[str, Any]) -> Any:
 def join(probe: Any, step: dict[str, Any]) -> None:
     """Add a subscription of the probe, and listen."""
     name, topic = step['name'], step['topic']
+    refused: list[str] = []
 
     def heard(message: Any, info: Any) -> None:
         probe.message(topic, message, info, listener=name)
 
-    refused: list[str] = []
-    probe.listeners[name] = subscription = probe.node.create_subscription(
-        load_type(step['type']),
-        topic,
-        heard,
-        qos_profile(step['qos']),
-        event_callbacks=SubscriptionEventCallbacks(**_telling(refused)),
+    callbacks = SubscriptionEventCallbacks(
+        incompatible_qos=lambda status: refused.append(policy_name(status)),
+        use_default_callbacks=False,
     )
-    facts = _connected(probe, subscription.get_publisher_count, refused)
-    probe.emit('joined', listener=name, topic=topic, **facts)
+    probe.listeners[name] = subscription = probe.node.create_subscription(
+        load_type(step['type']), topic, heard, qos_profile(step['qos']), event_callbacks=callbacks
+    )
+    probe.wait_until(lambda: subscription.get_publisher_count() > 0 or bool(refused), CONNECT_S)
+    matched = subscription.get_publisher_count() > 0
+    probe.emit('joined', listener=name, topic=topic, matched=matched, refused=refused[:1])
     probe.listen(step['listen_s'])
     probe.settle()
 
@@ -116,28 +117,18 @@ def offer(probe: Any, step: dict[str, Any]) -> None:
     """Add a publisher of the probe."""
     name, topic, cls = step['name'], step['topic'], load_type(step['type'])
     refused: list[str] = []
-    callbacks = PublisherEventCallbacks(**_telling(refused))
+    callbacks = PublisherEventCallbacks(
+        incompatible_qos=lambda status: refused.append(policy_name(status)),
+        use_default_callbacks=False,
+    )
     publisher = probe.node.create_publisher(
         cls, topic, qos_profile(step['qos']), event_callbacks=callbacks
     )
     probe.feeds[name] = cls, publisher
-    facts = _connected(probe, publisher.get_subscription_count, refused)
-    probe.emit('offered', publisher=name, topic=topic, **facts)
+    probe.wait_until(lambda: publisher.get_subscription_count() > 0 or bool(refused), CONNECT_S)
+    matched = publisher.get_subscription_count() > 0
+    probe.emit('offered', publisher=name, topic=topic, matched=matched, refused=refused[:1])
     probe.settle()
-
-
-def _telling(refused: list[str]) -> dict[str, Any]:
-    """Return the event callbacks of an endpoint that adds policies in conflict to a list."""
-    return {
-        'incompatible_qos': lambda status: refused.append(policy_name(status)),
-        'use_default_callbacks': False,
-    }
-
-
-def _connected(probe: Any, count: Callable[[], int], refused: list[str]) -> dict[str, Any]:
-    """Wait until an endpoint is connected or refused, and return the facts for its event."""
-    probe.wait_until(lambda: count() > 0 or bool(refused), CONNECT_S)
-    return {'matched': count() > 0, 'refused': refused[:1]}
 
 
 def leave(probe: Any, step: dict[str, Any]) -> None:
