@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import os
 import shutil
@@ -11,8 +11,6 @@ import subprocess
 from environment.interpreters import Interpreter
 from environment.places import SHARED_MEMORY
 from environment.steps import Job, StepError
-
-Which = Callable[[str], 'str | None']
 
 
 @dataclass(frozen=True)
@@ -43,9 +41,9 @@ TOOLS = (
 )
 
 
-def missing_tools(which: Which = shutil.which) -> list[Tool]:
+def missing_tools() -> list[Tool]:
     """Return the programs that are missing."""
-    return [tool for tool in TOOLS if not which(tool.command)]
+    return [tool for tool in TOOLS if not shutil.which(tool.command)]
 
 
 def refuse_closed_shared_memory() -> None:
@@ -86,11 +84,9 @@ def apt_get(environ: Mapping[str, str]) -> list[str] | None:
     return None
 
 
-def command_to_type(
-    tools: Sequence[Tool], python: Sequence[str] = (), which: Which = shutil.which
-) -> str:
+def command_to_type(tools: Sequence[Tool], python: Sequence[str] = ()) -> str:
     """Return one command that installs everything that is missing."""
-    if which('apt-get') or not which('dnf'):
+    if shutil.which('apt-get') or not shutil.which('dnf'):
         return f'sudo apt-get install -y {" ".join([*(t.apt for t in tools), *python])}'
     dnf = ['python3-devel'] if python else []
     return f'sudo dnf install -y {" ".join([*(t.dnf for t in tools), *dnf])}'

@@ -218,7 +218,12 @@ class Sandbox:
         claimed = landlock.claim_free_domain()
         argv, variables = self.outside(program, home, claimed.domain, limits)
         if self.facts.landlock:
-            argv = [*self.behind_landlock(program, home, inherited), *argv]
+            rules = {**self.landlock_rules(program, str(home)), 'inherited': list(inherited)}
+            if rules['uid']:
+                os.chown(home, rules['uid'], rules['uid'])
+            launcher = str(HERE / 'inside' / 'confine.py')
+            # Do not use -I: Python must find the modules next to the launcher.
+            argv = [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules), *argv]
         gate, theirs = socket.socketpair()
         with theirs:
             process = subprocess.Popen(
@@ -250,23 +255,6 @@ class Sandbox:
     def processes(self) -> int:
         """Return how many processes and threads the uid of a run already has."""
         return 0 if self.facts.root else landlock.threads_of_user()
-
-    def behind_landlock(
-        self, program: Program, home: Path, inherited: Sequence[int] = ()
-    ) -> list[str]:
-        """
-        Return the prefix of a command that confines the program with Landlock.
-
-        As root, also make the program's uid the owner of its home folder.
-
-        :param inherited: descriptors that stay open
-        """
-        rules = {**self.landlock_rules(program, str(home)), 'inherited': list(inherited)}
-        if rules['uid']:
-            os.chown(home, rules['uid'], rules['uid'])
-        launcher = str(HERE / 'inside' / 'confine.py')
-        # Do not use -I: Python must find the modules next to the launcher.
-        return [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules)]
 
     def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
         """
