@@ -52,7 +52,9 @@ class Below:
         self.base, self.names = base, names
 
     def __get__(self, owner: object, _: type) -> Path:
-        """Return the path."""
+        """Return the path; of a class, the property itself, as Python's own properties do."""
+        if owner is None:
+            return self  # type: ignore[return-value]
         return Path(getattr(owner, self.base), *self.names)
 
 
