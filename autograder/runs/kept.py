@@ -88,12 +88,16 @@ def recorded(
         return Kept(*run())
     parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
     path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
+    return Kept(*_kept_or_run(path, fresh, run), path.name)
+
+
+def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
     if path.exists() and not fresh:
         with suppress(RecordingInvalid):  # a damaged file or an older format: record again
-            return Kept(Recording.load(path), {}, path.name)
+            return Recording.load(path), {}
     recording, timing = run()
     recording.save(path)
-    return Kept(recording, timing, path.name)
+    return recording, timing
 
 
 def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
