@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 import os
 from pathlib import Path
+import subprocess
 
 from environment import describe, interpreters, stamps, system
 from environment.interpreters import Interpreter
@@ -49,11 +50,6 @@ class Plan:
         """The interpreter; the first step ensures that it exists."""
         assert self.interpreter is not None
         return self.interpreter
-
-    @property
-    def origin(self) -> str:
-        """Describe where ROS 2 comes from."""
-        return 'PyPI' if self.kind == 'wheels' else 'the sourced installation'
 
     def clean_environ(self) -> dict[str, str]:
         """Return the shell's environment without variables that affect another Python."""
@@ -143,6 +139,11 @@ def _python_with_rclpy(environ: Mapping[str, str], names: list[str]) -> Interpre
     """Return the first Python that can import the sourced installation's rclpy."""
     for name in names:
         python = interpreters.find(environ, name)
-        if python and interpreters.imports_rclpy(python, environ):
-            return python
+        if python is not None:
+            command = [python.path, '-c', 'import rclpy']
+            done = subprocess.run(
+                command, env=dict(environ), stdin=subprocess.DEVNULL, capture_output=True
+            )
+            if done.returncode == 0:
+                return python
     return None

@@ -63,7 +63,8 @@ def prepare(places: Places, environ: Mapping[str, str]) -> bool:
         if not run_steps(steps_of(plan), places.notes, screen, (handle,)):
             return False
         stamps.write_ready(places, environ, plan.python.version, digest)
-        words = f'Python {plan.python.version}, ROS 2 Jazzy from {plan.origin}'
+        origin = 'PyPI' if plan.kind == 'wheels' else 'the sourced installation'
+        words = f'Python {plan.python.version}, ROS 2 Jazzy from {origin}'
         screen.say(f'prepared: {places.venv} ({words})')
         if missing := system.missing_tools():
             names = ', '.join(tool.title for tool in missing)
