@@ -17,7 +17,7 @@ import sys
 from typing import Any
 
 from autograder.errors import GraderError
-from environment.places import FILE, PROJECT, UNSTATED
+from environment.places import Below, FILE, PROJECT, UNSTATED
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -116,6 +116,33 @@ class Layout:
 
     root: Path
 
+    solutions = Below('root', 'solutions')
+    """The folder with the source of every lesson."""
+    notebooks = Below('root', 'notebooks')
+    """The folder with the release of every lesson."""
+    submitted = Below('work', 'submitted')
+    """The folder with ``<student>/<assignment>/<notebook>.ipynb``."""
+    secret = Below('work', 'course_secret')
+    """The file with the course secret, from which hidden inputs are drawn."""
+    people = Below('work', 'people.json')
+    """The file with the display names of students, by student id."""
+    namesakes = Below('work', 'namesakes.json')
+    """The file with ids that two students share, and with the participants' numbers."""
+    not_collected = Below('work', 'not_collected.json')
+    """The file with the submissions that ``collect`` found but could not collect."""
+    class_list = Below('work', 'class_list.csv')
+    """The file with the students of the class, which instructors write."""
+    extensions = Below('work', 'extensions.csv')
+    """The file with the extra time of single students, which instructors write."""
+    delivered = Below('work', 'delivered.json')
+    """The file with the names that platforms gave to collected files."""
+    recordings = Below('work', 'recordings')
+    """The folder of the recordings, whose names are digests of files and scenario."""
+    reports = Below('work', 'reports')
+    """The folder of the HTML reports."""
+    sample_class = Below('root', 'tests', 'submissions')
+    """The folder of the bundled example submissions."""
+
     @classmethod
     def here(cls) -> Layout:
         """
@@ -139,16 +166,6 @@ class Layout:
         return read_facts(self.root / FILE)
 
     @property
-    def solutions(self) -> Path:
-        """Return the folder with the source of every lesson."""
-        return self.root / 'solutions'
-
-    @property
-    def notebooks(self) -> Path:
-        """Return the folder with the release of every lesson."""
-        return self.root / 'notebooks'
-
-    @property
     def exams(self) -> Path:
         """Return the folder of the Python package with the exams."""
         return self.root.joinpath(*self.facts.exams.split('.'))
@@ -157,61 +174,6 @@ class Layout:
     def work(self) -> Path:
         """Return the folder for everything that grading writes; git ignores it."""
         return self.root / self.facts.work
-
-    @property
-    def submitted(self) -> Path:
-        """Return the folder with ``<student>/<assignment>/<notebook>.ipynb``."""
-        return self.work / 'submitted'
-
-    @property
-    def secret(self) -> Path:
-        """Return the file with the course secret, from which hidden inputs are drawn."""
-        return self.work / 'course_secret'
-
-    @property
-    def people(self) -> Path:
-        """Return the file with the display names of students, by student id."""
-        return self.work / 'people.json'
-
-    @property
-    def namesakes(self) -> Path:
-        """Return the file with ids that two students share, and with the participants' numbers."""
-        return self.work / 'namesakes.json'
-
-    @property
-    def not_collected(self) -> Path:
-        """Return the file with the submissions that ``collect`` found but could not collect."""
-        return self.work / 'not_collected.json'
-
-    @property
-    def class_list(self) -> Path:
-        """Return the file with the students of the class, which instructors write."""
-        return self.work / 'class_list.csv'
-
-    @property
-    def extensions(self) -> Path:
-        """Return the file with the extra time of single students, which instructors write."""
-        return self.work / 'extensions.csv'
-
-    @property
-    def delivered(self) -> Path:
-        """Return the file with the names that platforms gave to collected files."""
-        return self.work / 'delivered.json'
-
-    @property
-    def recordings(self) -> Path:
-        """Return the folder of the recordings, whose names are digests of files and scenario."""
-        return self.work / 'recordings'
-
-    @property
-    def reports(self) -> Path:
-        """Return the folder of the HTML reports."""
-        return self.work / 'reports'
-
-    @property
-    def sample_class(self) -> Path:
-        """Return the folder of the bundled example submissions."""
-        return self.root / 'tests' / 'submissions'
 
     def assignments(self) -> tuple[str, ...]:
         """Return the sorted names of all released assignments."""

@@ -16,17 +16,15 @@ that only count, against one process that does the same work.  Virtual CPUs may 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
-import json
 import os
 from pathlib import Path
 import re
+import shutil
 import statistics
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -37,7 +35,7 @@ import psutil
 from autograder.layout import Layout
 from autograder.recording import Recording
 from benchmarks import reduced_course, report
-from benchmarks.submissions import publishers, REFERENCE
+from benchmarks.reduced_course import publishers, REFERENCE
 
 FULL_SIZE = 200
 SECONDS = 60
@@ -77,30 +75,40 @@ def main() -> None:
     """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.class_of_200')
     parser.add_argument('--size', type=int, default=FULL_SIZE, metavar='N', help='submissions')
-    parser.add_argument(
-        '--seconds', type=int, default=SECONDS, metavar='N', help='virtual, of the exam'
-    )
+    help_text = 'virtual, of the exam'
+    parser.add_argument('--seconds', type=int, default=SECONDS, metavar='N', help=help_text)
     chosen = parser.parse_args()
     size, seconds = chosen.size, chosen.seconds
     facts = report.machine()
     counting = [_two_that_count() for _ in range(COUNTED)]
     with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
-        answers = class_of(size)
-        layout = reduced_course.build(Path(folder), answers, seconds, MORE_CHECKS, 2)
+        layout = class_in(Path(folder), size, seconds)
         # Measure in the order two, one, two, so that a change of load becomes visible.
         graded = [_grade(layout, jobs, anew=True) for jobs in (2, 1, 2)]
-        on_one_core = _grade(layout, 1, anew=True, cores='0')
+        on_one_core = _grade(layout, 1, anew=True, before=('taskset', '--cpu-list', '0'))
         again = _grade(layout, 2, anew=False)
-        rejudged = _rejudge(layout)
+        (judged,) = reduced_course.finish(reduced_course.start(layout, 'rejudge')).results
     counting += [_two_that_count() for _ in range(COUNTED)]
     ratios, one_s = zip(*counting)
+    two, one, two_again = (run['running_s'] for run in graded)
+    best_s = min(two, two_again) or float('nan')
+    cpu = [run['cpu_s'] for run in graded if run['cpu_s'] is not None]
     figures = {
-        **_figures(size, seconds, graded, on_one_core, again, rejudged),
+        'submissions': size,
+        'exam': f'{seconds} s at 1 Hz, 10 checks',
+        'cpu_s_a_submission': round(statistics.mean(cpu) / size, 3) if cpu else None,
+        'peak_memory_of_coordinator_mib': max(run['coordinator_peak_mib'] for run in graded),
+        'two_workers_against_one': round(one / best_s, 2),
+        'two_on_two_cores_against_one_on_one': round(on_one_core['running_s'] / best_s, 2),
+        'same_points': len({run['points'] for run in (*graded, on_one_core, again)}) == 1,
+        'unchanged_ms_a_submission': round(1000 * again['running_s'] / size, 2),
+        'unchanged_wall_s': again['wall_s'],
+        'judged_again_ms_a_submission': round(1000 * judged['seconds'] / size, 2),
+        'not_judged_again': sum(bool(one['kept']) for one in judged['submissions']),
+        'runs': [*graded, on_one_core, again],
         'two_that_only_count_against_one': round(statistics.median(ratios), 2),
         'one_counts_ms': round(1000 * statistics.median(one_s)),
     }
-    report.print_machine(facts)
-    print(json.dumps(figures, indent=2))
     name = 'class_of_200' if seconds == SECONDS else f'class_of_200_{seconds}_s'
     report.save(name, facts, figures, full=size >= FULL_SIZE)
 
@@ -122,64 +130,66 @@ def _count(number: int) -> int:
     return sum(one * one % 7 for one in range(number))
 
 
-def class_of(size: int) -> dict[str, str]:
-    """Return a class of publishers, by student; each file differs at least in a comment."""
+def class_in(folder: Path, size: int, seconds: int = SECONDS) -> Layout:
+    """
+    Make a class of publishers, each of which differs at least in a comment.
+
+    :param folder: an empty folder
+    :param seconds: duration of the exam [virtual s]
+    """
     texts = list(publishers(SAMPLES).values())
-    return {
+    answers = {
         f'student{number:03}': f'{texts[number % len(texts)]}\n# student {number}\n'
         for number in range(size)
     }
+    return reduced_course.build(folder, answers, seconds, MORE_CHECKS, 2)
 
 
-def _grade(layout: Layout, jobs: int, anew: bool, cores: str = '') -> dict[str, Any]:
+def _grade(layout: Layout, jobs: int, anew: bool, before: tuple[str, ...] = ()) -> dict[str, Any]:
     """
     Grade the class with the complete command.
 
-    :param cores: CPU numbers that the command may use, in taskset(1) format; empty for all
+    :param before: prefix of the command line
     :raises RuntimeError: with the command's output, if it produces no verdicts
     """
     if anew:
-        subprocess.run(['rm', '-rf', str(layout.work)], check=True)
-    command = [sys.executable, '-m', 'autograder', 'grade', '--json', '--jobs', str(jobs)]
-    command += ['--submitted', str(reduced_course.submitted(layout))]
-    command = ['taskset', '--cpu-list', cores, *command] if cores else command
+        shutil.rmtree(layout.work, ignore_errors=True)
     with _counted() as (begin, used_s):
-        began = time.monotonic()
-        process = subprocess.Popen(
-            ['sh', '-c', f'{begin}exec "$@"', 'sh', *command],
-            cwd=layout.root,  # Python searches here first, so the copy of the grader runs
-            env={**os.environ, 'COURSE_SECRET': 'benchmark'},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        shell = ('sh', '-c', f'{begin}exec "$@"', 'sh', *before)
+        process = reduced_course.start(layout, 'grade', '--jobs', str(jobs), before=shell)
         watch = _Watch(process.pid)
-        said, errors = process.communicate()
-        wall_s = time.monotonic() - began
+        done = reduced_course.finish(process)
         watch.join()
         cpu_s = used_s()
-    if process.returncode != 0:
-        raise RuntimeError(f'autograder grade ended with {process.returncode}:\n{errors}')
-    results = json.loads(said)
-    running = re.search(r'of which runs took ([\d.]+) s', errors)
+    exams = [exam for result in done.results for exam in result['exams']]
+    recordings = [
+        Recording.load(layout.recordings / exam['exam'] / exam['recording'])
+        for exam in exams
+        if exam['recording']
+    ]
     return {
         'jobs': jobs,
-        'cores': cores or 'all',
-        'wall_s': round(wall_s, 2),
-        'running_s': float(running[1]) if running else None,
+        'cores': before[-1] if before else 'all',
+        'wall_s': round(done.wall_s, 2),
+        'running_s': done.running_s,
         'cpu_s': cpu_s,
         'coordinator_cpu_s': round(watch.cpu_s, 2),
         'coordinator_peak_mib': watch.peak >> 20,
-        'programs_cpu_s': round(_programs_s(layout, results), 2),
-        'judging_s': round(_sum(results, 'judge_s'), 3),
-        'until_ready_s': round(_sum(results, 'ready_s'), 2),
-        'runs_s': round(_sum(results, 'run_s'), 2),
-        'points': sum(check['points'] for check in _checks(results)),
+        'programs_cpu_s': round(sum(float(one.process['cpu_s']) for one in recordings), 2),
+        **{
+            figure: round(sum(exam['timing'].get(name, 0.0) for exam in exams), 3)
+            for figure, name in (
+                ('judging_s', 'judge_s'),
+                ('until_ready_s', 'ready_s'),
+                ('runs_s', 'run_s'),
+            )
+        },
+        'points': sum(sum(points.values()) for points in done.points.values()),
     }
 
 
 @contextmanager
-def _counted() -> Iterator[tuple[str, Any]]:
+def _counted() -> Iterator[tuple[str, Callable[[], float | None]]]:
     """Yield a shell line that enters a new control group, and a function to read its CPU time."""
     name = f'benchmark_{os.getpid()}_{time.monotonic_ns()}'
     for above in CONTROLLED:
@@ -189,12 +199,12 @@ def _counted() -> Iterator[tuple[str, Any]]:
         except OSError:
             continue
         try:
-            files = (group / 'cpuacct.usage', group / 'cpu.stat')
-            if any(file.is_file() for file in files):
+            if any((group / file).is_file() for file in ('cpuacct.usage', 'cpu.stat')):
                 yield f'echo $$ > {group}/cgroup.procs && ', partial(_used_s, group)
                 return
         finally:
-            _remove(group)
+            with suppress(OSError):  # a last process is still ending; an empty group does no harm
+                group.rmdir()
     yield '', lambda: None
 
 
@@ -203,17 +213,8 @@ def _used_s(group: Path) -> float:
     old = group / 'cpuacct.usage'
     if old.is_file():
         return round(int(old.read_text('ascii')) / 1e9, 2)
-    for line in (group / 'cpu.stat').read_text('ascii').splitlines():
-        if line.startswith('usage_usec'):
-            return round(int(line.split()[1]) / 1e6, 2)
-    raise RuntimeError(f'{group}: no usage_usec in cpu.stat')
-
-
-def _remove(group: Path) -> None:
-    try:
-        group.rmdir()
-    except OSError:
-        pass  # a last process is still ending; an empty group does no harm
+    used = dict(line.split() for line in (group / 'cpu.stat').read_text('ascii').splitlines())
+    return round(int(used['usage_usec']) / 1e6, 2)
 
 
 class _Watch(threading.Thread):
@@ -223,90 +224,18 @@ class _Watch(threading.Thread):
         super().__init__(daemon=True)
         self.process = psutil.Process(pid)
         self.cpu_s, self.peak = 0.0, 0
-        self._ended = threading.Event()
         self.start()
 
     def run(self) -> None:
         """Poll ten times a second; both figures only grow."""
         status = Path('/proc', str(self.process.pid), 'status')
-        try:
-            while not self._ended.wait(0.1):
+        with suppress(psutil.Error, OSError):  # the process has ended
+            while True:
                 times = self.process.cpu_times()
                 self.cpu_s = times.user + times.system
                 peak = re.search(r'VmHWM:\s+(\d+) kB', status.read_text('ascii', 'replace'))
                 self.peak = max(self.peak, int(peak[1]) << 10 if peak else 0)
-        except (psutil.Error, OSError):
-            pass  # the process has ended
-
-
-def _checks(results: list[Any]) -> Iterator[Mapping[str, Any]]:
-    for result in results:
-        for exam in result['exams']:
-            yield from exam['checks']
-
-
-def _sum(results: list[Any], name: str) -> float:
-    return sum(exam['timing'].get(name, 0.0) for one in results for exam in one['exams'])
-
-
-def _programs_s(layout: Layout, results: list[Any]) -> float:
-    """Return the CPU time of the students' programs alone [s]."""
-    seconds = 0.0
-    for result in results:
-        for exam in result['exams']:
-            if exam['recording']:
-                path = layout.recordings / exam['exam'] / exam['recording']
-                seconds += float(Recording.load(path).process['cpu_s'])
-    return seconds
-
-
-def _rejudge(layout: Layout) -> dict[str, Any]:
-    """Judge all submissions again from the recordings, as after an edited check."""
-    command = [sys.executable, '-m', 'autograder', 'rejudge', '--json']
-    command += ['--submitted', str(reduced_course.submitted(layout))]
-    done = subprocess.run(
-        command,
-        cwd=layout.root,
-        env={**os.environ, 'COURSE_SECRET': 'benchmark'},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    (account,) = json.loads(done.stdout)
-    return {
-        'seconds': account['seconds'],
-        'kept': sum(bool(s['kept']) for s in account['submissions']),
-    }
-
-
-def _figures(
-    size: int,
-    seconds: int,
-    graded: list[dict[str, Any]],
-    on_one_core: dict[str, Any],
-    again: dict[str, Any],
-    rejudged: dict[str, Any],
-) -> dict[str, Any]:
-    """Combine the measurements into the figures to save."""
-    two, one, two_again = graded
-    best = min(two['running_s'], two_again['running_s'])
-    cpu = [run['cpu_s'] for run in graded if run['cpu_s'] is not None]
-    return {
-        'submissions': size,
-        'exam': f'{seconds} s at 1 Hz, 10 checks',
-        'cpu_s_a_submission': round(sum(cpu) / len(cpu) / size, 3) if cpu else None,
-        'peak_memory_of_coordinator_mib': max(run['coordinator_peak_mib'] for run in graded),
-        'two_workers_against_one': round(one['running_s'] / best, 2) if best else None,
-        'two_on_two_cores_against_one_on_one': (
-            round(on_one_core['running_s'] / best, 2) if best else None
-        ),
-        'same_points': len({run['points'] for run in (*graded, on_one_core, again)}) == 1,
-        'unchanged_ms_a_submission': round(1000 * again['running_s'] / size, 2),
-        'unchanged_wall_s': again['wall_s'],
-        'judged_again_ms_a_submission': round(1000 * rejudged['seconds'] / size, 2),
-        'not_judged_again': rejudged['kept'],
-        'runs': [*graded, on_one_core, again],
-    }
+                time.sleep(0.1)
 
 
 if __name__ == '__main__':

@@ -9,22 +9,18 @@ time that they use is lost to the workers.  One and two workers alternate, with 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, ExitStack
-import json
 import os
 from pathlib import Path
-import re
-import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
-from typing import Any
 
 from autograder.layout import Layout
 from benchmarks import reduced_course, report
-from benchmarks.class_of_200 import class_of, MORE_CHECKS, SECONDS
+from benchmarks.class_of_200 import class_in, SECONDS
 
 FULL_SIZE, FULL_ROUNDS = 80, 3
 READY_S = 120
@@ -39,38 +35,26 @@ def main() -> None:
     if len(os.sched_getaffinity(0)) < 2:
         parser.error('expected two cores, one for each worker, got one')
     facts = report.machine()
+    running_s: dict[int, list[float]] = {1: [], 2: []}
+    points = []
     with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
-        answers = class_of(chosen.size)
-        layout = reduced_course.build(Path(folder), answers, SECONDS, MORE_CHECKS, 2)
-        graded = [grade(layout, workers) for _ in range(chosen.rounds) for workers in (1, 2)]
-    figures = _figures(chosen.size, graded)
-    report.print_machine(facts)
-    print(json.dumps(figures, indent=2))
+        layout = class_in(Path(folder), chosen.size)
+        for _ in range(chosen.rounds):
+            for workers, times in running_s.items():
+                with cluster(layout, workers) as address:
+                    graded = reduced_course.grade(layout, '--cluster', address)
+                times.append(graded.running_s)
+                points.append(graded.points)
+    one_s, two_s = map(statistics.median, running_s.values())
+    figures = {
+        'submissions': chosen.size,
+        'exam': f'{SECONDS} s at 1 Hz, 10 checks',
+        'two_workers_against_one': round(one_s / two_s, 2),
+        'same_points': all(each == points[0] for each in points),
+        'running_s': running_s,
+    }
     full = chosen.size >= FULL_SIZE and chosen.rounds >= FULL_ROUNDS
     report.save('cluster_workers', facts, figures, full=full)
-
-
-def grade(layout: Layout, workers: int) -> dict[str, Any]:
-    """
-    Grade the class on a number of workers, as if for the first time.
-
-    :raises RuntimeError: with the command's output, if it produces no verdicts
-    """
-    shutil.rmtree(layout.work, ignore_errors=True)
-    with cluster(layout, workers) as address:
-        command = [sys.executable, '-m', 'autograder', 'grade', '--json', '--cluster', address]
-        done = subprocess.run(
-            [*command, '--submitted', str(reduced_course.submitted(layout))],
-            cwd=layout.root,
-            env={**os.environ, 'COURSE_SECRET': 'benchmark'},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-    running = re.search(r'of which runs took ([\d.]+) s', done.stderr)
-    if done.returncode != 0 or running is None:
-        raise RuntimeError(f'autograder grade ended with {done.returncode}:\n{done.stderr}')
-    return {'workers': workers, 'running_s': float(running[1]), 'points': _points(done.stdout)}
 
 
 @contextmanager
@@ -104,32 +88,6 @@ def worker(layout: Layout, address: str, core: int) -> Iterator[None]:
             yield
         finally:
             process.terminate()
-
-
-def _points(results: str) -> Mapping[str, float]:
-    """Return the points by student."""
-    return {
-        one['student']: sum(
-            float(check['points']) for exam in one['exams'] for check in exam['checks']
-        )
-        for one in json.loads(results)
-    }
-
-
-def _figures(size: int, graded: list[dict[str, Any]]) -> dict[str, Any]:
-    """Combine the measurements into the figures to save."""
-    points = [run.pop('points') for run in graded]
-    one, two = (
-        statistics.median(run['running_s'] for run in graded if run['workers'] == workers)
-        for workers in (1, 2)
-    )
-    return {
-        'submissions': size,
-        'exam': f'{SECONDS} s at 1 Hz, 10 checks',
-        'two_workers_against_one': round(one / two, 2),
-        'same_points': all(each == points[0] for each in points),
-        'runs': graded,
-    }
 
 
 if __name__ == '__main__':

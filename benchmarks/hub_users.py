@@ -194,7 +194,6 @@ def main() -> int:
     parser.add_argument('users', nargs='+', help='names of users; the first one begins alone')
     chosen = parser.parse_args()
     machine = report.machine()
-    report.print_machine(machine)
     one, *others = chosen.users
     figures = {}
     for name, users in (('alone', [one]), ('together', others)):

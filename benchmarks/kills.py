@@ -13,13 +13,11 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-import json
-import os
 from pathlib import Path
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -30,16 +28,14 @@ import psutil
 
 from autograder.layout import Layout
 from benchmarks import reduced_course, report, stock_course
-from benchmarks.submissions import ASSIGNMENT, publishers, SIX
+from benchmarks.reduced_course import ASSIGNMENT, publishers, SIX
 
 FULL_KILLS = 50
 SECONDS = 10
 ORPHANS_S = 60.0
 """How long the processes of a killed grader may take to end on a busy machine."""
-NOT_COMPARED = ('timing', 'recording', 'pictures')
-KINDS = ('grader', 'run')
-REFUSED = 2
-Facts = Mapping[str, Any]
+DONE, FOR_REVIEW, REFUSED = 0, 1, 2
+Facts = Mapping[str, Mapping[str, Any]]
 
 
 @dataclass
@@ -67,12 +63,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.kills')
     parser.add_argument('--kills', type=int, default=FULL_KILLS, metavar='N', help='how many')
     parser.add_argument('--seed', type=int, default=1, metavar='N', help='of the instants')
-    parser.add_argument('--jobs', type=int, default=2, metavar='N', help='parallel runs')
     chosen = parser.parse_args()
     facts = report.machine()
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
-        account = soak(Path(folder), SIX, chosen.kills, chosen.seed, chosen.jobs, SECONDS)
+        account = soak(Path(folder), SIX, chosen.kills, chosen.seed, SECONDS)
     figures = {
         'kills': dict(account.kills),
         'starts': account.starts,
@@ -81,15 +76,11 @@ def main() -> int:
         'seconds': round(time.monotonic() - began),
         'seed': chosen.seed,
     }
-    report.print_machine(facts)
-    print(json.dumps(figures, indent=2))
-    report.save('kills', facts, figures, full=sum(account.kills.values()) >= FULL_KILLS)
+    report.save('kills', facts, figures, full=account.kills.total() >= FULL_KILLS)
     return 1 if account.wrong else 0
 
 
-def soak(
-    root: Path, names: Sequence[str], kills: int, seed: int, jobs: int, seconds: int
-) -> Account:
+def soak(root: Path, names: Sequence[str], kills: int, seed: int, seconds: int) -> Account:
     """
     Kill a grading a number of times, and continue it each time.
 
@@ -99,84 +90,49 @@ def soak(
     """
     (root / 'tmp').mkdir()
     layout = reduced_course.build(root / 'course', publishers(names), seconds)
-    _enter_soon(layout)
+    # Make the grader record results during the run even for such a small class.
+    entry = layout.root / 'autograder' / 'gradebook' / 'live_entry.py'
+    reduced_course.replace_once(entry, 'TOGETHER = 10', 'TOGETHER = 2')
     chance, account = random.Random(seed), Account()
     began = time.monotonic()
-    peace = _grade_in_peace(layout, jobs)
+    peace = _facts(layout, _start(layout))
     length_s = time.monotonic() - began
-    while sum(account.kills.values()) < kills:
+    while account.kills.total() < kills:
         shutil.rmtree(layout.work, ignore_errors=True)
         after = None
         while after is None:
             # Short enough to interrupt the grading; after enough kills, let it complete
             # undisturbed.
-            ended = sum(account.kills.values()) >= kills
+            ended = account.kills.total() >= kills
             within_s = None if ended else length_s * chance.uniform(0, 0.8)
-            after = _killed_or_done(layout, jobs, within_s, chance, account)
+            after = _killed_or_done(layout, within_s, chance, account)
         _compare(peace, after, account)
         account.gradings += 1
-        print(f'{sum(account.kills.values())} kills, {len(account.wrong)} wrong', flush=True)
+        print(f'{account.kills.total()} kills, {len(account.wrong)} wrong', flush=True)
     account.wrong += [f'left: {path.name}' for path in (root / 'tmp').iterdir()]
     return account
 
 
-def _enter_soon(layout: Layout) -> None:
-    """Make the grader record results during the run even for such a small class."""
-    path = layout.root / 'autograder' / 'gradebook' / 'live_entry.py'
-    text = path.read_text(encoding='utf-8')
-    if text.count('TOGETHER = 10') != 1:
-        raise RuntimeError(f'{path.name}: expected TOGETHER = 10 once; adapt this benchmark.')
-    path.write_text(text.replace('TOGETHER = 10', 'TOGETHER = 2'), encoding='utf-8')
-
-
-def _command(layout: Layout, jobs: int) -> subprocess.Popen[str]:
-    command = [sys.executable, '-m', 'autograder', 'grade', '--json', '--jobs', str(jobs)]
-    command += ['--submitted', str(reduced_course.submitted(layout))]
+def _start(layout: Layout) -> subprocess.Popen[str]:
     temporary = str(layout.root.parent / 'tmp')
-    return subprocess.Popen(
-        command,
-        cwd=layout.root,  # Python searches here first, so the copy of the grader runs
-        env={**os.environ, 'COURSE_SECRET': 'benchmark', 'TMPDIR': temporary},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    return reduced_course.start(layout, 'grade', '--jobs', '2', TMPDIR=temporary)
 
 
-def _grade_in_peace(layout: Layout, jobs: int) -> Facts:
-    grading = _command(layout, jobs)
-    return _facts(layout, grading, *grading.communicate())
-
-
-def _facts(layout: Layout, grading: subprocess.Popen[str], said: str, errors: str) -> Facts:
+def _facts(layout: Layout, grading: subprocess.Popen[str], timeout: float | None = None) -> Facts:
     """
-    Return everything that a grading printed and wrote to the gradebook.
+    Return everything that a grading printed and wrote to the gradebook, by student.
 
     :raises RuntimeError: with the command's output, if it did not complete
+    :raises subprocess.TimeoutExpired: if it is still running
     """
-    if grading.returncode not in (0, 1) or not said:
-        raise RuntimeError(f'autograder grade ended with {grading.returncode}:\n{errors}')
-    results = {one['student']: _without(one) for one in json.loads(said)}
-    return {'results': results, 'entered': stock_course.points(_gradebook(layout), ASSIGNMENT)}
-
-
-def _gradebook(layout: Layout) -> Path:
-    return layout.work / 'gradebook.db'
-
-
-def _without(data: Any) -> Any:
-    """Return a result without the values that differ from run to run."""
-    if isinstance(data, dict):
-        return {name: _without(one) for name, one in data.items() if name not in NOT_COMPARED}
-    return [_without(one) for one in data] if isinstance(data, list) else data
+    done = reduced_course.finish(grading, (DONE, FOR_REVIEW), timeout)
+    results = {one['student']: report.compared(one) for one in done.results}
+    entered = stock_course.points(layout.work / 'gradebook.db', ASSIGNMENT)
+    return {'results': results, 'entered': entered}
 
 
 def _killed_or_done(
-    layout: Layout,
-    jobs: int,
-    within_s: float | None,
-    chance: random.Random,
-    account: Account,
+    layout: Layout, within_s: float | None, chance: random.Random, account: Account
 ) -> Facts | None:
     """
     Start a grading and kill one of its processes, unless the grading ends before that.
@@ -184,33 +140,32 @@ def _killed_or_done(
     :param within_s: delay before the kill [s], None for no kill
     :returns: what the grading printed and wrote, None if it did not complete
     """
-    grading = _command(layout, jobs)
+    grading = _start(layout)
     account.starts += 1
     try:
-        return _facts(layout, grading, *grading.communicate(timeout=within_s))
+        return _facts(layout, grading, within_s)
     except subprocess.TimeoutExpired:
-        pass
-    kind = chance.choice(KINDS)
-    others = _of_runs(grading.pid) if kind == 'run' else []
-    if others:
-        _kill(chance.choice(others))
-        account.kills[kind] += 1
+        family = _family(grading.pid)
+    of_runs = [one for one in family if _starts_or_is_in_a_sandbox(one)]
+    if of_runs and chance.random() < 0.5:
+        with suppress(psutil.Error):  # the process has just ended
+            chance.choice(of_runs).kill()
+        account.kills['run'] += 1
         # The grader runs a submission with a killed run again, or marks it for review until
         # restarted.
-        said, errors = grading.communicate()
-        if grading.returncode == REFUSED:
-            return None  # the kill happened while the grader was trying out the sandbox
-        found = _facts(layout, grading, said, errors)
-        return found if grading.returncode == 0 else None
-    everybody = _family(grading.pid)
+        try:
+            found = _facts(layout, grading)
+        except RuntimeError:
+            if grading.returncode != REFUSED:  # refused: the grader was trying out the sandbox
+                raise
+            return None
+        return found if grading.returncode == DONE else None
     grading.kill()
     account.kills['grader'] += 1
     grading.communicate()
-    _, alive = psutil.wait_procs(everybody, timeout=ORPHANS_S)
+    _, alive = psutil.wait_procs(family, timeout=ORPHANS_S)
     # Ignore zombies: they have ended and only wait to be reaped.
-    account.wrong += [
-        f'orphan: {" ".join(words)[:120]}' for one in alive if (words := _words(one))
-    ]
+    account.wrong += [f'orphan: {words[:120]}' for one in alive if (words := _words(one))]
     return None
 
 
@@ -221,27 +176,16 @@ def _family(pid: int) -> list[psutil.Process]:
         return []
 
 
-def _of_runs(pid: int) -> list[psutil.Process]:
-    """Return the processes that start sandboxes, and all processes in them."""
-    return [
-        one
-        for one in _family(pid)
-        if any(word == 'bwrap' or word.startswith('/grader/') for word in _words(one))
-    ]
+def _starts_or_is_in_a_sandbox(process: psutil.Process) -> bool:
+    return any(word == 'bwrap' or word.startswith('/grader/') for word in _words(process).split())
 
 
-def _words(process: psutil.Process) -> list[str]:
+def _words(process: psutil.Process) -> str:
+    """Return the command line of a process, empty if it has ended."""
     try:
-        return list(process.cmdline())
+        return ' '.join(process.cmdline())
     except psutil.Error:
-        return []
-
-
-def _kill(process: psutil.Process) -> None:
-    try:
-        process.send_signal(signal.SIGKILL)
-    except psutil.Error:
-        pass  # the process has just ended
+        return ''
 
 
 def _compare(peace: Facts, after: Facts, account: Account) -> None:

@@ -13,20 +13,18 @@ import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import os
-from pathlib import Path
 import statistics
 import time
 from typing import Any
 
 from autograder.exam import catalog
-from autograder.exam.exam import Advance, Exam, Scenario
+from autograder.exam.exam import Advance, Exam
 from autograder.grading.examine import examine
 from autograder.runs import observe as observing
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.confined import Confined, Limits, Program
 from autograder.sandboxes.sandbox import Sandbox
 from benchmarks import report
-from benchmarks.submissions import EXAM, publishers, REFERENCE
+from benchmarks.reduced_course import EXAM, publishers, REFERENCE
 
 FILE = 'temp_publisher.py'
 FULL_RUNS = 15
@@ -40,12 +38,13 @@ STEPS = (
     ('@imported', "the student's imports"),
     ('@node', "rclpy.init and the student's node"),
     ('seen', 'discovery'),
-    ('first message', 'virtual time up to the first message'),
+    ('message', 'virtual time up to the first message'),
     ('end', 'the rest of the virtual minute'),
     ('closed', 'tear-down'),
     ('judged', 'judging'),
 )
-MARKERS = ('@python', '@imported', '@node')
+MARKERS = {'@python': 'import math', '@imported': 'rclpy.init(', '@node': 'rclpy.spin('}
+"""Marks that the program prints, with the beginning of the line before which it prints them."""
 
 
 def marked(text: str) -> str:
@@ -55,7 +54,7 @@ def marked(text: str) -> str:
     :raises RuntimeError: if the solution has changed and the places for the calls are not found
     """
     lines = text.split('\n')
-    for marker, place in zip(MARKERS, ('import math', 'rclpy.init(', 'rclpy.spin(')):
+    for marker, place in MARKERS.items():
         found = [number for number, line in enumerate(lines) if line.strip().startswith(place)]
         if len(found) != 1:
             raise RuntimeError(f'{FILE}: expected {place!r} once; adapt this benchmark.')
@@ -70,6 +69,10 @@ class _Clocked(observing._Watched):
 
     marks: Marks = {}  # noqa: RUF012 - one run at a time, so one table is enough
 
+    def __init__(self, *parts: Any) -> None:
+        self.marks['sandbox'] = time.monotonic()
+        super().__init__(*parts)
+
     def _recorded(self, data: bytes) -> None:
         before = len(self.events)
         super()._recorded(data)
@@ -77,32 +80,13 @@ class _Clocked(observing._Watched):
         if self.ready_s:
             self.marks.setdefault('probe ready', self.ready_s)
         for event in self.events[before:]:
-            kind = 'first message' if event['event'] == 'message' else event['event']
-            self.marks.setdefault(kind, now)
+            self.marks.setdefault(event['event'], now)
 
     def _read(self, pipes: Any, key: Any) -> None:
         super()._read(pipes, key)
-        if key.data == 'stdout':
-            for marker in MARKERS:
-                if f'{marker}\n'.encode() in self.output['stdout']:
-                    self.marks.setdefault(marker, time.monotonic())
-
-
-class _ClockedSandbox(Sandbox):
-    """The sandbox, which also stores the time when it was ready."""
-
-    def start(
-        self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
-    ) -> Confined:
-        """Start a program and store the time."""
-        confined = super().start(program, limits, home, inherited)
-        _Clocked.marks['sandbox'] = time.monotonic()
-        return confined
-
-
-def floor_of(scenario: Scenario) -> Scenario:
-    """Return a copy of the scenario that ends soon after the first message."""
-    return replace(scenario, steps=(Advance(2.0),))
+        for marker in MARKERS:
+            if f'{marker}\n'.encode() in self.output['stdout']:
+                self.marks.setdefault(marker, time.monotonic())
 
 
 def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
@@ -132,10 +116,11 @@ def floor_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
     :raises RuntimeError: if no message arrived
     """
     _Clocked.marks.clear()
+    scenario = replace(exam.scenario, steps=(Advance(2.0),))
     began = time.monotonic()
-    observing.observe(exam.name, floor_of(exam.scenario).to_json(), files, sandbox)
+    observing.observe(exam.name, scenario.to_json(), files, sandbox)
     ended = time.monotonic()
-    if 'first message' not in _Clocked.marks:
+    if 'message' not in _Clocked.marks:
         raise RuntimeError('No message came in the run that should end with the first one.')
     return _since(began, {**_Clocked.marks, 'closed': ended})
 
@@ -154,26 +139,19 @@ def main() -> None:
     facts = report.machine()
     exam = catalog.load(EXAM)
     files = {FILE: marked(publishers([REFERENCE])[REFERENCE])}
-    sandbox = _ClockedSandbox(strongest().mode)
-    observing._Watched = _Clocked  # type: ignore[misc]
+    sandbox = strongest()
+    observing._Watched = _Clocked  # type: ignore[misc, assignment]
     whole_run(exam, files, sandbox)  # read everything from disk once before measuring
-    whole, floor = [], []
-    for _ in range(count):
-        floor.append(floor_run(exam, files, sandbox))
-        whole.append(whole_run(exam, files, sandbox))
-    figures = _figures(exam, whole, floor)
-    _print(facts, figures)
-    figures = {'isolation': sandbox.mode, **figures}
-    report.save('one_submission', facts, figures, full=count >= FULL_RUNS)
-
-
-def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict[str, Any]:
-    """Combine the measurements into the figures to save."""
+    runs = [
+        (floor_run(exam, files, sandbox), whole_run(exam, files, sandbox)) for _ in range(count)
+    ]
+    floor, whole = zip(*runs)
     whole_s = report.spread([marks['judged'] for marks in whole])
-    first_s = report.spread([marks['first message'] for marks in floor])
+    first_s = report.spread([marks['message'] for marks in floor])
     closed_s = report.spread([marks['closed'] for marks in floor])
     seconds = sum(step.seconds for step in exam.scenario.steps if isinstance(step, Advance))
-    return {
+    figures = {
+        'isolation': sandbox.mode,
         'exam': f'{seconds:g} virtual seconds, {len(exam.checks)} checks',
         'whole_s': whole_s,
         'floor_s': first_s,
@@ -183,49 +161,19 @@ def _figures(exam: Exam, whole: Sequence[Marks], floor: Sequence[Marks]) -> dict
         'whole_steps_s': _medians(whole),
         'floor_steps_s': _medians(floor),
     }
-
-
-def _lengths(runs: Sequence[Marks]) -> dict[str, list[float]]:
-    """Return the duration of each step in each run [s]; a step ends with its mark."""
-    lengths: dict[str, list[float]] = {}
-    for marks in runs:
-        before = 0.0
-        for mark, _ in STEPS:
-            if mark in marks:
-                lengths.setdefault(mark, []).append(marks[mark] - before)
-                before = marks[mark]
-    return lengths
+    report.save('one_submission', facts, figures, full=count >= FULL_RUNS)
 
 
 def _medians(runs: Sequence[Marks]) -> dict[str, float]:
-    found = _lengths(runs)
-    return {
-        what: round(statistics.median(found[mark]), 4) for mark, what in STEPS if mark in found
-    }
-
-
-def _print(facts: Mapping[str, Any], figures: Mapping[str, Any]) -> None:
-    print(f'One publisher, {figures["exam"]}\n')
-    report.print_machine(facts)
-    rows: list[list[object]] = []
-    for what, name, ratio in (
-        ('whole: start to verdicts', 'whole_s', None),
-        ('floor: start to first message', 'floor_s', figures['ratio']),
-        ('floor with tear-down', 'floor_with_tear_down_s', figures['ratio_with_tear_down']),
-    ):
-        times = figures[name]
-        share = f'{ratio:.2f} x' if ratio else ''
-        rows.append([what, times['count'], times['median'], times['least'], times['most'], share])
-    headings = ['', 'runs', 'median [s]', 'least [s]', 'most [s]', 'whole / floor']
-    report.print_table(headings, rows)
-    total = figures['whole_s']['median']
-    rows = [
-        [what, seconds, f'{100 * seconds / total:.0f} %', figures['floor_steps_s'].get(what)]
-        for what, seconds in figures['whole_steps_s'].items()
-    ]
-    report.print_table(['where the time goes (medians)', 'whole [s]', '', 'floor [s]'], rows)
-    longest = max(figures['whole_steps_s'], key=lambda what: figures['whole_steps_s'][what])
-    print(f'Most of it: {longest}.\n')
+    """Return the median duration of each step [s]; a step ends with its mark."""
+    lengths: dict[str, list[float]] = {}
+    for marks in runs:
+        before = 0.0
+        for mark, what in STEPS:
+            if mark in marks:
+                lengths.setdefault(what, []).append(marks[mark] - before)
+                before = marks[mark]
+    return {what: round(statistics.median(found), 4) for what, found in lengths.items()}
 
 
 if __name__ == '__main__':

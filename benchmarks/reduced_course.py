@@ -8,48 +8,55 @@ so a measurement neither reads nor changes those of the course.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 import copy
 from dataclasses import dataclass
 import json
 import os
 from pathlib import Path
+import re
 import shutil
 import subprocess
 import sys
 import time
 from typing import Any
 
+from autograder.authoring.sample_class import compose
 from autograder.gradebook import converters
 from autograder.layout import Layout
+from autograder.submission.extract import answer_files
 from autograder.submission.notebook import marks_of, read_release
-from benchmarks.submissions import ASSIGNMENT, EXAM
 
+ASSIGNMENT = '07_temperature_monitor'
+EXAM = 'temperature_publisher'
 KEPT_CELLS = ('spec_publisher', EXAM, f'check_{EXAM}')
+REFERENCE = 'pass__reference'
+SIX = (
+    REFERENCE,
+    'pass__lambda_and_subclass',
+    'fail__two_hertz',
+    'fail__topic_typo',
+    'fail__best_effort',
+    'error__exception_in_callback',
+)
+"""Two correct and four wrong submissions; a test in the kernel can detect all four mistakes."""
 
 
-@dataclass(frozen=True)
-class ProjectRun:
+def publishers(names: Sequence[str]) -> dict[str, str]:
     """
-    The outcome of one ``python -m autograder grade`` of the class.
+    Return the publisher file of each named sample submission.
 
-    :param wall_s: real time of the complete command [s]
-    :param results: the output with ``--json``, by student
+    :param names: folders of ``tests/submissions/07_temperature_monitor``
+    :raises SystemExit: if a sample does not exist
     """
-
-    wall_s: float
-    results: Mapping[str, Mapping[str, Any]]
-
-    def points(self) -> dict[str, dict[str, float]]:
-        """Return the points by student and check."""
-        return {
-            student: {
-                check['check']: check['points']
-                for exam in result['exams']
-                for check in exam['checks']
-            }
-            for student, result in self.results.items()
-        }
+    layout = Layout.here()
+    folder = layout.sample_class / ASSIGNMENT
+    unknown = [name for name in names if not (folder / name / 'expected.json').is_file()]
+    if unknown:
+        known = ', '.join(sorted(path.name for path in folder.iterdir()))
+        raise SystemExit(f'{", ".join(unknown)}: no such sample submission. Known: {known}.')
+    notebooks = {name: json.loads(compose(layout, ASSIGNMENT, folder / name)) for name in names}
+    return {name: answer_files(notebook)[EXAM].body for name, notebook in notebooks.items()}
 
 
 def build(
@@ -69,16 +76,13 @@ def build(
     for name in ('course.toml', 'nbgrader_config.py'):
         shutil.copy2(course.root / name, root)
     exam = root / 'autograder' / 'exams' / 'hidden' / f'{EXAM}.py'
-    _set_window(exam, seconds)
+    replace_once(exam, 'seconds=WATCH_S', f'seconds={seconds}')
     exam.write_text(exam.read_text(encoding='utf-8') + more, encoding='utf-8')
     name = course.release(ASSIGNMENT).name
     notebook = read_release(course.solutions / ASSIGNMENT / name)
-    notebook['cells'] = [
-        cell for cell in notebook['cells'] if marks_of(cell).get('grade_id') in KEPT_CELLS
-    ]
-    for cell in notebook['cells']:
-        if marks_of(cell).get('grade_id') == f'check_{EXAM}':
-            cell['metadata']['nbgrader']['points'] += more_points
+    cells = {marks_of(cell).get('grade_id'): cell for cell in notebook['cells']}
+    notebook['cells'] = [cells[kept] for kept in KEPT_CELLS]
+    marks_of(cells[f'check_{EXAM}'])['points'] += more_points
     solution = layout.solutions / ASSIGNMENT / name
     solution.parent.mkdir(parents=True)
     solution.write_text(json.dumps(notebook), encoding='utf-8')
@@ -103,12 +107,16 @@ def _left_out(folder: str, names: list[str]) -> list[str]:
     return [name for name in names if name == '_work']
 
 
-def _set_window(path: Path, seconds: int) -> None:
-    """Set the duration of the copied exam."""
+def replace_once(path: Path, old: str, new: str) -> None:
+    """
+    Replace a text in a copied file.
+
+    :raises RuntimeError: if the file does not contain the text exactly once
+    """
     text = path.read_text(encoding='utf-8')
-    if text.count('seconds=WATCH_S') != 1:
-        raise RuntimeError(f'{path.name}: expected seconds=WATCH_S once; adapt this benchmark.')
-    path.write_text(text.replace('seconds=WATCH_S', f'seconds={seconds}'), encoding='utf-8')
+    if text.count(old) != 1:
+        raise RuntimeError(f'{path.name}: expected {old} once; adapt this benchmark.')
+    path.write_text(text.replace(old, new), encoding='utf-8')
 
 
 def _answered(release: dict[str, Any], text: str) -> dict[str, Any]:
@@ -120,27 +128,85 @@ def _answered(release: dict[str, Any], text: str) -> dict[str, Any]:
     return notebook
 
 
-def grade(layout: Layout, jobs: int) -> ProjectRun:
+@dataclass(frozen=True)
+class Graded:
+    """
+    The outcome of one command of the grader.
+
+    :param results: its output with ``--json``
+    :param wall_s: real time of the complete command [s]
+    :param running_s: the part in which programs ran [s], 0 if the command does not print it
+    """
+
+    results: list[Any]
+    wall_s: float
+    running_s: float
+
+    @property
+    def checks(self) -> dict[str, dict[str, Mapping[str, Any]]]:
+        """Return the verdicts by student and check."""
+        return {
+            result['student']: {
+                check['check']: check for exam in result['exams'] for check in exam['checks']
+            }
+            for result in self.results
+        }
+
+    @property
+    def points(self) -> dict[str, dict[str, float]]:
+        """Return the points by student and check."""
+        return {
+            student: {name: check['points'] for name, check in checks.items()}
+            for student, checks in self.checks.items()
+        }
+
+
+def start(
+    layout: Layout, *words: str, before: Sequence[str] = (), **variables: str
+) -> subprocess.Popen[str]:
+    """
+    Start a command of the copied grader on the class.
+
+    :param words: the command with its options
+    :param before: prefix of the command line
+    :param variables: further environment variables
+    """
+    command = [*before, sys.executable, '-m', 'autograder', *words]
+    return subprocess.Popen(
+        [*command, '--json', '--submitted', str(submitted(layout))],
+        cwd=layout.root,  # Python searches here first, so the copy of the grader runs
+        env={**os.environ, 'COURSE_SECRET': 'benchmark', **variables},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def finish(
+    process: subprocess.Popen[str], accepted: Sequence[int] = (0,), timeout: float | None = None
+) -> Graded:
+    """
+    Wait for a command from :func:`start`.
+
+    :param accepted: the accepted exit codes
+    :param timeout: how long to wait [s]
+    :raises RuntimeError: with the command's output, if it ends with another code
+    :raises subprocess.TimeoutExpired: if it is still running
+    """
+    began = time.monotonic()
+    said, errors = process.communicate(timeout=timeout)
+    wall_s = time.monotonic() - began
+    if process.returncode not in accepted or not said:
+        raise RuntimeError(f'autograder ended with {process.returncode}:\n{errors}')
+    running = re.search(r'of which runs took ([\d.]+) s', errors)
+    return Graded(json.loads(said), wall_s, float(running[1]) if running else 0.0)
+
+
+def grade(layout: Layout, *options: str) -> Graded:
     """
     Grade the class with the complete command, as if for the first time.
 
-    :param jobs: number of concurrent runs
     :raises RuntimeError: with the command's output, if it produces no verdicts
     """
     shutil.rmtree(layout.work, ignore_errors=True)
-    command = [sys.executable, '-m', 'autograder', 'grade', '--fresh', '--json']
-    command += ['--submitted', str(submitted(layout)), '--jobs', str(jobs)]
-    began = time.monotonic()
-    done = subprocess.run(
-        command,
-        cwd=layout.root,  # Python searches here first, so the copy of the grader runs
-        env={**os.environ, 'COURSE_SECRET': 'benchmark'},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    wall_s = time.monotonic() - began
-    if done.returncode != 0:
-        raise RuntimeError(f'autograder grade ended with {done.returncode}:\n{done.stderr}')
-    results = {result['student']: result for result in json.loads(done.stdout)}
-    return ProjectRun(wall_s, results)
+    return finish(start(layout, 'grade', *options))

@@ -1,19 +1,31 @@
-"""Print and save what all benchmarks have in common: machine, plain tables, file of results."""
+"""Print and save what all benchmarks have in common: machine, figures, file of results."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import datetime, timezone
 import hashlib
-import importlib.metadata
 import json
 import os
 from pathlib import Path
 import platform
 import statistics
+import subprocess
+import sys
 from typing import Any
 
+from autograder.runs.version import made_with
+from environment.ros import ros_environment
+
 RESULTS = Path(__file__).parent / 'results'
+NOT_COMPARED = ('timing', 'recording', 'pictures')
+"""Parts of results that differ from run to run, or are compared separately."""
+Seen = Mapping[str, Counter[str]]
+"""How often each outcome of the same work was seen, by the name of the work."""
+BURN = 'import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass'
+"""A busy loop that ends when the benchmark ends, even if the benchmark is killed."""
 
 
 def machine() -> dict[str, Any]:
@@ -24,9 +36,9 @@ def machine() -> dict[str, Any]:
         'cores': len(os.sched_getaffinity(0)),
         'system': f'{platform.system()} {platform.release().split("-")[0]}',
         'python': platform.python_version(),
-        'ros': _ros(),
+        'ros': f'Jazzy, rclpy {made_with().get("rclpy", "?")} ({ros_environment().kind})',
         'grader': _grader(),
-        'load_at_start': _load(),
+        'load_at_start': load(),
     }
 
 
@@ -39,7 +51,7 @@ def _grader() -> str:
     return state.hexdigest()[:12]
 
 
-def _load() -> float:
+def load() -> float:
     """Return the load average of the last minute."""
     return round(os.getloadavg()[0], 1)
 
@@ -50,57 +62,6 @@ def _processor() -> str:
         if name.strip() in ('model name', 'Model'):
             return ' '.join(value.split())
     return platform.machine()
-
-
-def _ros() -> str:
-    """Return which ROS 2 is used, and the version of rclpy."""
-    from environment.ros import ros_environment
-
-    kind = ros_environment().kind
-    for package in ('ros-rclpy', 'rclpy'):
-        try:
-            return f'Jazzy, rclpy {importlib.metadata.version(package)} ({kind})'
-        except importlib.metadata.PackageNotFoundError:
-            continue
-    return f'Jazzy ({kind})'
-
-
-def print_machine(facts: Mapping[str, Any]) -> None:
-    """
-    Print the machine and software that produced the figures.
-
-    :param facts: from :func:`machine`
-    """
-    print(f'{facts["processor"]}, {facts["cores"]} cores, {facts["system"]}')
-    print(f'Python {facts["python"]}, ROS 2 {facts["ros"]}, {facts["date"]}')
-    print(f'load at start {facts["load_at_start"]}\n')
-
-
-def print_table(headings: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """
-    Print rows below headings: the first column left-aligned, the others right-aligned.
-
-    :param rows: floats are printed with at most three decimals, None as an empty cell
-    """
-    texts = [[str(heading) for heading in headings]]
-    texts += [[_text(value) for value in row] for row in rows]
-    widths = [max(len(row[column]) for row in texts) for column in range(len(headings))]
-    texts.insert(1, ['-' * width for width in widths])
-    for row in texts:
-        first = row[0].ljust(widths[0])
-        rest = [text.rjust(width) for text, width in zip(row[1:], widths[1:])]
-        print('  '.join([first, *rest]).rstrip())
-    print()
-
-
-def _text(value: object) -> str:
-    if value is None:
-        return ''
-    if isinstance(value, bool):
-        return 'yes' if value else 'NO'
-    if isinstance(value, float):
-        return f'{value:.1f}' if abs(value) >= 10 else f'{value:.3f}'
-    return str(value)
 
 
 def spread(seconds: Sequence[float]) -> dict[str, float]:
@@ -119,19 +80,43 @@ def spread(seconds: Sequence[float]) -> dict[str, float]:
 
 def save(name: str, facts: Mapping[str, Any], figures: Mapping[str, Any], *, full: bool) -> None:
     """
-    Write the figures of a full benchmark to ``results/<name>.json``.
+    Print the figures of a benchmark, and write those of a full one to ``results/<name>.json``.
 
     :param facts: from :func:`machine`, taken before the first measurement
     :param full: whether the benchmark ran at full size, as for the README
     """
+    data = {'benchmark': name, 'machine': {**facts, 'load_at_end': load()}, **figures}
+    text = json.dumps(data, indent=2, ensure_ascii=False)
+    print(text)
     if facts['grader'] != _grader():
         print('Not written: the files of the grader changed meanwhile. Run this again.')
-        return
-    if not full:
+    elif not full:
         print('Not written: this was not the full benchmark.')
-        return
-    RESULTS.mkdir(exist_ok=True)
-    path = RESULTS / f'{name}.json'
-    data = {'benchmark': name, 'machine': {**facts, 'load_at_end': _load()}, **figures}
-    path.write_text(json.dumps(data, indent=2, ensure_ascii=False) + '\n', encoding='utf-8')
-    print(f'Written to benchmarks/results/{path.name}')
+    else:
+        path = RESULTS / f'{name}.json'
+        path.write_text(f'{text}\n', encoding='utf-8')
+        print(f'Written to benchmarks/results/{path.name}')
+
+
+@contextmanager
+def busy(count: int) -> Iterator[None]:
+    """Keep some CPUs busy inside the ``with`` block."""
+    burners = [subprocess.Popen([sys.executable, '-S', '-c', BURN]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for burner in burners:
+            burner.kill()
+            burner.wait()
+
+
+def compared(data: Any) -> Any:
+    """Return a result, as JSON types, without :data:`NOT_COMPARED`."""
+    if isinstance(data, dict):
+        return {name: compared(one) for name, one in data.items() if name not in NOT_COMPARED}
+    return [compared(one) for one in data] if isinstance(data, (list, tuple)) else data
+
+
+def differing(seen: Seen) -> dict[str, dict[str, int]]:
+    """Return the work with more than one outcome."""
+    return {name: dict(found.most_common()) for name, found in seen.items() if len(found) > 1}

@@ -11,53 +11,30 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-import os
 from pathlib import Path
-import statistics
 import sys
 import tempfile
 import time
 from typing import Any
 
-from jupyter_client.manager import KernelManager
 import psutil
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
 from benchmarks import report
+from tests.ros.live_kernels import Kernel, TALKER
 
 FULL_TIMES = 100
-KERNEL = 'ros2_jazzy'
 PATIENCE_S = 60.0
 DOMAIN = 90
-BIND = 'mount --bind "$0" /dev/shm && exec "$@"'
-# The middleware never removes the files of a port that a killed process has opened.  So each
-# kernel gets a separate /dev/shm, to see what it leaves.  The kernel keeps the process id of the
-# shell.
-OWN_SHARED_MEMORY = ['unshare', '--map-root-user', '--mount', 'sh', '-c', BIND]
-CELLS = (
-    """
-from rclpy.node import Node
-from roslab import *
-from std_msgs.msg import String
-
-class Talker(Node):
-    def __init__(self):
-        super().__init__('talker')
-        self.count = 0
-        self.publisher = self.create_publisher(String, 'chatter', 10)
-        self.create_timer(0.01, self.on_timer)
-
-    def on_timer(self):
-        self.count += 1
-        self.publisher.publish(String(data=str(self.count)))
-        self.get_logger().info(str(self.count))
-
+FAILING = """
 class Failing(Talker):
     def on_timer(self):
-        1 / 0
-""",
+        self.get_logger().info(str(1 / 0))
+"""
+CELLS = (
+    TALKER + FAILING,
     'talker = start(Talker); heard = listen("chatter", String); assert heard.wait(3)',
     'failing = start(Failing, name="failing"); wait_until(lambda: "failing" not in nodes())',
     'talker = start(Talker); wait_until(lambda: talker.count > 3)',
@@ -70,29 +47,24 @@ def main() -> int:
 
     :returns: exit code, 1 if anything was left behind
     """
-    chosen = _arguments()
-    os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
+    parser = argparse.ArgumentParser(description=(__doc__ or '').strip().splitlines()[0])
+    parser.add_argument('--times', type=int, default=FULL_TIMES, help='kernels (default 100)')
+    times = parser.parse_args().times
     facts = report.machine()
-    rounds = [_one_kernel(number) for number in range(chosen.times)]
+    rounds = [_one_kernel(number) for number in range(times)]
     left = {
         'processes': sum(item['processes'] for item in rounds),
         'shared memory files': sum(item['shared_memory'] for item in rounds),
         'nodes in the graph': _nodes_in_the_graph(),
     }
-    threads = sorted({item['threads'] for item in rounds})
-    seconds = [item['seconds'] for item in rounds]
-    ends = [item['end_seconds'] for item in rounds]
-    print(f'\n{len(rounds)} kernels, left behind: {left}')
-    print(f'threads in a kernel: {threads}')
-    print(f'median {statistics.median(seconds):.2f} s a kernel, its end {max(ends):.2f} s at most')
     figures = {
         'kernels': len(rounds),
         'left_behind': left,
-        'threads_in_a_kernel': threads,
-        'kernel_s': report.spread(seconds),
-        'end_s': report.spread(ends),
+        'threads_in_a_kernel': sorted({item['threads'] for item in rounds}),
+        'kernel_s': report.spread([item['seconds'] for item in rounds]),
+        'end_s': report.spread([item['end_seconds'] for item in rounds]),
     }
-    report.save('restart_kernels', facts, figures, full=chosen.times >= FULL_TIMES)
+    report.save('restart_kernels', facts, figures, full=times >= FULL_TIMES)
     return 1 if any(left.values()) else 0
 
 
@@ -102,26 +74,16 @@ def _one_kernel(number: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix='restart_') as folder:
         shared_memory = Path(folder, 'shm')
         shared_memory.mkdir()
-        manager = KernelManager(kernel_name=KERNEL)
-        spec = manager.kernel_spec
-        assert spec is not None  # the set-up has registered the kernel
-        spec.argv = [*OWN_SHARED_MEMORY, str(shared_memory), *spec.argv]
-        manager.start_kernel(cwd=folder)
-        client = manager.client()
-        client.start_channels()
-        try:
-            client.wait_for_ready(timeout=PATIENCE_S)
-            for cell in CELLS:
-                _run(client, cell)
-            _interrupted(manager, client)
-            assert manager.provisioner is not None  # exists since the kernel was started
-            kernel = psutil.Process(manager.provisioner.pid)  # type: ignore[attr-defined]
-            family = [kernel, *kernel.children(recursive=True)]
-            threads = kernel.num_threads()
-        finally:
-            client.stop_channels()
-            ending = time.monotonic()
-            manager.shutdown_kernel()
+        kernel = Kernel(Path(folder), shared_memory=shared_memory, domain=str(DOMAIN))
+        for cell in CELLS:
+            if error := kernel.run(cell).error:
+                raise RuntimeError(f'{error["ename"]}: {error["evalue"]}')
+        kernel.interrupt_at('print("now", flush=True); wait_until(lambda: False, 60)', 'now')
+        process = psutil.Process(kernel.pid)
+        family = [process, *process.children(recursive=True)]
+        threads = process.num_threads()
+        ending = time.monotonic()
+        kernel.shut_down(PATIENCE_S)
         ended = time.monotonic()
         files = len(list(shared_memory.glob('*fastrtps*')))
     left = {
@@ -131,31 +93,8 @@ def _one_kernel(number: int) -> dict[str, Any]:
         'seconds': ended - began,
         'end_seconds': ended - ending,
     }
-    print(f'kernel {number + 1}: {left["seconds"]:.1f} s, {threads} threads,', end=' ')
-    print(f'{left["processes"]} processes and {left["shared_memory"]} files left', flush=True)
+    print(f'kernel {number + 1}:', left, flush=True)
     return left
-
-
-def _run(client: Any, cell: str) -> None:
-    reply = client.execute_interactive(
-        cell, timeout=PATIENCE_S, allow_stdin=False, output_hook=lambda _: None
-    )
-    if reply['content']['status'] != 'ok':
-        raise RuntimeError(f'{reply["content"]["ename"]}: {reply["content"]["evalue"]}')
-
-
-def _interrupted(manager: Any, client: Any) -> None:
-    """Interrupt a wait as a learner would."""
-    client.execute('print("now", flush=True); wait_until(lambda: False, 60)')
-    ended = False
-    while True:
-        message = client.get_iopub_msg(timeout=PATIENCE_S)
-        if message['content'].get('text', '').startswith('now'):
-            manager.interrupt_kernel()
-        elif message['content'].get('ename') == 'KeyboardInterrupt':
-            ended = True
-        elif ended and message['content'].get('execution_state') == 'idle':
-            return
 
 
 def _nodes_in_the_graph() -> int:
@@ -173,12 +112,6 @@ def _nodes_in_the_graph() -> int:
         return len(found) - 1
     finally:
         context.try_shutdown()
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.strip().splitlines()[0])
-    parser.add_argument('--times', type=int, default=FULL_TIMES, help='kernels (default 100)')
-    return parser.parse_args()
 
 
 if __name__ == '__main__':

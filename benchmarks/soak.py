@@ -1,42 +1,63 @@
 """
-Judge the same files repeatedly, with and without load, to find out whether a result changes.
+Judge the same files again and again, to find out whether a verdict or a message ever changes.
 
-The program judges a fixed panel of references, near misses and attacks (``panel.yaml``) 200 times,
-or, with ``--everything``, all submissions and attacks a few times.  Each repeat runs all of them
-again in a different order.  The repeats alternate between three modes: *calm* (one run per CPU),
-*oversubscribed* (runs and busy loops that together need eight times the available CPUs) and
-*parallel* (eight runs at a time).  All parts of a result are compared, including texts and flags,
-except its ``timing``.  Pictures, whose points may differ by one step of the clock, are counted
-separately.  If an attack's points vary from run to run, its docstring states an upper bound, and
-its result is compared with that bound.
+A task is one exam on one set of files.  The panel is listed in ``panel.yaml``; ``--everything``
+contains each exam of each submission in ``tests/submissions`` and each program in
+``tests/attacks``.  Each repeat runs all tasks in a different order and in one of three ways.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
 import json
 import os
+from pathlib import Path
 import random
 import sys
 import time
 from typing import Any
 
+import yaml
+
+from autograder.authoring.sample_class import compose, samples
 from autograder.errors import GraderError
+from autograder.exam import catalog
+from autograder.exam.exam import Exam
 from autograder.grading.examine import examine
+from autograder.grading.pipeline import load_lesson, SandboxEngine
+from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.sandbox import Sandbox
+from autograder.submission.extract import extract
+from autograder.submission.submission import open_submission
 from benchmarks import report
-from benchmarks.repeat_class import busy
-from benchmarks.soak_tasks import everything, panel, Task
+from tests.attacks.corpus import files_of, programs
 
 FULL_REPEATS, FEW_REPEATS = 200, 3
 CORES = os.cpu_count() or 1
-NOT_COMPARED = ('timing', 'recording', 'pictures')
+PANEL = Path(__file__).with_name('panel.yaml')
+ENDED = ('limit', 'ended', 'busy')
+REVIEW, OVER = 'for review: ', ', over its bound'
+
+
+@dataclass(frozen=True)
+class Task:
+    """
+    One exam applied to one set of files.
+
+    :param bound: maximum points for a result that is only compared with a bound, else None
+    :param slow: whether it takes much longer than others
+    """
+
+    name: str
+    exam: Exam
+    files: tuple[tuple[str, str], ...]
+    bound: float | None = None
+    slow: bool = False
 
 
 @dataclass(frozen=True)
@@ -48,17 +69,15 @@ class Way:
     burners: int = 0
 
 
-@dataclass
-class Seen:
-    """
-    The outcomes of the tasks so far, by task name.
-
-    :param outcomes: how often each outcome was seen, as JSON
-    :param pictures: how often each set of pictures was seen
-    """
-
-    outcomes: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
-    pictures: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
+WAYS = (
+    Way('calm', CORES),
+    # Most competing processes are runs instead of busy loops: each run has equally many
+    # competitors, and twice as many runs are completed.
+    Way('oversubscribed', 6 * CORES, burners=2 * CORES),
+    Way('parallel', 8),
+)
+Found = list[tuple[str, str, str]]
+"""For each run: the task's name, the outcome and the pictures, as JSON."""
 
 
 def main() -> int:
@@ -71,29 +90,36 @@ def main() -> int:
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
     tasks = everything() if chosen.everything else panel()
-    tasks = [task for task in tasks if chosen.only in task.name]
-    if chosen.quick:
-        tasks = [task for task in tasks if not task.slow]
+    tasks = [one for one in tasks if chosen.only in one.name and not (chosen.quick and one.slow)]
     if chosen.list:
         print('\n'.join(task.name for task in tasks))
         return 0
     sandbox = strongest()
-    seen, repeats = Seen(), _repeats(chosen, tasks, sandbox)
+    outcomes: defaultdict[str, Counter[str]] = defaultdict(Counter)
+    pictures: defaultdict[str, Counter[str]] = defaultdict(Counter)
     done: list[dict[str, Any]] = []
+    until = time.monotonic() + 60 * chosen.minutes
+    repeats = FEW_REPEATS if chosen.everything else FULL_REPEATS
     try:
-        for repeat, found in repeats:
+        while len(done) < repeats and time.monotonic() < until:
+            repeat, found = _repeat(tasks, sandbox, len(done), until)
             done.append(repeat)
-            for name, outcome, pictures in found:
-                seen.outcomes[name][outcome] += 1
-                seen.pictures[name][pictures] += 1
-            _say(len(done), repeat, seen)
+            for name, outcome, shown in found:
+                outcomes[name][outcome] += 1
+                pictures[name][shown] += 1
+            several = len(report.differing(outcomes))
+            print(len(done), repeat, f'{several} tasks with more than one outcome', flush=True)
     except KeyboardInterrupt:
         print('Stopped; this is what was seen until now.')
-    figures = _figures(tasks, done, seen, sandbox.mode, chosen)
-    _print(facts, figures)
+    figures = {
+        'isolation': sandbox.mode,
+        'of': 'everything' if chosen.everything else 'the panel',
+        'without_slow_tasks': bool(chosen.quick),
+        **_figures(tasks, done, outcomes),
+        'differing_pictures': sorted(report.differing(pictures)),
+    }
     name = 'soak_everything' if chosen.everything else 'soak'
-    enough = FEW_REPEATS if chosen.everything else FULL_REPEATS
-    full = len(done) >= enough and not chosen.only
+    full = len(done) >= repeats and not chosen.only
     # Save the results of a shorter measurement only if outcomes differ.
     report.save(name, facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
@@ -101,16 +127,8 @@ def main() -> int:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.soak')
-    number: dict[str, Any] = {'type': int, 'metavar': 'N'}
-    said = '(default: %(default)s)'
     help_text = 'each submission and attack instead of the panel'
     parser.add_argument('--everything', action='store_true', help=help_text)
-    help_text = 'repeats, each of all tasks in one of the three ways (default: '
-    help_text += f'{FULL_REPEATS}, of everything {FEW_REPEATS})'
-    parser.add_argument('--repeats', default=0, help=help_text, **number)
-    help_text = f'programs that want each processor, runs and burners {said}'
-    parser.add_argument('--oversubscribe', default=8, help=help_text, **number)
-    parser.add_argument('--parallel', default=8, help=f'runs at a time {said}', **number)
     help_text = 'begin no further run after so many minutes (default: no end)'
     parser.add_argument('--minutes', type=float, default=1e6, metavar='M', help=help_text)
     help_text = 'without builds and without attacks that run into a limit of time'
@@ -120,51 +138,89 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-Found = list[tuple[str, str, str]]
-"""For each run: the task's name, the outcome and the pictures, as JSON."""
+# -- tasks ---------------------------------------------------------------------------------
 
 
-def _repeats(
-    chosen: argparse.Namespace, tasks: Sequence[Task], sandbox: Sandbox
-) -> Iterator[tuple[dict[str, Any], Found]]:
-    """Run all tasks repeatedly, alternating between the modes; yield each repeat's results."""
-    ways = (
-        Way('calm', CORES),
-        # Most competing processes are runs instead of busy loops: each run has equally many
-        # competitors, and twice as many runs are completed.
-        Way('oversubscribed', (chosen.oversubscribe - 2) * CORES, burners=2 * CORES),
-        Way('parallel', chosen.parallel),
-    )
-    until = time.monotonic() + 60 * chosen.minutes
-    count = chosen.repeats or (FEW_REPEATS if chosen.everything else FULL_REPEATS)
-    for number in range(count):
-        if time.monotonic() > until:
-            print('The time is over; this is what was seen until now.')
-            return
-        yield _repeat(tasks, ways[number % len(ways)], sandbox, number, until)
+def panel() -> list[Task]:
+    """
+    Return the tasks of the panel, in the order of the file.
+
+    :raises SystemExit: if the panel contains an unknown task
+    """
+    groups = yaml.safe_load(PANEL.read_text(encoding='utf-8')).values()
+    names = [name for group in groups for name in group]
+    found = {task.name: task for task in everything(names)}
+    missing = [name for name in names if name not in found]
+    if missing:
+        raise SystemExit(
+            f'{PANEL.name}: no such task: {", ".join(missing)}.\n'
+            'Try: python -m benchmarks.soak --everything --list'
+        )
+    return [found[name] for name in names]
+
+
+def everything(names: Collection[str] = ()) -> list[Task]:
+    """
+    Return all tasks.
+
+    :param names: restrict the search to folders that can contain these tasks; empty for all
+    """
+    layout = Layout.here()
+    folders = {name.split('/')[0] for name in names}
+    tasks: list[Task] = []
+    for folder in (*layout.assignments(), 'attack'):
+        if not names or folder in folders:
+            tasks += _attacks() if folder == 'attack' else _submissions(layout, folder, names)
+    return tasks
+
+
+def _submissions(layout: Layout, assignment: str, names: Collection[str]) -> Iterator[Task]:
+    """Yield every exam on the files of every submission; equal files give one task."""
+    lesson = load_lesson(layout, assignment, SandboxEngine(strongest()))
+    wanted = {tuple(name.split('/')[:2]) for name in names}
+    known = set()
+    for sample in samples(layout, assignment, everything=True):
+        if wanted and (assignment, sample.name) not in wanted:
+            continue
+        opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')
+        found = extract(opened, lesson.exams, lesson.release, lesson.notebook)
+        for exam in lesson.exams:
+            files = tuple(sorted(found[exam.name].files.items()))
+            if (exam.name, files) not in known:
+                known.add((exam.name, files))
+                name = f'{assignment}/{sample.name}/{exam.name}'
+                yield Task(name, exam, files, slow=exam.scenario.program == 'build')
+
+
+def _attacks() -> Iterator[Task]:
+    """Yield a task for every program in ``tests/attacks``."""
+    for attack in programs():
+        files = tuple(sorted(files_of(attack).items()))
+        bound = attack.points if attack.at_most else None
+        name, exam = f'attack/{attack.kind}/{attack.name}', catalog.load(attack.kind)
+        # A flag about a limit, or a bound, means that the program runs until the grader ends it.
+        slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
+        yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')
+
+
+# -- runs ----------------------------------------------------------------------------------
 
 
 def _repeat(
-    tasks: Sequence[Task], way: Way, sandbox: Sandbox, number: int, until: float
+    tasks: Sequence[Task], sandbox: Sandbox, number: int, until: float
 ) -> tuple[dict[str, Any], Found]:
-    """Run all tasks once, in an order that depends on the repeat."""
+    """Run all tasks once, in an order and a way that depend on the repeat."""
+    way = WAYS[number % len(WAYS)]
     order = random.Random(number).sample(tasks, len(tasks))
     began = time.monotonic()
 
     def run(task: Task) -> tuple[str, str, str] | None:
         return (task.name, *_outcome(task, sandbox)) if time.monotonic() < until else None
 
-    with busy(way.burners) if way.burners else nullcontext(), ThreadPoolExecutor(way.jobs) as pool:
+    with report.busy(way.burners), ThreadPoolExecutor(way.jobs) as pool:
         found = [one for one in pool.map(run, order) if one is not None]
-    facts = {
-        'way': way.name,
-        'jobs': way.jobs,
-        'burners': way.burners,
-        'runs': len(found),
-        'wall_s': round(time.monotonic() - began, 1),
-        'load': round(os.getloadavg()[0], 1),
-    }
-    return facts, found
+    wall_s = round(time.monotonic() - began, 1)
+    return {'way': way.name, 'runs': len(found), 'wall_s': wall_s, 'load': report.load()}, found
 
 
 def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
@@ -172,13 +228,13 @@ def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
     try:
         result = examine(task.exam, dict(task.files), sandbox=sandbox)
     except GraderError as error:
-        return f'for review: {type(error).__name__}', ''
+        return f'{REVIEW}{type(error).__name__}', ''
     if task.bound is not None:
         within = result.points <= task.bound
-        return 'within its bound' if within else f'{result.points:g} points, over its bound', ''
+        return 'within its bound' if within else f'{result.points:g} points{OVER}', ''
     data = result.to_json()
-    compared = {name: value for name, value in data.items() if name not in NOT_COMPARED}
-    return json.dumps(compared, sort_keys=True), json.dumps(data.get('pictures'), sort_keys=True)
+    pictures = json.dumps(data['pictures'], sort_keys=True)
+    return json.dumps(report.compared(data), sort_keys=True), pictures
 
 
 def _verdicts(outcome: str) -> str:
@@ -188,95 +244,44 @@ def _verdicts(outcome: str) -> str:
     return ' '.join(f'{one["check"]}:{one["verdict"]}' for one in json.loads(outcome)['checks'])
 
 
-def _allowed(task: Task, outcome: str) -> bool:
-    """Return whether an outcome may vary from run to run."""
-    return task.bound is not None and not outcome.endswith('over its bound')
-
-
-def _differing(tasks: Sequence[Task], seen: Seen) -> dict[str, dict[str, int]]:
-    """Return the tasks with more than one outcome, or with an outcome above its bound."""
-    differing = {}
-    for task in tasks:
-        outcomes = [one for one in seen.outcomes[task.name] if not _allowed(task, one)]
-        if len(outcomes) > 1 or (task.bound is not None and outcomes):
-            differing[task.name] = dict(seen.outcomes[task.name])
-    return differing
-
-
 def _figures(
-    tasks: Sequence[Task],
-    repeats: Sequence[dict[str, Any]],
-    seen: Seen,
-    mode: str,
-    chosen: argparse.Namespace,
+    tasks: Sequence[Task], done: Sequence[dict[str, Any]], seen: report.Seen
 ) -> dict[str, Any]:
     """Combine the measurements into the figures to save."""
-    ways: dict[str, dict[str, Any]] = {}
-    for repeat in repeats:
-        way = ways.setdefault(repeat['way'], {'repeats': 0, 'runs': 0, 'wall_s': 0.0, 'load': []})
-        way.update(jobs=repeat['jobs'], burners=repeat['burners'])
-        way['repeats'] += 1
-        way['runs'] += repeat['runs']
-        way['wall_s'] = round(way['wall_s'] + repeat['wall_s'], 1)
-        way['load'].append(repeat['load'])
-    for way in ways.values():
-        way['load'] = {'least': min(way['load']), 'most': max(way['load'])}
-    counts = [sum(seen.outcomes[task.name].values()) for task in tasks]
-    differing = _differing(tasks, seen)
+    ways = {
+        way.name: {
+            **asdict(way),
+            'repeats': len(mine),
+            'runs': sum(repeat['runs'] for repeat in mine),
+            'wall_s': round(sum(repeat['wall_s'] for repeat in mine), 1),
+            'load': report.spread([repeat['load'] for repeat in mine]),
+        }
+        for way in WAYS
+        if (mine := [repeat for repeat in done if repeat['way'] == way.name])
+    }
+    counts = [seen[task.name].total() for task in tasks]
+    bounded = {task.name for task in tasks if task.bound is not None}
+    # A task with a bound may differ from run to run, but not exceed it.
+    differing = {n: one for n, one in report.differing(seen).items() if n not in bounded}
+    differing |= {n: dict(seen[n]) for n in bounded if any(one.endswith(OVER) for one in seen[n])}
+    review = {n: [one for one in found if one.startswith(REVIEW)] for n, found in seen.items()}
     return {
-        'isolation': mode,
-        'of': 'everything' if chosen.everything else 'the panel',
-        'without_slow_tasks': bool(chosen.quick),
         'tasks': len(tasks),
         'attacks': sum(task.name.startswith('attack/') for task in tasks),
-        'compared_with_a_bound': sum(task.bound is not None for task in tasks),
-        'repeats': len(repeats),
+        'compared_with_a_bound': len(bounded),
+        'repeats': len(done),
         'runs': sum(counts),
         'least_repeats_of_a_task': min(counts, default=0),
         'ways': ways,
-        'distinct_outcomes': sum(len(found) for found in seen.outcomes.values()),
+        'distinct_outcomes': sum(map(len, seen.values())),
         'differing_verdicts': [
-            name for name, found in differing.items() if len({_verdicts(one) for one in found}) > 1
+            n for n, found in differing.items() if len(set(map(_verdicts, found))) > 1
         ],
         'for_review': {
-            name: sum(found[one] for one in found if one.startswith('for review'))
-            for name, found in seen.outcomes.items()
-            if any(one.startswith('for review') for one in found)
+            n: sum(seen[n][one] for one in found) for n, found in review.items() if found
         },
         'differing': differing,
-        'differing_pictures': [name for name, found in seen.pictures.items() if len(found) > 1],
     }
-
-
-def _say(number: int, repeat: dict[str, Any], seen: Seen) -> None:
-    several = sum(len(found) > 1 for found in seen.outcomes.values())
-    print(
-        f'{number}, {repeat["way"]}: {repeat["runs"]} runs in {repeat["wall_s"]} s, load '
-        f'{repeat["load"]}; {several or "no"} tasks with more than one outcome so far',
-        flush=True,
-    )
-
-
-def _print(facts: dict[str, Any], figures: dict[str, Any]) -> None:
-    print(f'\nThe same files judged again and again, isolation {figures["isolation"]}\n')
-    report.print_machine(facts)
-    rows: list[list[object]] = [
-        ['tasks', figures['tasks']],
-        ['... of them attacks', figures['attacks']],
-        ['... compared with a bound', figures['compared_with_a_bound']],
-        ['repeats', figures['repeats']],
-        ['runs', figures['runs']],
-        ['least runs of one task', figures['least_repeats_of_a_task']],
-        ['distinct outcomes', figures['distinct_outcomes']],
-        ['tasks with another verdict', len(figures['differing_verdicts'])],
-        ['tasks with another text', len(figures['differing'])],
-        ['tasks with another picture', len(figures['differing_pictures'])],
-    ]
-    report.print_table(['', ''], rows)
-    for name, found in figures['differing'].items():
-        print(name)
-        for outcome, count in found.items():
-            print(f'    {count} times {_verdicts(outcome)[:300]}')
 
 
 if __name__ == '__main__':

@@ -129,25 +129,15 @@ def new_system(suite: str, areas: str = 'main') -> Callable[[Path], str]:
     def execute(folder: Path) -> str:
         root = debootstrap(folder, suite, f'--components={areas}', '--include=make')
         copy_of_project(folder, 'root')
-        inside: list[str | Path] = [
-            'bwrap',
-            '--bind',
-            root,
-            '/',
-            '--proc',
-            '/proc',
-            '--dev',
-            '/dev',
-        ]
-        inside += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', '/course']
-        inside += ['--ro-bind', '/etc/resolv.conf', '/etc/resolv.conf', '--clearenv']
-        environ = {**SYSTEM, **WIDE}
+        environ, binds = {**SYSTEM, **WIDE}, {'/etc/resolv.conf': '/etc/resolv.conf'}
         # Behind a proxy, pip needs the proxy's certificate authority.
         if authority := os.environ.get('PIP_CERT'):
-            inside += ['--ro-bind', authority, '/run/authority']
-            environ['PIP_CERT'] = '/run/authority'
-        for name, value in environ.items():
-            inside += ['--setenv', name, value]
+            environ['PIP_CERT'] = binds[authority] = '/run/authority'
+        inside = ['bwrap', '--bind', str(root), '/', '--proc', '/proc', '--dev', '/dev']
+        inside += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', '/course']
+        inside += [word for pair in binds.items() for word in ('--ro-bind', *pair)]
+        inside += ['--clearenv']
+        inside += [word for pair in environ.items() for word in ('--setenv', *pair)]
         return make_grade(folder, *inside)
 
     return execute
@@ -184,20 +174,20 @@ def container(folder: Path) -> str:
 
 def hub(folder: Path) -> str:
     """Click through a class on a hub in headless Chromium."""
-    report = run(folder, 'make', 'test-hub', cwd=copy_of_project(folder))
-    return last_match(r'(\d+ passed)', report)
+    run(folder, 'make', 'test-hub', cwd=copy_of_project(folder))
+    return last_match(r'(\d+ passed)', folder)
 
 
 def see_it(folder: Path) -> str:
     """Run the program that needs only uv, with an empty cache."""
-    course = copy_of_project(folder)
-    report = run(folder, 'uv', 'run', 'see_it.py', cwd=course, UV_CACHE_DIR=str(folder / 'cache'))
-    return last_match(r'(\d+ messages went from one node to another)', report)
+    cache = str(folder / 'cache')
+    run(folder, 'uv', 'run', 'see_it.py', cwd=copy_of_project(folder), UV_CACHE_DIR=cache)
+    return last_match(r'(\d+ messages went from one node to another)', folder)
 
 
-def last_match(pattern: str, report: str) -> str:
-    """Return the last match of a pattern's group in a report."""
-    found = re.findall(pattern, report)
+def last_match(pattern: str, folder: Path) -> str:
+    """Return the last match of a pattern's group in the log."""
+    found = re.findall(pattern, (folder / 'log').read_text(encoding='utf-8'))
     if not found:
         raise RouteFailed(f'expected {pattern!r} in the output')
     return str(found[-1])
@@ -228,19 +218,14 @@ def table(rows: Sequence[Mapping[str, str]]) -> str:
     return HEAD + ''.join(lines)
 
 
-def page_with(text: str, page: str) -> str:
-    """Return a page in which a text replaces everything between the two marks."""
-    before, rest = page.split(BEGIN)
-    return before + BEGIN + text + END + rest.split(END)[1]
-
-
 def write(name: str = '', **changes: str) -> None:
     """Change the row of a route, and write all rows to both files."""
     rows = json.loads(ROWS.read_text(encoding='utf-8'))
     for row in rows:
         row.update(changes if row['name'] == name else {})
     keep(ROWS, json_bytes(rows))
-    keep(PAGE, page_with(table(rows), PAGE.read_text(encoding='utf-8')).encode())
+    before, rest = PAGE.read_text(encoding='utf-8').split(BEGIN)
+    keep(PAGE, f'{before}{BEGIN}{table(rows)}{END}{rest.split(END)[1]}'.encode())
 
 
 def execute(name: str) -> dict[str, str]:

@@ -49,7 +49,9 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
     if command == 'run' and rest:
         return run(rest, places, environ)
     if command == 'lock':
-        return lock(environ)
+        from environment.lock import write_lock
+
+        return write_lock(environ)
     print(__doc__.strip(), file=sys.stderr)
     return 2
 
@@ -70,22 +72,6 @@ def run(command: Sequence[str], places: Places, environ: Mapping[str, str]) -> i
     except OSError as error:
         print(f'{command[0]}: {error.strerror}', file=sys.stderr)
         return 127
-
-
-def lock(environ: Mapping[str, str]) -> int:
-    """Resolve with one Python of each supported version; all versions must be installed here."""
-    from environment import interpreters
-    from environment.lock import oldest_of_each, write_lock
-
-    paths = dict.fromkeys(interpreters.candidates(environ))
-    found = [item for path in paths if (item := interpreters.probe(path, environ))]
-    chosen = oldest_of_each([item for item in found if item.supported and item.complete])
-    missing = set(interpreters.PREFERRED) - {item.version for item in chosen}
-    if missing:
-        print(f'lock: no Python {", ".join(sorted(missing))} found', file=sys.stderr)
-        return 1
-    write_lock(chosen)
-    return 0
 
 
 if __name__ == '__main__':

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 import tempfile
 
-from environment.places import CLOCK_SOURCES, Places
+from environment.places import CLOCK_SOURCES
+from environment.plan import Plan
+from environment.stamps import clock_sources
 from environment.steps import Job
 
 COMPILER = ('gcc', '-std=gnu17', '-O2', '-g', '-Wall', '-Wextra')
 DRIVER, LIBRARY = 'driver', 'clock.so'
-
-
-def sources() -> list[Path]:
-    """Return the C sources and headers, sorted."""
-    return sorted(path for path in CLOCK_SOURCES.iterdir() if path.suffix in ('.c', '.h'))
 
 
 def commands(folder: Path, *options: str) -> list[list[str]]:
@@ -26,7 +22,7 @@ def commands(folder: Path, *options: str) -> list[list[str]]:
     :param options: additional compiler options
     """
     driver = CLOCK_SOURCES / 'driver.c'
-    library = [str(path) for path in sources() if path.suffix == '.c' and path != driver]
+    library = [str(path) for path in clock_sources() if path.suffix == '.c' and path != driver]
     shared = ['-fPIC', '-shared', '-fvisibility=hidden', '-pthread']
     return [
         [*COMPILER, *options, str(driver), '-o', str(folder / DRIVER)],
@@ -34,11 +30,12 @@ def commands(folder: Path, *options: str) -> list[list[str]]:
     ]
 
 
-def build(places: Places, environ: Mapping[str, str], job: Job) -> None:
+def build(plan: Plan, job: Job) -> None:
     """Compile to temporary files and rename them, so that a run never sees an incomplete file."""
+    places = plan.places
     places.clock.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=places.notes) as aside:
         for command in commands(Path(aside)):
-            job.run(command, environ, 'gcc')
+            job.run(command, plan.clean_environ(), 'gcc')
         for name in (DRIVER, LIBRARY):
             Path(aside, name).replace(places.clock / name)

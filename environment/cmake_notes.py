@@ -16,11 +16,8 @@ import shlex
 import shutil
 import subprocess
 
-from environment.places import Places, PROJECT, write_atomically
+from environment.places import Places, write_atomically
 
-STAND_IN = PROJECT / 'autograder' / 'inside' / 'hand_over.py'
-"""Replaces Python in the grader's builds, so that CMake starts the interpreter less often."""
-LONGEST_FIRST_LINE = 127  # maximum length of a script's first line on every kernel: execve(2)
 # An entry of CMakeCache.txt is NAME:TYPE=VALUE.
 ENTRY = re.compile(r'^(\w+):\w+=(.*)$', re.M)
 # Headers to precompile: file name, language as named by CMake and by GCC, suffix of the target in
@@ -52,20 +49,11 @@ def keep(places: Places) -> bool:
     except (OSError, KeyError, IndexError):
         return False
     write_atomically(known / 'python.cmake', python)
-    _write_stand_in(known / 'python', cache['_Python3_EXECUTABLE'])
     for name, language, called, target, defines in HEADERS:
         flags = built / 'CMakeFiles' / f'{package}__{target}.dir' / 'flags.make'
         shutil.copyfile(places.cmake / name, known / name)
         _precompile(known / name, flags, language, called, defines)
     return True
-
-
-def _write_stand_in(path: Path, python: str) -> None:
-    """Write the stand-in for Python that CMake finds, if a script's first line can name Python."""
-    first = f'#!{python} -SE\n'
-    if len(first) <= LONGEST_FIRST_LINE and len(first.split()) == len(('python', '-SE')):
-        write_atomically(path, first + STAND_IN.read_text('utf-8'))
-        path.chmod(0o755)
 
 
 def _precompile(header: Path, flags: Path, language: str, called: str, defines: str) -> None:

@@ -6,7 +6,7 @@ If a requirement is `missing`, the course does not work; if one is `weak`, a par
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import importlib.metadata
 import json
@@ -49,6 +49,7 @@ with tempfile.TemporaryDirectory() as name:
     idl = convert_msg_to_idl(folder, 'trial', pathlib.Path('Trial.msg'), folder)
     parse_idl_string(idl.read_text())
 """
+_CPP = '#include <string>\nint main() { return std::string().size(); }\n'
 _UBUNTU_FIX = (
     'on Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0; in a '
     'container see environment.md'
@@ -84,7 +85,7 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_python(interpreters.find(environ, environ.get('PYTHON', '')), ros)
     yield check_venv(places, python)
     yield from check_programs(places, environ)
-    yield check_bubblewrap(system.bubblewrap_failure(shutil.which('bwrap'), root=_is_root()))
+    yield check_bubblewrap(system.bubblewrap_failure(shutil.which('bwrap')))
     if python:
         yield from check_packages(places, python.version, ros is None or ros.kind == 'wheels')
         yield check_messages(places)
@@ -93,16 +94,14 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_workspace(places, plan.digest('workspace') if plan else '')
     yield check_kernel(places, ros)
     yield check_ros2_command(places, ros)
-    yield check_up_to_date(places, environ)
+    ready = stamps.is_ready(places, environ)
+    detail = 'complete and up to date' if ready else 'the next make command prepares something'
+    yield Finding('set-up', OK if ready else WEAK, detail, PREPARE)
     yield check_exchange(exchange_root(places.project, environ))
     yield check_room(
         'disk space', places.project, DISK_MB, 'free space on the disk: the venv takes 0.9 GB'
     )
     yield check_shared_memory()
-
-
-def _is_root() -> bool:
-    return os.geteuid() == 0
 
 
 def _description(places: Places) -> RosEnvironment | None:
@@ -114,22 +113,13 @@ def _description(places: Places) -> RosEnvironment | None:
 
 def check_python(found: Interpreter | None, ros: RosEnvironment | None) -> Finding:
     """Check the Python that the set-up would use."""
+    packages = f'sudo apt-get install -y {" ".join(system.python_packages(found))}'
     if found is None:
-        packages = ' '.join(system.python_packages(None))
-        return Finding(
-            'python',
-            MISSING,
-            'no working CPython 3.10 to 3.13',
-            f'sudo apt-get install -y {packages}, or make PYTHON=...',
-        )
+        detail = 'no working CPython 3.10 to 3.13'
+        return Finding('python', MISSING, detail, f'{packages}, or make PYTHON=...')
     detail = f'{found.release} at {found.path}'
     if not found.complete:
-        packages = ' '.join(system.python_packages(found))
-        fix = (
-            f'sudo apt-get install -y {packages}'
-            if packages
-            else 'make PYTHON=... with a different Python'
-        )
+        fix = packages if system.python_packages(found) else 'make PYTHON=... with another Python'
         return Finding('python', MISSING, f'{detail} has no {found.lacking()}', fix)
     refusal = interpreters.wheels_refusal(found)
     if refusal and (ros is None or ros.kind == 'wheels'):
@@ -148,31 +138,35 @@ def check_venv(places: Places, python: Interpreter | None) -> Finding:
 
 def check_programs(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     """Check the compiler by compiling a file, make and cmake by starting them."""
-    compiler = shutil.which('g++')
     fix = system.command_to_type([tool for tool in system.TOOLS if tool.required])
-    if not compiler:
-        yield Finding('C++ compiler', MISSING, 'no g++', fix)
-    else:
+    compiles = ('-x', 'c++', '-fsyntax-only', '-')
+    starts = ('--version',)
+    cmake = shutil.which(places.venv / 'bin' / 'cmake')
+    for name, path, options, remedy in (
+        ('C++ compiler', shutil.which('g++'), compiles, fix),
+        ('make', shutil.which('make'), starts, fix),
+        ('cmake', cmake, starts, PREPARE),
+    ):
+        if path is None:
+            yield Finding(name, MISSING, 'not installed', remedy)
+            continue
+        failed, said = _tried([path, *options], environ)
+        if failed:
+            yield Finding(name, MISSING, f'{path} does not work', remedy)
+        else:
+            yield Finding(name, OK, said.partition('\n')[0] or path)
+
+
+def _tried(command: Sequence[str], environ: Mapping[str, str]) -> tuple[str, str]:
+    """Run a command with a C++ program as its input; return why it failed, and its output."""
+    try:
         done = subprocess.run(
-            [compiler, '-x', 'c++', '-fsyntax-only', '-'],
-            input='#include <string>\nint main() { return std::string().size(); }\n',
-            capture_output=True,
-            text=True,
+            command, env=dict(environ), input=_CPP, capture_output=True, text=True, check=False
         )
-        state = OK if done.returncode == 0 else MISSING
-        yield Finding('C++ compiler', state, compiler, fix)
-    yield _starts('make', shutil.which('make'), environ, fix)
-    cmake = places.venv / 'bin' / 'cmake'
-    yield _starts('cmake', str(cmake) if cmake.exists() else None, environ, PREPARE)
-
-
-def _starts(name: str, path: str | None, environ: Mapping[str, str], fix: str) -> Finding:
-    if path is None:
-        return Finding(name, MISSING, 'not installed', fix)
-    done = subprocess.run([path, '--version'], env=dict(environ), capture_output=True, text=True)
-    if done.returncode:
-        return Finding(name, MISSING, f'{path} does not start', fix)
-    return Finding(name, OK, done.stdout.splitlines()[0])
+    except OSError as error:
+        return str(error), ''
+    last = (done.stderr.strip().splitlines() or ['it crashed'])[-1]
+    return last if done.returncode else '', done.stdout
 
 
 def check_bubblewrap(failure: str) -> Finding:
@@ -206,12 +200,6 @@ def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[F
             yield Finding(group, MISSING, bad[0] + more, ANEW)
         else:
             yield Finding(group, OK, f'{len(names)} packages as pinned')
-    yield Finding(
-        'nbgrader',
-        OK if have.get('nbgrader') == pins['nbgrader'] else MISSING,
-        have.get('nbgrader', 'not installed'),
-        ANEW,
-    )
 
 
 def check_messages(places: Places) -> Finding:
@@ -250,30 +238,19 @@ def purposes_of(requirements: str) -> dict[str, str]:
 
 def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
     """Import ROS, run the message generators and load the course's messages."""
-    trials = (
-        ('rclpy', 'import rclpy', 'base', ANEW),
-        ('message generators', _GENERATORS, 'base', ANEW),
-        ('course messages', trial_of_messages(ros.package if ros else ''), 'full', PREPARE),
-    )
-    for name, code, which, fix in trials:
+    for name, code, full, fix in (
+        ('rclpy', 'import rclpy', False, ANEW),
+        ('message generators', _GENERATORS, False, ANEW),
+        ('course messages', trial_of_messages(ros.package if ros else ''), True, PREPARE),
+    ):
         if ros is None:
             yield Finding(name, MISSING, 'the environment is not prepared', PREPARE)
             continue
-        variables = ros.variables if which == 'full' else ros.base_variables
-        try:
-            done = subprocess.run(
-                [ros.python, '-W', 'ignore', '-c', code],
-                env={'HOME': os.environ.get('HOME', '/tmp'), **variables},
-                capture_output=True,
-                text=True,
-                stdin=subprocess.DEVNULL,
-            )
-            words = done.stderr.strip().splitlines()
-        except OSError as error:
-            yield Finding(name, MISSING, str(error), PREPARE)
-            continue
-        if done.returncode:
-            yield Finding(name, MISSING, words[-1] if words else 'it crashed', fix)
+        variables = ros.variables if full else ros.base_variables
+        command = [ros.python, '-W', 'ignore', '-c', code]
+        failed, _ = _tried(command, {'HOME': os.environ.get('HOME', '/tmp'), **variables})
+        if failed:
+            yield Finding(name, MISSING, failed, fix)
         else:
             yield Finding(name, OK, f'tried ({ros.kind})')
 
@@ -289,13 +266,11 @@ def check_workspace(places: Places, wanted: str) -> Finding:
         return Finding('ROS package', OK, 'the course has none')
     if not places.prefix.is_dir():
         return Finding(name, MISSING, 'not built', PREPARE)
-    built = stamps.read_stamp(places, 'workspace')
-    if not built:
+    if not stamps.stamp_of(places.notes, 'workspace').is_file():
         return Finding(name, MISSING, 'its build did not finish', PREPARE)
-    if wanted not in ('', built):
-        return Finding(
-            name, WEAK, 'its sources or the packages have changed since the build', PREPARE
-        )
+    if wanted and not stamps.is_stamped(places.notes, 'workspace', wanted):
+        detail = 'its sources or the packages have changed since the build'
+        return Finding(name, WEAK, detail, PREPARE)
     programs = sorted(path.name for path in (places.prefix / 'lib' / name).glob('*'))
     return Finding(name, OK, f'programs: {", ".join(programs) or "none"}')
 
@@ -322,13 +297,6 @@ def check_ros2_command(places: Places, ros: RosEnvironment | None) -> Finding:
     return Finding('ros2 command', MISSING, f'{script} does not exist', PREPARE)
 
 
-def check_up_to_date(places: Places, environ: Mapping[str, str]) -> Finding:
-    """Report whether the next make command has to prepare anything."""
-    if stamps.is_ready(places, environ):
-        return Finding('set-up', OK, 'complete and up to date')
-    return Finding('set-up', WEAK, 'the next make command will prepare something first', PREPARE)
-
-
 def check_exchange(root: Path) -> Finding:
     """Check the modes of nbgrader's exchange, which let students remove only their own work."""
     loose = unprotected(root)
@@ -336,9 +304,8 @@ def check_exchange(root: Path) -> Finding:
         fix = ' && '.join(f'chmod {mode:o} {shlex.quote(str(path))}' for path, mode in loose)
         detail = f'in {loose[0][0]}, users can remove the work of others'
         return Finding('exchange', WEAK, detail, fix)
-    if not os.path.isdir(root):
-        return Finding('exchange', OK, f'{root} does not exist yet')
-    return Finding('exchange', OK, str(root))
+    known = os.path.isdir(root)
+    return Finding('exchange', OK, f'{root}' if known else f'{root} does not exist yet')
 
 
 def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:

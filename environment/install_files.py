@@ -27,12 +27,6 @@ body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
 ROS2_MARK = "the course's own small ros2 command"
 
 
-def copy_cmake_files(places: Places) -> None:
-    """Copy the CMake fix for the wheels into the venv."""
-    for source in (PROJECT / 'environment' / 'cmake').iterdir():
-        write_atomically(places.cmake / source.name, source.read_text(encoding='utf-8'))
-
-
 def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
     """Return the contents of kernel.json, which sets the ROS environment."""
     # Jupyter expands ${PATH}, so the learner's own programs are found after those of the venv.
@@ -65,30 +59,41 @@ def write_jupyter_settings(places: Places) -> None:
     between the server and its kernels are encrypted: other users of the machine cannot read them,
     and no kernel prints a warning about that to the learner's terminal.  Terminals start
     with the course's PATH.  Students' copies omit the parts of nbgrader that instructors use.
+    Unless the user chooses otherwise, notebooks are saved every few seconds: ``check`` compares
+    the saved notebook with the file that it judges, to notice a cell that was edited but not run.
     """
-    folder = places.venv / 'etc' / 'jupyter'
-    server = {
-        'KernelManager': {'transport_encryption': 'auto'},
-        'ServerApp': {
-            'terminado_settings': {'shell_command': [str(places.terminal / 'shell')]},
-            'jpserver_extensions': {
-                f'nbgrader.server_extensions.{name}': not places.for_students
-                for name in INSTRUCTORS_SERVERS
+    panels = [f'@jupyter/nbgrader:{name}' for name in INSTRUCTORS_PANELS]
+    disabled = ['@jupyterlab/apputils-extension:announcements']
+    disabled += panels if places.for_students else []
+    shell = [str(places.terminal / 'shell')]
+    servers = {
+        f'nbgrader.server_extensions.{name}': not places.for_students
+        for name in INSTRUCTORS_SERVERS
+    }
+    page = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
+    try:
+        page_settings = json.loads(page.read_text(encoding='utf-8'))
+    except (OSError, ValueError):
+        page_settings = {}
+    page_settings.setdefault('disabledExtensions', {}).update(dict.fromkeys(disabled, True))
+    for name, settings in {
+        'etc/jupyter/jupyter_server_config.json': {
+            'KernelManager': {'transport_encryption': 'auto'},
+            'ServerApp': {
+                'terminado_settings': {'shell_command': shell},
+                'jpserver_extensions': servers,
             },
         },
-    }
-    path = folder / 'jupyter_server_config.json'
-    write_atomically(path, json.dumps(server, indent=1) + '\n')
-    disabled = ['@jupyterlab/apputils-extension:announcements']
-    if places.for_students:
-        disabled += [f'@jupyter/nbgrader:{name}' for name in INSTRUCTORS_PANELS]
-    path = folder / 'labconfig' / 'page_config.json'
-    try:
-        settings = json.loads(path.read_text(encoding='utf-8'))
-    except (OSError, ValueError):
-        settings = {}
-    settings.setdefault('disabledExtensions', {}).update(dict.fromkeys(disabled, True))
-    write_atomically(path, json.dumps(settings, indent=1) + '\n')
+        'etc/jupyter/labconfig/page_config.json': page_settings,
+        'etc/jupyter/jupyter_lab_config.json': {'LabApp': {'custom_css': True}},
+        'share/jupyter/lab/settings/overrides.json': {
+            '@jupyterlab/docmanager-extension:plugin': {'autosaveInterval': AUTOSAVE_S}
+        },
+    }.items():
+        write_atomically(places.venv / name, json.dumps(settings, indent=1) + '\n')
+    # Apart from the user's own settings, the server looks for the style only here.
+    style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
+    write_atomically(style, STYLE)
 
 
 def write_terminal(places: Places) -> None:
@@ -123,32 +128,18 @@ def write_terminal(places: Places) -> None:
         path.chmod(0o755)
 
 
-def write_lab_settings(places: Places) -> None:
-    """
-    Make JupyterLab save notebooks every few seconds, unless the user chooses otherwise.
-
-    ``check`` compares the saved notebook with the file that it judges, to notice a cell that was
-    edited but not run.
-    """
-    path = places.venv / 'share' / 'jupyter' / 'lab' / 'settings' / 'overrides.json'
-    settings = {'@jupyterlab/docmanager-extension:plugin': {'autosaveInterval': AUTOSAVE_S}}
-    write_atomically(path, json.dumps(settings, indent=1) + '\n')
-
-
-def write_style(places: Places) -> None:
-    """Make JupyterLab wrap the lines of outputs between words."""
-    # Apart from the user's own settings, the server looks for this file only here.
-    path = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
-    write_atomically(path, STYLE)
-    config = places.venv / 'etc' / 'jupyter' / 'jupyter_lab_config.json'
-    write_atomically(config, json.dumps({'LabApp': {'custom_css': True}}, indent=1) + '\n')
-
-
-def write_path_file(places: Places) -> None:
-    """Add the grader and the course to the venv's module path."""
-    folders = dict.fromkeys((places.project, PROJECT))
-    lines = ''.join(f'{folder}\n' for folder in folders)
-    write_atomically(places.site_packages() / 'ros2_course.pth', lines)
+def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
+    """Install the course's ``ros2`` only if the ROS installation has none."""
+    script = places.venv / 'bin' / 'ros2'
+    if installed_ros2(ros) is None:
+        # Without site and the variables of Python, it starts quickly.
+        program = PROJECT / 'environment' / 'ros2_command.py'
+        command = shlex.join(map(str, (places.python, '-S', '-E', program, places.venv)))
+        text = f'#!/bin/sh\n# Written by the set-up: {ROS2_MARK}.\nexec {command} "$@"\n'
+        write_atomically(script, text)
+        script.chmod(0o755)
+    elif script.is_file() and ROS2_MARK in script.read_text(errors='replace'):
+        script.unlink()
 
 
 def write_description(places: Places, ros: RosEnvironment) -> None:
@@ -156,36 +147,13 @@ def write_description(places: Places, ros: RosEnvironment) -> None:
     write_atomically(places.venv / FILE_NAME, ros.to_json())
 
 
-def ros2_script(places: Places) -> str:
-    """Return the text of ``<venv>/bin/ros2``; it starts Python without site, to start quickly."""
-    words = (places.python, '-S', '-E', PROJECT / 'environment' / 'ros2_command.py', places.venv)
-    command = ' '.join(shlex.quote(str(word)) for word in words)
-    return f'#!/bin/sh\n# Written by the set-up: {ROS2_MARK}.\nexec {command} "$@"\n'
-
-
-def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
-    """Install the course's ``ros2`` only if the ROS installation has none."""
-    script = places.venv / 'bin' / 'ros2'
-    if installed_ros2(ros) is None:
-        write_atomically(script, ros2_script(places))
-        script.chmod(0o755)
-    elif script.is_file() and ROS2_MARK in script.read_text(errors='replace'):
-        script.unlink()
-
-
-def silence_colcon(places: Places) -> None:
-    """Create the empty set-up files whose absence makes colcon print warnings."""
-    for suffix in ('sh', 'bash'):
-        (places.venv / f'local_setup.{suffix}').touch()
-
-
 def install_files(places: Places, ros: RosEnvironment) -> None:
     """Write the path file, kernel, ``ros2`` command, Jupyter settings and description."""
-    write_path_file(places)
+    # The grader and the course are on the venv's module path.
+    lines = ''.join(f'{folder}\n' for folder in dict.fromkeys((places.project, PROJECT)))
+    write_atomically(places.site_packages() / 'ros2_course.pth', lines)
     write_kernel(places, ros)
     write_ros2_command(places, ros)
     write_jupyter_settings(places)
     write_terminal(places)
-    write_lab_settings(places)
-    write_style(places)
     write_description(places, ros)

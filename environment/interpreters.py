@@ -168,17 +168,6 @@ def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
     return choose(found)
 
 
-def imports_rclpy(interpreter: Interpreter, environ: Mapping[str, str]) -> bool:
-    """Return whether an interpreter can import rclpy with the variables of the shell."""
-    done = subprocess.run(
-        [interpreter.path, '-c', 'import rclpy'],
-        env=dict(environ),
-        capture_output=True,
-        stdin=subprocess.DEVNULL,
-    )
-    return done.returncode == 0
-
-
 def wheels_refusal(interpreter: Interpreter) -> str:
     """Return why the ROS 2 wheels cannot be used on this machine; '' if they can be."""
     name, version = interpreter.libc

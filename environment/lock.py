@@ -12,9 +12,11 @@ from collections.abc import Iterable, Mapping, Sequence
 import json
 from pathlib import Path
 import subprocess
+import sys
 import tempfile
 from typing import Any
 
+from environment import interpreters
 from environment.interpreters import Interpreter
 from environment.pins import canonical, is_ros, merge
 from environment.places import LOCK_FILE
@@ -77,67 +79,57 @@ def render(lines: Sequence[str], releases: Sequence[str]) -> str:
     """
     ros = [line for line in lines if is_ros(line.split('==')[0])]
     other = [line for line in lines if line not in ros]
-    return (
-        '\n'.join(
-            [
-                HEADER + RESOLVED + ', '.join(releases),
-                '',
-                ROS_SECTION,
-                *ros,
-                '',
-                OTHER_SECTION,
-                *other,
-            ]
-        )
-        + '\n'
-    )
+    head = HEADER + RESOLVED + ', '.join(releases)
+    return '\n'.join([head, '', ROS_SECTION, *ros, '', OTHER_SECTION, *other, ''])
 
 
-def resolve(python: str, *requirements: str) -> tuple[dict[str, str], dict[str, str]]:
+def resolve(python: str) -> tuple[dict[str, str], dict[str, str]]:
     """
-    Resolve requirements with one interpreter, in a temporary venv.
+    Resolve requirements.in with one interpreter, in a temporary venv.
 
     :param python: path of the interpreter
-    :param requirements: arguments of pip
     :returns: as :func:`pins_of_report`
     """
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([python, '-m', 'venv', folder], check=True)
         report = Path(folder) / 'report.json'
-        subprocess.run(
-            [f'{folder}/bin/python', '-m', 'pip', 'install', '--quiet', '--dry-run']
-            + ['--ignore-installed', '--no-input', '--report', str(report), *requirements],
-            check=True,
-        )
+        options = ['--quiet', '--dry-run', '--ignore-installed', '--no-input']
+        options += ['--report', str(report), '-r', str(LOCK_FILE.with_suffix('.in'))]
+        subprocess.run([f'{folder}/bin/python', '-m', 'pip', 'install', *options], check=True)
         return pins_of_report(json.loads(report.read_text(encoding='utf-8')))
 
 
-def write_lock(interpreters: Sequence[Interpreter]) -> None:
+def write_lock(environ: Mapping[str, str]) -> int:
     """
-    Resolve with every interpreter and write the lock.
+    Resolve with one Python of each supported version, and write the lock.
 
-    :param interpreters: one interpreter per supported version
+    :returns: the exit code, 1 if a version is not installed here
     """
-    ordered = sorted(interpreters, key=lambda item: item.numbers)
+    paths = dict.fromkeys(interpreters.candidates(environ))
+    found = [item for path in paths if (item := interpreters.probe(path, environ))]
+    chosen = oldest_of_each([item for item in found if item.supported and item.complete])
+    missing = set(interpreters.PREFERRED) - {item.version for item in chosen}
+    if missing:
+        print(f'lock: no Python {", ".join(sorted(missing))} found', file=sys.stderr)
+        return 1
     pins, digests = {}, []
-    for item in ordered:
+    for item in chosen:
         print(f'resolving with Python {item.release} ...', flush=True)
-        pins[item.version], files = resolve(item.path, '-r', str(LOCK_FILE.with_suffix('.in')))
+        pins[item.version], files = resolve(item.path)
         digests.append(files)
-    lines = with_digests(merge(pins), digests)
-    text = render(lines, [item.release for item in ordered])
+    text = render(with_digests(merge(pins), digests), [item.release for item in chosen])
     LOCK_FILE.write_text(text, encoding='utf-8')
     print(f'{LOCK_FILE}: written')
+    return 0
 
 
-def oldest_of_each(found: Sequence[Interpreter]) -> list[Interpreter]:
+def oldest_of_each(found: Iterable[Interpreter]) -> list[Interpreter]:
     """
-    Return the oldest release of each version.
+    Return the oldest release of each version, sorted.
 
     Some packages require a patch release (3.11.5) that a distribution does not have (Debian 12 has
     3.11.2). Newer releases can install what the oldest one resolves.
     """
-    oldest: dict[str, Interpreter] = {}
-    for item in sorted(found, key=lambda item: item.numbers, reverse=True):
-        oldest[item.version] = item
-    return list(oldest.values())
+    newest_first = sorted(found, key=lambda item: item.numbers, reverse=True)
+    oldest = {item.version: item for item in newest_first}
+    return sorted(oldest.values(), key=lambda item: item.numbers)

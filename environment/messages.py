@@ -67,7 +67,6 @@ def package_of(name: str) -> str:
 
 def install_messages(plan: Plan, job: Job) -> None:
     """Install the packages that the file lists, from wheels or from the sourced ROS 2."""
-    stamp = plan.digest('messages')  # read first: later edits apply to the next run
     pins = wanted(stamps.messages_text())
     if plan.kind == 'wheels':
         uses = _install_wheels(plan, job, pins)
@@ -75,7 +74,6 @@ def install_messages(plan: Plan, job: Job) -> None:
         pins, uses = find_sourced(pins, plan.environ.get('AMENT_PREFIX_PATH', ''))
     note = {package_of(name): _closure(name, pins, uses) for name in pins}
     _write_note(plan.places, note)
-    stamps.write_stamp(plan.places, 'messages', stamp)
 
 
 def _write_note(places: Places, note: Mapping[str, Sequence[str]]) -> None:

@@ -40,6 +40,24 @@ def stated(project: Path, name: str) -> str:
     return found[2]
 
 
+class Below:
+    """
+    A path below another one, as a property of the object that knows the other one.
+
+    :param base: the attribute of the object with the other path
+    :param names: names of folders and file
+    """
+
+    def __init__(self, base: str, *names: str) -> None:
+        self.base, self.names = base, names
+
+    def __get__(self, owner: object, _: type) -> Path:
+        """Return the path; of a class, the property itself, as Python's own properties do."""
+        if owner is None:
+            return self  # type: ignore[return-value]
+        return Path(getattr(owner, self.base), *self.names)
+
+
 @dataclass(frozen=True)
 class Places:
     """
@@ -52,55 +70,30 @@ class Places:
     venv: Path
     project: Path = PROJECT
 
+    python = Below('venv', 'bin', 'python')
+    """The interpreter of the venv."""
+    notes = Below('venv', 'ros2_course')
+    """The folder of stamps and logs, which the set-up keeps between runs."""
+    ready = Below('notes', 'ready.json')
+    """Written last: the digest of all inputs of the prepared environment."""
+    cmake = Below('notes', 'cmake')
+    """Copy of the CMake files inside the venv, visible in a sandbox that binds the venv."""
+    terminal = Below('notes', 'terminal')
+    """The shell that JupyterLab terminals start."""
+    clock = Below('notes', 'clock')
+    """The compiled virtual clock for the grader's runs."""
+    workspace = Below('venv', 'workspace')
+    """The colcon workspace with build, install and log."""
+
     @classmethod
     def of(cls, venv: str, project: Path = PROJECT) -> Places:
         """Return the places of a venv given as in `VENV=...`, relative to the project."""
         return cls(venv=Path(os.path.normpath(project / venv)), project=project)
 
     @property
-    def python(self) -> Path:
-        """The interpreter of the venv."""
-        return self.venv / 'bin' / 'python'
-
-    @property
-    def notes(self) -> Path:
-        """The folder of stamps and logs, which the set-up keeps between runs."""
-        return self.venv / 'ros2_course'
-
-    @property
-    def logs(self) -> Path:
-        """The folder with one log file per step."""
-        return self.notes / 'logs'
-
-    @property
-    def ready(self) -> Path:
-        """Written last: the digest of all inputs of the prepared environment."""
-        return self.notes / 'ready.json'
-
-    @property
     def lock(self) -> Path:
         """Held while the set-up runs. It is next to the venv, because the venv may be removed."""
         return self.venv.with_name(self.venv.name + '.lock')
-
-    @property
-    def cmake(self) -> Path:
-        """Copy of the CMake files inside the venv, visible in a sandbox that binds the venv."""
-        return self.notes / 'cmake'
-
-    @property
-    def terminal(self) -> Path:
-        """The shell that JupyterLab terminals start."""
-        return self.notes / 'terminal'
-
-    @property
-    def clock(self) -> Path:
-        """The compiled virtual clock for the grader's runs."""
-        return self.notes / 'clock'
-
-    @property
-    def workspace(self) -> Path:
-        """The colcon workspace with build, install and log."""
-        return self.venv / 'workspace'
 
     @property
     def package_name(self) -> str:

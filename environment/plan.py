@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 import os
 from pathlib import Path
+import subprocess
 
 from environment import describe, interpreters, stamps, system
 from environment.interpreters import Interpreter
@@ -50,11 +51,6 @@ class Plan:
         assert self.interpreter is not None
         return self.interpreter
 
-    @property
-    def origin(self) -> str:
-        """Describe where ROS 2 comes from."""
-        return 'PyPI' if self.kind == 'wheels' else 'the sourced installation'
-
     def clean_environ(self) -> dict[str, str]:
         """Return the shell's environment without variables that affect another Python."""
         return {k: v for k, v in self.environ.items() if k not in _HARMFUL}
@@ -72,15 +68,15 @@ class Plan:
         path = os.path.realpath(python.path)
         venv = stamps.digest_of(str(self.places.venv), path, python.version, self.kind)
         packages = stamps.packages_digest(python.version, self.kind)
-        if step == 'venv':
-            return venv
-        if step == 'packages':
-            return packages
-        if step == 'messages':
-            return stamps.digest_of(venv, packages, stamps.messages_text())
-        if step == 'clock':
-            return stamps.digest_of(venv, stamps.clock_digest())
-        return stamps.digest_of(venv, packages, stamps.package_digest(self.places))
+        return {
+            'venv': lambda: venv,
+            'packages': lambda: packages,
+            'messages': lambda: stamps.digest_of(venv, packages, stamps.messages_text()),
+            'clock': lambda: stamps.digest_of(venv, stamps.clock_digest()),
+            'workspace': lambda: stamps.digest_of(
+                venv, packages, stamps.package_digest(self.places)
+            ),
+        }[step]()
 
 
 def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
@@ -143,6 +139,11 @@ def _python_with_rclpy(environ: Mapping[str, str], names: list[str]) -> Interpre
     """Return the first Python that can import the sourced installation's rclpy."""
     for name in names:
         python = interpreters.find(environ, name)
-        if python and interpreters.imports_rclpy(python, environ):
-            return python
+        if python is not None:
+            command = [python.path, '-c', 'import rclpy']
+            done = subprocess.run(
+                command, env=dict(environ), stdin=subprocess.DEVNULL, capture_output=True
+            )
+            if done.returncode == 0:
+                return python
     return None

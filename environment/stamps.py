@@ -12,7 +12,6 @@ import hashlib
 import json
 from pathlib import Path
 
-from environment.cmake_notes import STAND_IN
 from environment.pins import requirements_for
 from environment.places import (
     CLOCK_SOURCES,
@@ -38,8 +37,6 @@ def digest_of(*texts: str) -> str:
 
 def files_below(folder: Path) -> list[Path]:
     """Return the source files of a folder, sorted, without caches and tests."""
-    if not folder.is_dir():
-        return []
     return sorted(
         path
         for path in folder.rglob('*')
@@ -47,47 +44,35 @@ def files_below(folder: Path) -> list[Path]:
     )
 
 
-def digest_of_files(paths: Iterable[Path], root: Path) -> str:
+def clock_sources() -> list[Path]:
+    """Return the C sources and headers of the virtual clock, sorted."""
+    return [path for path in files_below(CLOCK_SOURCES) if path.suffix in ('.c', '.h')]
+
+
+def digest_of_files(paths: Iterable[Path], root: Path = PROJECT) -> str:
     """Return one digest of the names and contents of files."""
-    return digest_of(
-        *(
-            text
-            for path in paths
-            for text in (
-                str(path.relative_to(root)),
-                hashlib.sha256(path.read_bytes()).hexdigest(),
-            )
-        )
-    )
+    facts = ((path.relative_to(root), hashlib.sha256(path.read_bytes())) for path in paths)
+    return digest_of(*(text for name, sha in facts for text in (str(name), sha.hexdigest())))
 
 
 def package_digest(places: Places) -> str:
     """Return the digest of the course package's sources and of the code that builds it."""
     environment = PROJECT / 'environment'
     own = files_below(places.package) if places.package_name else []
-    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py', STAND_IN]
-    return digest_of(
-        digest_of_files(own, places.project),
-        digest_of_files(builds, PROJECT),
-    )
+    builds = [*files_below(environment / 'cmake'), environment / 'cmake_notes.py']
+    return digest_of(digest_of_files(own, places.project), digest_of_files(builds))
 
 
 def clock_digest() -> str:
     """Return the digest of the virtual clock's sources and of the code that builds it."""
-    files = [path for path in files_below(CLOCK_SOURCES) if path.suffix in ('.c', '.h')]
-    return digest_of_files([*files, PROJECT / 'environment' / 'clock.py'], PROJECT)
+    return digest_of_files([*clock_sources(), PROJECT / 'environment' / 'clock.py'])
 
 
 def whole_digest(places: Places) -> str:
     """Return the digest of all inputs of a prepared environment."""
-    own = files_below(PROJECT / 'environment')
-    return digest_of(
-        str(places.project),
-        str(places.venv),
-        digest_of_files(own, PROJECT),
-        package_digest(places),
-        clock_digest(),
-    )
+    own = digest_of_files(files_below(PROJECT / 'environment'))
+    names = str(places.project), str(places.venv)
+    return digest_of(*names, own, package_digest(places), clock_digest())
 
 
 def packages_digest(python_version: str, kind: str) -> str:
@@ -115,17 +100,21 @@ def ros_request(environ: Mapping[str, str]) -> str:
     return environ.get('AMENT_PREFIX_PATH', '') if environ.get('ROS_DISTRO') == 'jazzy' else ''
 
 
-def read_stamp(places: Places, step: str) -> str:
-    """Return the digest with which a step last succeeded, '' if it never did."""
+def stamp_of(notes: Path, step: str) -> Path:
+    """
+    Return the file with the digest with which a step last succeeded.
+
+    :param notes: :attr:`Places.notes`
+    """
+    return notes / f'{step}.stamp'
+
+
+def is_stamped(notes: Path, step: str, digest: str) -> bool:
+    """Return whether a step last succeeded with this digest."""
     try:
-        return (places.notes / f'{step}.stamp').read_text(encoding='utf-8')
+        return stamp_of(notes, step).read_text(encoding='utf-8') == digest
     except OSError:
-        return ''
-
-
-def write_stamp(places: Places, step: str, digest: str) -> None:
-    """Store the digest of a completed step."""
-    write_atomically(places.notes / f'{step}.stamp', digest)
+        return False
 
 
 def write_ready(

@@ -14,6 +14,9 @@ import sys
 import time
 from typing import IO, TextIO
 
+from environment.places import write_atomically
+from environment.stamps import is_stamped, stamp_of
+
 LAST_LINES = 12
 
 
@@ -131,6 +134,8 @@ class Step:
     :param title: text that the user sees
     :param needed: returns whether the step must run; called after the previous steps
     :param run: does the work; raises StepError
+    :param digest: returns the digest of the step's inputs, with which it is stamped when it has
+        succeeded; a step whose stamp differs must run, too
     :param about: a hint about the duration
     :param try_this: advice for a failure whose error contains none
     :param optional: whether the set-up is complete even if this step fails
@@ -140,32 +145,35 @@ class Step:
     title: str
     needed: Callable[[], bool]
     run: Callable[[Job], None]
+    digest: Callable[[], str] | None = None
     about: str = ''
     try_this: str = 'run the same command again: it continues where it stopped'
     optional: bool = False
 
 
 def run_steps(
-    steps: Sequence[Step], logs: Path, screen: Screen, keep_open: tuple[int, ...] = ()
+    steps: Sequence[Step], notes: Path, screen: Screen, keep_open: tuple[int, ...] = ()
 ) -> bool:
     """
     Run the steps that are needed, in order.
 
-    :param logs: folder of the log files
+    :param notes: folder of the stamps and, in ``logs``, of the log files
     :returns: False if a step that is not optional failed; the failure was already printed
     """
     for number, step in enumerate(steps, start=1):
-        if not step.needed():
+        # Read first, so that later edits apply to the next run.
+        digest = step.digest() if step.digest else ''
+        if not step.needed() and (not digest or is_stamped(notes, step.name, digest)):
             continue
         label = f'[{number}/{len(steps)}] {step.title}'
+        hint = f' ({step.about})' if step.about else ''
         if not screen.quiet and not screen.live:
-            screen.say(f'{label} ...{f" ({step.about})" if step.about else ""}')
+            screen.say(f'{label} ...{hint}')
         started = time.monotonic()
-        log_path = logs / f'{step.name}.log'
-        logs.mkdir(parents=True, exist_ok=True)
+        log_path = notes / 'logs' / f'{step.name}.log'
+        log_path.parent.mkdir(parents=True, exist_ok=True)
 
-        def tick(label: str = label, started: float = started, about: str = step.about) -> None:
-            hint = f' ({about})' if about else ''
+        def tick(label: str = label, started: float = started, hint: str = hint) -> None:
             screen.redraw(f'{label} ... {time.monotonic() - started:.0f} s{hint}')
 
         tick()
@@ -177,6 +185,8 @@ def run_steps(
                 if step.optional:
                     continue
                 return False
+        if digest:
+            write_atomically(stamp_of(notes, step.name), digest)
         screen.say(f'{label}: done in {time.monotonic() - started:.0f} s')
     return True
 

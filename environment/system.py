@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import os
 import shutil
@@ -11,8 +11,6 @@ import subprocess
 from environment.interpreters import Interpreter
 from environment.places import SHARED_MEMORY
 from environment.steps import Job, StepError
-
-Which = Callable[[str], 'str | None']
 
 
 @dataclass(frozen=True)
@@ -43,9 +41,9 @@ TOOLS = (
 )
 
 
-def missing_tools(which: Which = shutil.which) -> list[Tool]:
+def missing_tools() -> list[Tool]:
     """Return the programs that are missing."""
-    return [tool for tool in TOOLS if not which(tool.command)]
+    return [tool for tool in TOOLS if not shutil.which(tool.command)]
 
 
 def refuse_closed_shared_memory() -> None:
@@ -86,11 +84,9 @@ def apt_get(environ: Mapping[str, str]) -> list[str] | None:
     return None
 
 
-def command_to_type(
-    tools: Sequence[Tool], python: Sequence[str] = (), which: Which = shutil.which
-) -> str:
+def command_to_type(tools: Sequence[Tool], python: Sequence[str] = ()) -> str:
     """Return one command that installs everything that is missing."""
-    if which('apt-get') or not which('dnf'):
+    if shutil.which('apt-get') or not shutil.which('dnf'):
         return f'sudo apt-get install -y {" ".join([*(t.apt for t in tools), *python])}'
     dnf = ['python3-devel'] if python else []
     return f'sudo dnf install -y {" ".join([*(t.dnf for t in tools), *dnf])}'
@@ -122,17 +118,17 @@ def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpret
         raise StepError(f'missing: {names}', f'type: {command_to_type(tools, python)}')
 
 
-def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
+def bubblewrap_failure(bwrap: str | None) -> str:
     """
     Run bubblewrap to find out whether it works.
 
     :param bwrap: path of the program, None if it is not installed
-    :param root: whether the user is root, for whom no user namespace is created
     :returns: '' if it works, else its error message
     """
     if not bwrap:
         return 'not installed'
-    user = [] if root else ['--unshare-user', '--disable-userns']
+    # For root, no user namespace is created.
+    user = [] if os.geteuid() == 0 else ['--unshare-user', '--disable-userns']
     done = subprocess.run(
         [bwrap, *user, '--unshare-ipc', '--unshare-pid', '--unshare-net', '--die-with-parent']
         + ['--size', '65536', '--tmpfs', '/tmp', '--ro-bind', '/usr', '/usr']
@@ -143,8 +139,5 @@ def bubblewrap_failure(bwrap: str | None, *, root: bool) -> str:
         text=True,
         stdin=subprocess.DEVNULL,
     )
-    if done.returncode == 0:
-        return ''
-    return (
-        done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'it ended with an error'
-    )
+    said = done.stderr.strip().splitlines()
+    return '' if done.returncode == 0 else (said or ['it ended with an error'])[-1]

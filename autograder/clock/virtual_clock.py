@@ -108,12 +108,11 @@ def built() -> tuple[str, str]:
 
 
 @contextmanager
-def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator[VirtualClock]:
+def virtual_clock(places: int) -> Iterator[VirtualClock]:
     """
     Yield the virtual clock of one run, and end its driver afterwards.
 
     :param places: number of processes that the run starts; their children get further places
-    :param system_time_ns: initial value of CLOCK_REALTIME [ns]
     :raises SandboxUnavailable: if the set-up has not built the clock
     """
     driver_file, library = built()
@@ -128,7 +127,7 @@ def virtual_clock(places: int, system_time_ns: int = SYSTEM_TIME_NS) -> Iterator
         page = mmap.mmap(page_fd, _PAGE.size, prot=mmap.PROT_READ)
         ends = [theirs.fileno() for _, theirs in pairs]
         driver = subprocess.Popen(
-            [driver_file, *map(str, (system_time_ns, page_fd, *ends))],
+            [driver_file, *map(str, (SYSTEM_TIME_NS, page_fd, *ends))],
             pass_fds=(page_fd, *ends),
             env={},
             # Leave the terminal's process group, because Ctrl-C must not end the driver.

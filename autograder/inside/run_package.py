@@ -17,7 +17,6 @@ import sys
 
 import build_package  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 import gate  # type: ignore[import-not-found]
-import warm_python  # type: ignore[import-not-found]
 
 NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
@@ -26,10 +25,7 @@ MARK = 'run_package: '
 def executable(prefix: Path, package: str, name: str) -> Path | None:
     """Return the executable file of this name, with or without the suffix ``.py``."""
     folder = prefix / 'lib' / package
-    for file in (folder / name, folder / f'{name}.py'):
-        if file.is_file() and os.access(file, os.X_OK):
-            return file
-    return None
+    return next(filter(_runs, (folder / name, folder / f'{name}.py')), None)
 
 
 def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
@@ -39,16 +35,15 @@ def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
     :returns: ``lib``: executables in ``lib/PACKAGE``; ``bin``: executables in ``bin``; ``others``:
         subfolders of ``lib`` with executables
     """
-    places = {'lib': f'lib/{package}/*', 'bin': 'bin/*', 'others': 'lib/*/*'}
-    files = {word: prefix.glob(pattern) for word, pattern in places.items()}
-    names = {
-        word: [file for file in found if file.is_file() and os.access(file, os.X_OK)]
-        for word, found in files.items()
-    }
-    return {
-        word: sorted({file.parent.name if word == 'others' else file.name for file in found})[:20]
-        for word, found in names.items()
-    }
+    found: dict[str, set[str]] = {'lib': set(), 'bin': set(), 'others': set()}
+    for word, pattern in (('lib', f'lib/{package}/*'), ('bin', 'bin/*'), ('others', 'lib/*/*')):
+        for file in filter(_runs, prefix.glob(pattern)):
+            found[word].add(file.parent.name if word == 'others' else file.name)
+    return {word: sorted(names)[:20] for word, names in found.items()}
+
+
+def _runs(file: Path) -> bool:
+    return file.is_file() and os.access(file, os.X_OK)
 
 
 def command(file: Path) -> list[str]:
@@ -62,7 +57,6 @@ def command(file: Path) -> list[str]:
 
 def main() -> None:
     """Build the package and replace this process by the program."""
-    warm_python.import_colcon()
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]
     try:

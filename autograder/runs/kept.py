@@ -70,8 +70,14 @@ def recorded(
         'environment': environment_digest(sandbox.ros.python, texts),
     }
 
+    def once() -> Outcome:
+        scenario = exam.scenario.to_json()
+        if place is None:
+            return observe(exam.name, scenario, files, sandbox, told)
+        return outcome_of(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
+
     def run() -> Outcome:
-        recording, timing = _once_or_twice(lambda: _run(exam, files, sandbox, told, place))
+        recording, timing = _once_or_twice(once)
         notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
         notes['made_with'] = dict(made_with())
         notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
@@ -85,19 +91,6 @@ def recorded(
     return Kept(*_kept_or_run(path, fresh, run), path.name)
 
 
-def _run(
-    exam: Exam,
-    files: Mapping[str, str],
-    sandbox: Sandbox,
-    told: Callable[[Event], None] | None,
-    place: Place | None,
-) -> Outcome:
-    scenario = exam.scenario.to_json()
-    if place is None:
-        return observe(exam.name, scenario, files, sandbox, told)
-    return outcome_of(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
-
-
 def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
     if path.exists() and not fresh:
         with suppress(RecordingInvalid):  # a damaged file or an older format: record again
@@ -109,13 +102,10 @@ def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
 
 def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
     """Run once; if the probe failed or something outside ended the run, repeat it once."""
-    try:
+    with suppress(ProbeFailed, TooBusy):
         recording, timing = once()
-        again = _may_have_been_ended(recording)
-    except (ProbeFailed, TooBusy):
-        again = True
-    if not again:
-        return recording, timing
+        if not _may_have_been_ended(recording):
+            return recording, timing
     recording, timing = once()
     return recording, {**timing, 'repeated': 1.0}
 

@@ -48,14 +48,8 @@ def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mo
     :param files: the student's files, relative path to text
     :param mode: the isolation mode to use
     """
-    task = {
-        'version': version(),
-        'exam': exam,
-        'scenario': scenario,
-        'files': dict(files),
-        'mode': mode,
-    }
-    return json.dumps(task).encode()
+    task = {'exam': exam, 'scenario': scenario, 'files': dict(files), 'mode': mode}
+    return json.dumps({'version': version(), **task}).encode()
 
 
 def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
@@ -68,8 +62,7 @@ def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
     found = json.loads(answer)
     if 'fault' in found:
         kind, what, fix = found['fault']
-        fault = getattr(errors, kind, GraderError)
-        raise fault(what, fix)
+        raise getattr(errors, kind, GraderError)(what, fix)
     return Recording.from_bytes(found['recording'].encode('utf-8')), found['timing']
 
 

@@ -8,6 +8,7 @@ A recording also contains readable versions (:func:`made_with`).
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import lru_cache
 import hashlib
 from importlib import metadata
@@ -87,7 +88,10 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
 @lru_cache(maxsize=1)
 def made_with() -> Mapping[str, str]:
     """Return the known versions of grader, Python and rclpy, for the headers of recordings."""
-    found = {'grader': commit(HERE.parent), 'python': platform.python_version(), 'rclpy': _rclpy()}
+    found = {'grader': commit(HERE.parent), 'python': platform.python_version()}
+    for name in reversed(ROS_PACKAGES):
+        with suppress(metadata.PackageNotFoundError):
+            found['rclpy'] = metadata.version(name)  # without importing it
     return {name: text for name, text in found.items() if text}
 
 
@@ -116,16 +120,6 @@ def commit(root: Path) -> str:
     except (OSError, subprocess.SubprocessError, UnicodeDecodeError):
         return ''
     return done.stdout.strip()
-
-
-def _rclpy() -> str:
-    """Return the version of rclpy without importing it; empty if it is not installed."""
-    for name in ROS_PACKAGES:
-        try:
-            return metadata.version(name)
-        except metadata.PackageNotFoundError:
-            continue
-    return ''
 
 
 def _digest_of_grader() -> str:

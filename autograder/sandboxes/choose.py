@@ -18,8 +18,7 @@ import tempfile
 from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
-from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.isolation import fix_for
+from autograder.sandboxes.confined import KILLED, Limits, Program
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 TRIAL = """
@@ -51,11 +50,9 @@ def strongest(allow_weak: str = '') -> Sandbox:
             refusals[mode] = error
     (_, refusal), *others = refusals.items()
     reasons = [f'{mode}: {error}' for mode, error in others]
-    offers = () if allow_weak else isolation.permitted(isolation.WEAK[-1], root)
-    if offers:
-        reasons.append(
-            f'To accept weaker isolation: --allow-weak={" or --allow-weak=".join(offers)}.'
-        )
+    if offers := () if allow_weak else isolation.permitted(isolation.WEAK[-1], root):
+        options = ' or '.join(f'--allow-weak={mode}' for mode in offers)
+        reasons.append(f'To accept weaker isolation: {options}.')
     raise SandboxUnavailable(refusal.what, ' '.join([refusal.fix, *reasons])) from refusal
 
 
@@ -110,13 +107,18 @@ def try_out(sandbox: Sandbox) -> None:
         clock.begin()
         try:
             if sandbox.isolated:
-                _try_to_join(confined)
+                # Enter its network in the same way as the probe.
+                held = tuple(confined.namespaces.values())
+                command = [*confined.enter, 'true']
+                joined = subprocess.run(command, pass_fds=held, capture_output=True, text=True)
+                if joined.returncode != 0:
+                    what = f'The probe cannot join the sandbox network: {joined.stderr.strip()}.'
+                    raise SandboxUnavailable(what, isolation.fix_for('namespace'))
             confined.release()
-            try:
-                said, error = confined.process.communicate(timeout=20)
-            except subprocess.TimeoutExpired as late:
-                what = 'rclpy did not import within 20 s.'
-                raise SandboxUnavailable(what, 'Try: make doctor') from late
+            said, error = confined.process.communicate(timeout=20)
+        except subprocess.TimeoutExpired as late:
+            what = 'rclpy did not import within 20 s.'
+            raise SandboxUnavailable(what, 'Try: make doctor') from late
         finally:
             confined.kill()
     if confined.process.returncode in KILLED:
@@ -133,23 +135,3 @@ def try_out(sandbox: Sandbox) -> None:
         tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
         fix = isolation.fix_for(tail) if tail.startswith('bwrap: ') else 'Try: make doctor'
         raise SandboxUnavailable(f'rclpy does not run with isolation {sandbox.mode}: {tail}.', fix)
-
-
-def _try_to_join(confined: Confined) -> None:
-    """
-    Enter a sandbox's network in the same way as the probe.
-
-    :raises SandboxUnavailable: if the kernel refuses
-    """
-    joined = subprocess.run(
-        [*confined.enter, 'true'],
-        pass_fds=tuple(confined.namespaces.values()),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if joined.returncode != 0:
-        raise SandboxUnavailable(
-            f'The probe cannot join the sandbox network: {joined.stderr.strip()}.',
-            fix_for('namespace'),
-        )

@@ -23,7 +23,7 @@ import signal
 import socket
 import struct
 import subprocess
-from typing import Any, NoReturn
+from typing import Any
 import weakref
 
 from autograder.clock.virtual_clock import built
@@ -115,8 +115,12 @@ class ForkServer:
         self.channel.settimeout(ANSWER_S)
         try:
             self._answer()
-        except ProbeFailed:
-            self._refused()
+        except ProbeFailed as error:
+            end_group(self.process)
+            what = self.process.communicate()[1].decode(errors='replace').strip() or 'no word'
+            raise SandboxUnavailable(
+                f'The fork server of the probes did not start: {what}.', fix_for(what)
+            ) from error
 
     def _start(self, channel: socket.socket) -> subprocess.Popen[bytes]:
         pipes: dict[str, Any] = {'stdin': channel, 'stdout': subprocess.DEVNULL}
@@ -167,8 +171,13 @@ class ForkServer:
 
         :raises ProbeFailed: if the server has ended
         """
+        folder, domain = Path('/grader') if self.boxed else HERE, student.domain
         order = {
-            'variables': self._variables(student.domain),
+            'variables': {
+                'ROS_DOMAIN_ID': str(domain),
+                'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe' / 'probe.xml'),
+                'UNICAST_PORT': str(first_port(domain)),
+            },
             'limits': LIMITS.of_process(self.sandbox.processes()),
             'rules': self._rules(),
         }
@@ -190,15 +199,6 @@ class ForkServer:
         if landlock.refusal(root=os.geteuid() == 0)[0]:
             rules = {name: rules[name] for name in ('uid', 'filter')}
         return rules
-
-    def _variables(self, domain: int) -> dict[str, str]:
-        """Return a probe's environment variables: its domain, Fast DDS profile and port."""
-        folder = Path('/grader') if self.boxed else HERE
-        return {
-            'ROS_DOMAIN_ID': str(domain),
-            'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe' / 'probe.xml'),
-            'UNICAST_PORT': str(first_port(domain)),
-        }
 
     def ended(self) -> int | None:
         """
@@ -231,19 +231,6 @@ class ForkServer:
         if not said or not pids:
             raise ProbeFailed('The fork server of the probes has ended.')
         return said, pids[0]
-
-    def _refused(self) -> NoReturn:
-        """
-        Kill the process, and raise an error with its output.
-
-        :raises SandboxUnavailable: always
-        """
-        end_group(self.process)
-        _, said = self.process.communicate()
-        what = said.decode(errors='replace').strip() or 'no word'
-        raise SandboxUnavailable(
-            f'The fork server of the probes did not start: {what}.', fix_for(what)
-        )
 
 
 def _end(process: subprocess.Popen[bytes], channel: socket.socket) -> None:

@@ -66,6 +66,7 @@ class Sandbox:
 
     def variables(self, program: Program, home: str, domain: int) -> dict[str, str]:
         """Return all environment variables of a confined program."""
+        profile = '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
         chosen = self.ros.variables if program.course_messages else self.ros.base_variables
         variables = {
             **chosen,
@@ -73,7 +74,7 @@ class Sandbox:
             'ROS_LOG_DIR': f'{home}/log',
             'ROS_DOMAIN_ID': str(domain),
             'RMW_IMPLEMENTATION': 'rmw_fastrtps_cpp',
-            'FASTRTPS_DEFAULT_PROFILES_FILE': self.profile,
+            'FASTRTPS_DEFAULT_PROFILES_FILE': profile,
             'RCUTILS_COLORIZED_OUTPUT': '0',
             'LANG': 'C.UTF-8',
             'OPENBLAS_NUM_THREADS': '1',
@@ -81,14 +82,9 @@ class Sandbox:
             'PYTHONUNBUFFERED': '1',
             **program.variables,
         }
-        # This variable must be unset: the profile above sets peers and transports.
+        # This variable must be unset: the profile sets peers and transports.
         variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
         return variables
-
-    @property
-    def profile(self) -> str:
-        """Return the path of the Fast DDS profile for a confined program."""
-        return '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
 
     def bwrap(
         self,
@@ -222,7 +218,12 @@ class Sandbox:
         claimed = landlock.claim_free_domain()
         argv, variables = self.outside(program, home, claimed.domain, limits)
         if self.facts.landlock:
-            argv = [*self.behind_landlock(program, home, inherited), *argv]
+            rules = {**self.landlock_rules(program, str(home)), 'inherited': list(inherited)}
+            if rules['uid']:
+                os.chown(home, rules['uid'], rules['uid'])
+            launcher = str(HERE / 'inside' / 'confine.py')
+            # Do not use -I: Python must find the modules next to the launcher.
+            argv = [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules), *argv]
         gate, theirs = socket.socketpair()
         with theirs:
             process = subprocess.Popen(
@@ -254,23 +255,6 @@ class Sandbox:
     def processes(self) -> int:
         """Return how many processes and threads the uid of a run already has."""
         return 0 if self.facts.root else landlock.threads_of_user()
-
-    def behind_landlock(
-        self, program: Program, home: Path, inherited: Sequence[int] = ()
-    ) -> list[str]:
-        """
-        Return the prefix of a command that confines the program with Landlock.
-
-        As root, also make the program's uid the owner of its home folder.
-
-        :param inherited: descriptors that stay open
-        """
-        rules = {**self.landlock_rules(program, str(home)), 'inherited': list(inherited)}
-        if rules['uid']:
-            os.chown(home, rules['uid'], rules['uid'])
-        launcher = str(HERE / 'inside' / 'confine.py')
-        # Do not use -I: Python must find the modules next to the launcher.
-        return [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules)]
 
     def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
         """

@@ -33,18 +33,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--to', type=Path, required=True, help='file for the recording')
     chosen = parser.parse_args(arguments)
     try:
-        return run(chosen)
+        given = json.loads(chosen.order.read_text(encoding='utf-8'))
+        order = Order(**{**given, 'inputs': [Input(**one) for one in given['inputs']]})
+        recording = record(order, read_package(chosen.files), sandbox_for(visible=True))
+        recording.save(chosen.to)
     except REFUSALS as error:
         refuse(error, as_json=False)
         return USAGE
-
-
-def run(chosen: argparse.Namespace) -> int:
-    """Run the node file of an order, and save the recording."""
-    given = json.loads(chosen.order.read_text(encoding='utf-8'))
-    order = Order(**{**given, 'inputs': [Input(**one) for one in given['inputs']]})
-    recording = record(order, read_package(chosen.files), sandbox_for(visible=True))
-    recording.save(chosen.to)
     return OK
 
 

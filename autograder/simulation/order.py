@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import math
 from typing import Any
 
@@ -43,27 +43,9 @@ class Order:
 
     file: str
     seconds: float
-    inputs: Sequence[Input] = ()
-    late: Mapping[str, float] = field(default_factory=dict)
-    arguments: Sequence[str] = ()
-
-    def check(self) -> None:
-        """
-        Check that all times are valid.
-
-        :raises UsageError: if a time is outside the simulation, or the simulation is too long
-        """
-        if not 0 < self.seconds <= MAX_SECONDS:
-            raise UsageError(
-                f'seconds: expected more than 0 and at most {MAX_SECONDS:.0f}, got {self.seconds}.'
-            )
-        times = [(f'inputs of {one.topic}', one.at_s) for one in self.inputs]
-        times += [(f'late {topic}', at_s) for topic, at_s in self.late.items()]
-        for where, at_s in times:
-            if not (math.isfinite(at_s) and 0 <= at_s <= self.seconds):
-                raise UsageError(
-                    f'{where}: expected a time from 0 to {self.seconds:g} s, got {at_s}.'
-                )
+    inputs: Sequence[Input]
+    late: Mapping[str, float]
+    arguments: Sequence[str]
 
 
 def order_of(
@@ -96,7 +78,17 @@ def order_of(
             f'{file}: expected seconds as numbers, inputs={{topic: [(second, message), ...]}} and '
             f'late={{topic: second}}, got something else: {error}.'
         ) from error
-    order.check()
+    if not 0 < order.seconds <= MAX_SECONDS:
+        raise UsageError(
+            f'seconds: expected more than 0 and at most {MAX_SECONDS:.0f}, got {order.seconds}.'
+        )
+    times = [(f'inputs of {one.topic}', one.at_s) for one in sent]
+    times += [(f'late {topic}', at_s) for topic, at_s in joins.items()]
+    for where, at_s in times:
+        if not 0 <= at_s <= order.seconds:  # nor NaN
+            raise UsageError(
+                f'{where}: expected a time from 0 to {order.seconds:g} s, got {at_s}.'
+            )
     return order
 
 

@@ -36,15 +36,11 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     :param files: relative path to text, including the node file
     :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if the run
         exceeded a limit, the recording ends at that time
-    :raises UsageError: if a time is wrong, an input cannot be sent, or a topic is missing
+    :raises UsageError: if an input cannot be sent, or a topic is missing
     :raises GraderError: if the grader failed
     """
-    order.check()
-    scenario = Scenario(
-        file=order.file,
-        arguments=order.arguments,
-        steps=(Advance(min(LOOK_S, order.seconds)),),
-    )
+    steps = (Advance(min(LOOK_S, order.seconds)),)
+    scenario = Scenario(file=order.file, arguments=order.arguments, steps=steps)
     recording = _run(scenario, files, sandbox)
     for _ in range(MAX_RUNS):
         scenario = planned(order, scenario, recording)

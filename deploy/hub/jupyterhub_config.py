@@ -72,13 +72,7 @@ c.JupyterHub.pid_file = str(settings.run / 'hub.pid')
 c.JupyterHub.template_vars = {'announcement_login': 'ROS 2 nodes and topics'}
 c.ConfigurableHTTPProxy.command = [
     shutil.which('node') or 'node',
-    str(
-        settings.proxy
-        / 'node_modules'
-        / 'configurable-http-proxy'
-        / 'bin'
-        / 'configurable-http-proxy'
-    ),
+    f'{settings.proxy}/node_modules/configurable-http-proxy/bin/configurable-http-proxy',
 ]
 c.ConfigurableHTTPProxy.api_url = f'http://127.0.0.1:{settings.port + 2}'
 c.ConfigurableHTTPProxy.pid_file = str(settings.run / 'proxy.pid')

@@ -7,6 +7,7 @@ from pathlib import Path
 import re
 
 from autograder.layout import read_toml
+from environment.places import Below
 
 HERE = Path(__file__).resolve().parent
 SETTING = 'HUB'
@@ -44,40 +45,23 @@ class Settings:
     memory_mib: int = 0
     idle_minutes: float = 60.0
 
+    hub = Below('folder', 'hub')
+    """The virtual environment of JupyterHub."""
+    proxy = Below('folder', 'proxy')
+    """The folder of the proxy's npm packages."""
+    copy = Below('folder', 'students')
+    """The students' copy of the course; all students run its environment."""
+    exchange = Below('folder', 'exchange')
+    """The root folder of nbgrader's exchange."""
+    graded = Below('folder', 'graded_lessons.txt')
+    """The file with the names of the lessons that students fetch through nbgrader."""
+    run = Below('folder', 'run')
+    """Files of the running hub: database, secrets, passwords, log. Only root can read them."""
+
     @property
     def users(self) -> tuple[str, ...]:
         """All accounts that may log in."""
         return (self.instructor, *self.students)
-
-    @property
-    def hub(self) -> Path:
-        """The virtual environment of JupyterHub."""
-        return self.folder / 'hub'
-
-    @property
-    def proxy(self) -> Path:
-        """The folder of the proxy's npm packages."""
-        return self.folder / 'proxy'
-
-    @property
-    def copy(self) -> Path:
-        """The students' copy of the course; all students run its environment."""
-        return self.folder / 'students'
-
-    @property
-    def exchange(self) -> Path:
-        """The root folder of nbgrader's exchange."""
-        return self.folder / 'exchange'
-
-    @property
-    def graded(self) -> Path:
-        """The file with the names of the lessons that students fetch through nbgrader."""
-        return self.folder / 'graded_lessons.txt'
-
-    @property
-    def run(self) -> Path:
-        """Files of the running hub: database, secrets, passwords, log. Only root can read them."""
-        return self.folder / 'run'
 
     def course_of(self, home: Path) -> Path:
         """Return the folder of a student's work, or the instructor's clone."""

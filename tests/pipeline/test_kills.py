@@ -15,7 +15,7 @@ def test_five_kills_lose_nothing_double_nothing_and_leave_nothing(tmp_path):
     """Each kill comes at a new random instant; ``python -m benchmarks.kills`` does fifty."""
     names = ('pass__reference', 'fail__two_hertz', 'error__exception_in_callback')
 
-    account = soak(tmp_path, names, kills=5, seed=5, jobs=2, seconds=5)
+    account = soak(tmp_path, names, kills=5, seed=5, seconds=5)
 
     assert account.wrong == []
     assert sum(account.kills.values()) >= 5

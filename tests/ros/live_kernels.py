@@ -14,9 +14,14 @@ jupyter_client = pytest.importorskip('jupyter_client')
 from jupyter_client.kernelspec import NoSuchKernel
 from nbclient import NotebookClient
 
-from benchmarks.restart_kernels import KERNEL, OWN_SHARED_MEMORY
+from environment.install_files import KERNEL_NAME as KERNEL
 from tests.own_domain import own_domain
 
+# The middleware never removes the files of a port that a killed process has opened.  So each
+# kernel gets a separate /dev/shm, to see what it leaves.  The kernel keeps the process id of the
+# shell.
+BIND = 'mount --bind "$0" /dev/shm && exec "$@"'
+OWN_SHARED_MEMORY = ['unshare', '--map-root-user', '--mount', 'sh', '-c', BIND]
 AS_USER = [
     *('sh', '-c'),
     'user=$1; chown "$user" "$2"; shift 2; '

@@ -40,12 +40,12 @@ def install_colcon_only(plan: Plan) -> None:
         'import sys\nfrom colcon_core.command import main\nsys.exit(main())\n'
     )
     colcon.chmod(0o755)
-    stamps.write_stamp(plan.places, 'packages', plan.digest('packages'))
+    stamps.stamp_of(plan.places.notes, 'packages').write_text(plan.digest('packages'))
 
 
 def go(plan: Plan, *names: str) -> str:
     """Run some of the steps of a plan; return what was shown."""
     steps = [step for step in prepare.steps_of(plan) if step.name in names]
     out = io.StringIO()
-    assert run_steps(steps, plan.places.logs, Screen(out)), out.getvalue()
+    assert run_steps(steps, plan.places.notes, Screen(out)), out.getvalue()
     return out.getvalue()

@@ -89,8 +89,6 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
     assert 'Found Python3' not in said
     # The headers of Fast DDS and Python are compiled already: what they include is not read.
     assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
-    # Generators are handed over, and none of the ten programs failed at it.
-    assert f'Found PythonExtra: {TOOLCHAIN.parent}/known/python' in said
 
 
 @pytest.mark.parametrize('mode', ['landlock', 'none'])

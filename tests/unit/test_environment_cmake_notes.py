@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 
@@ -43,26 +42,6 @@ def test_python_is_kept(places):
     assert 'set(Python3_EXECUTABLE "/venv/bin/python")' in lines
     assert 'set(Python3_VERSION_MINOR "12")' in lines
     assert 'set(Python3_SOABI "cpython-312-x86_64")' in lines
-
-
-@pytest.mark.parametrize(
-    ('python', 'written'),
-    [
-        ('/venv/bin/python', True),
-        ('/my course/bin/python', False),
-        (f'/{"deep/" * 25}python', False),
-    ],
-)
-def test_a_stand_in_for_python_is_written_where_a_script_can_name_it(places, python, written):
-    """A stand-in for Python has a path without blanks that fits in the first line of a script."""
-    cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
-    cache.write_text(CACHE.replace('/venv/bin/python', python), encoding='utf-8')
-    keep(places)
-    stand_in = places.cmake / 'known' / 'python'
-
-    assert stand_in.exists() == written
-    assert not written or stand_in.read_text().startswith(f'#!{python} -SE\n')
-    assert not written or os.access(stand_in, os.X_OK)
 
 
 @pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'all'])

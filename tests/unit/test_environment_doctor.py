@@ -50,7 +50,8 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
     (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
     places = Places.of('.venv', tmp_path)
     places.prefix.mkdir(parents=True)
-    stamps.write_stamp(places, 'workspace', 'done')
+    places.notes.mkdir()
+    stamps.stamp_of(places.notes, 'workspace').write_text('done')
 
     found = doctor.check_workspace(places, 'done')
     assert (found.state, found.detail) == (doctor.OK, detail)
@@ -69,7 +70,9 @@ def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor, '_description', lambda _: ros)
     monkeypatch.setattr(doctor, 'check_by_running', lambda _: ())
     monkeypatch.setattr(interpreters, 'probe', lambda *_: python)
-    stamps.write_stamp(places, 'workspace', Plan(places, {}, 'wheels', python).digest('workspace'))
+    places.notes.mkdir()
+    built = Plan(places, {}, 'wheels', python).digest('workspace')
+    stamps.stamp_of(places.notes, 'workspace').write_text(built)
 
     def line():
         return next(one.line() for one in doctor.findings(places, {}) if one.name == 'doors')
@@ -152,20 +155,19 @@ def test_closed_shared_memory_is_missing_with_the_command_that_opens_it(monkeypa
         ('', 'sudo apt-get install -y g++ bubblewrap python3.12-dev'),
     ],
 )
-def test_command_to_type_is_one_line_of_the_system(have, expected):
+def test_command_to_type_is_one_line_of_the_system(have, expected, monkeypatch):
     """One command of this system's package manager installs everything that is missing."""
     tools = [tool for tool in system.TOOLS if tool.command in ('g++', 'bwrap')]
 
-    command = system.command_to_type(
-        tools, ['python3.12-dev'], which=lambda name: name if name == have else None
-    )
+    monkeypatch.setattr(system.shutil, 'which', lambda name: name if name == have else None)
 
-    assert command == expected
+    assert system.command_to_type(tools, ['python3.12-dev']) == expected
 
 
-def test_missing_tools_names_what_is_not_on_the_path():
+def test_missing_tools_names_what_is_not_on_the_path(monkeypatch):
     """Each program is looked up by its command."""
-    missing = system.missing_tools(which=lambda name: None if name == 'bwrap' else name)
+    monkeypatch.setattr(system.shutil, 'which', lambda name: None if name == 'bwrap' else name)
+    missing = system.missing_tools()
 
     assert [tool.title for tool in missing] == ['bubblewrap']
     assert not missing[0].required
@@ -177,5 +179,5 @@ def test_bubblewrap_failure_repeats_its_words(tmp_path):
     program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
     program.chmod(0o755)
 
-    assert system.bubblewrap_failure(None, root=False) == 'not installed'
-    assert system.bubblewrap_failure(str(program), root=False) == 'bwrap: No permissions'
+    assert system.bubblewrap_failure(None) == 'not installed'
+    assert system.bubblewrap_failure(str(program)) == 'bwrap: No permissions'

@@ -33,39 +33,25 @@ def fake_python(folder, name, **answers):
     return program
 
 
-def test_choose_several_supported_prefers_3_12():
-    """Of several complete interpreters, 3.12 is chosen, wherever it was found."""
-    found = [replace(GOOD, release=f'{version}.1') for version in ('3.13', '3.10', '3.12', '3.11')]
+@pytest.mark.parametrize(
+    ('found', 'chosen'),
+    [
+        # Of several complete interpreters, 3.12 is chosen, wherever it was found.
+        ([{'release': f'3.{minor}.1'} for minor in (13, 10, 12, 11)], 2),
+        # One without headers or venv is chosen only if there is no other; the set-up completes it.
+        ([{'has_headers': False}, {'release': '3.10.1'}], 1),
+        ([{'has_venv': False}], 0),
+        # The distribution's own Python is faster than one built by hand, and tested as often.
+        ([{'base_prefix': '/home/ada/.pyenv/versions/3.12.3'}, {'release': '3.11.2'}], 1),
+        # A tested version is preferred to the distribution's own Python.
+        ([{'release': '3.13.1'}, {'release': '3.10.1'}, {'base_prefix': '/usr/local'}], 2),
+    ],
+)
+def test_choose_takes_the_best(found, chosen):
+    """Complete, tested, of the distribution, of a preferred version: in this order."""
+    interpreters_found = [replace(GOOD, **facts) for facts in found]
 
-    assert interpreters.choose(found).version == '3.12'
-
-
-def test_choose_incomplete_3_12_takes_complete_3_10():
-    """An interpreter without headers or venv is chosen only if there is no other."""
-    found = [replace(GOOD, has_headers=False), replace(GOOD, release='3.10.1')]
-
-    assert interpreters.choose(found).version == '3.10'
-
-
-def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
-    """The distribution's own Python is faster than one built by hand, and tested as often."""
-    by_hand = replace(GOOD, base_prefix='/home/ada/.pyenv/versions/3.12.3')
-    found = [by_hand, replace(GOOD, release='3.11.2')]
-
-    assert interpreters.choose(found).version == '3.11'
-
-
-def test_choose_a_tested_version_before_the_distributions():
-    """A tested version is preferred to the distribution's own Python."""
-    by_hand = replace(GOOD, base_prefix='/usr/local')
-    found = [replace(GOOD, release='3.13.1'), replace(GOOD, release='3.10.1'), by_hand]
-
-    assert interpreters.choose(found) == by_hand
-
-
-def test_choose_only_incomplete_takes_it():
-    """An incomplete interpreter is chosen if there is no other; the set-up completes it."""
-    assert interpreters.choose([replace(GOOD, has_venv=False)]).lacking() == 'venv'
+    assert interpreters.choose(interpreters_found) == interpreters_found[chosen]
 
 
 @pytest.mark.parametrize(
@@ -85,19 +71,15 @@ def test_probe_this_python_tells_its_base():
     assert os.path.realpath(answer.path) == os.path.realpath(sys.executable)
 
 
-@pytest.mark.parametrize('script', ['exit 127', 'echo no json', 'echo "{}"', 'echo []'])
+@pytest.mark.parametrize('script', ['exit 127', 'echo no json', 'echo "{}"', 'echo []', None])
 def test_probe_broken_shim_gives_none(tmp_path, script):
-    """A pyenv shim without its version, or a program with other output, is skipped."""
+    """A pyenv shim without its version, a broken link, and other output are skipped."""
     shim = tmp_path / 'python3.12'
-    shim.write_text(f'#!/bin/sh\n{script}\n')
-    shim.chmod(0o755)
+    if script:
+        shim.write_text(f'#!/bin/sh\n{script}\n')
+        shim.chmod(0o755)
 
     assert interpreters.probe(str(shim), {}) is None
-
-
-def test_probe_missing_file_gives_none(tmp_path):
-    """A broken link is skipped."""
-    assert interpreters.probe(str(tmp_path / 'python3.12'), {}) is None
 
 
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):

@@ -142,7 +142,6 @@ def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
     return SetUp(tmp_path, monkeypatch)
 
 
-@pytest.mark.slow
 def test_named_packages_are_installed_and_others_removed(set_up):
     """The note has the version of each package and of the packages that it uses."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
@@ -155,17 +154,14 @@ def test_named_packages_are_installed_and_others_removed(set_up):
         'toy_msgs': ['ros-base-msgs==1.0', 'ros-toy-msgs==1.0'],
         'base_msgs': ['ros-base-msgs==1.0'],
     }
-    assert stamps.read_stamp(set_up.places, 'messages') == set_up.plan.digest('messages')
-
     set_up.go('ros-base-msgs==1.0\n')
 
     assert set_up.modules == {'base_msgs'}
     assert further_messages(set_up.places.venv).keys() == {'base_msgs'}
 
 
-@pytest.mark.slow
-def test_refused_file_installs_nothing_and_has_no_stamp(set_up):
-    """The next make tries again, and what was installed before stays."""
+def test_refused_file_installs_nothing(set_up):
+    """What was installed before stays."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')
@@ -179,10 +175,8 @@ def test_refused_file_installs_nothing_and_has_no_stamp(set_up):
             set_up.go(f'{line}\n')
 
         assert set_up.modules == {'base_msgs'}
-        assert stamps.read_stamp(set_up.places, 'messages') != set_up.plan.digest('messages')
 
 
-@pytest.mark.slow
 def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
     """A wheel without a note would stay in the environment unnoticed."""
     set_up.wheel('ros-toy-msgs')

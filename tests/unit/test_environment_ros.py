@@ -134,14 +134,31 @@ def test_kernel_spec_carries_the_environment(places):
     assert spec['env']['PYTHONPATH'] == ros.variables['PYTHONPATH']
 
 
-def test_install_files_writes_path_file_and_switches_news_off(places):
-    """The project is importable in the venv, and JupyterLab does not ask about news."""
+def test_install_files_adapts_jupyterlab(places):
+    """
+    The project is importable in the venv, and JupyterLab does not ask about news.
+
+    It saves an edited cell before its exercise is checked, and loads a style of the course, which
+    its own rule does not override.
+    """
     install_files.install_files(places, describe.describe_wheels(places, '/usr'))
 
     path_file = places.site_packages() / 'ros2_course.pth'
-    page = places.venv / 'etc' / 'jupyter' / 'labconfig' / 'page_config.json'
     assert path_file.read_text().splitlines() == [str(places.project), str(PROJECT)]
-    assert 'announcements' in page.read_text()
+    style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
+    assert 'word-break: normal' in style.read_text()
+    settings = {
+        path: json.loads((places.venv / path).read_text())
+        for path in (
+            'etc/jupyter/labconfig/page_config.json',
+            'etc/jupyter/jupyter_lab_config.json',
+            'share/jupyter/lab/settings/overrides.json',
+        )
+    }
+    page, lab, overrides = settings.values()
+    assert page['disabledExtensions']['@jupyterlab/apputils-extension:announcements'] is True
+    assert lab['LabApp']['custom_css'] is True
+    assert overrides['@jupyterlab/docmanager-extension:plugin'] == {'autosaveInterval': 10}
 
 
 PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANELS]
@@ -208,22 +225,3 @@ def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, pl
     assert terminal('make publisher\n', own, shell) == ['my own']
     assert terminal(f'make -f {own}/Makefile publisher\n', notebooks, shell) == ['my own']
     assert terminal(f'make -sC {own} publisher\n', notebooks, shell) == ['my own']
-
-
-def test_install_files_has_notebooks_saved_every_few_seconds(places):
-    """An edited cell is in the notebook's file before its exercise is checked."""
-    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
-
-    settings = places.venv / 'share' / 'jupyter' / 'lab' / 'settings' / 'overrides.json'
-    found = json.loads(settings.read_text())
-    assert found['@jupyterlab/docmanager-extension:plugin'] == {'autosaveInterval': 10}
-
-
-def test_install_files_has_outputs_wrapped_at_words(places):
-    """JupyterLab loads a style of the course, which its own rule does not override."""
-    install_files.install_files(places, describe.describe_wheels(places, '/usr'))
-
-    style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
-    config = json.loads((places.venv / 'etc' / 'jupyter' / 'jupyter_lab_config.json').read_text())
-    assert 'word-break: normal' in style.read_text()
-    assert config['LabApp']['custom_css'] is True

@@ -22,13 +22,10 @@ def write_ready(places, environ, python_version):
     stamps.write_ready(places, environ, python_version, stamps.whole_digest(places))
 
 
-def test_is_ready_nothing_prepared_is_false(places):
-    """An empty folder is not ready."""
-    assert not stamps.is_ready(places, {})
-
-
 def test_is_ready_after_write_is_true(places):
     """The environment is ready after it was prepared, if the shell asks for nothing else."""
+    assert not stamps.is_ready(places, {})
+
     write_ready(places, {}, '3.12')
 
     assert stamps.is_ready(places, {})
@@ -81,32 +78,30 @@ def test_is_ready_damaged_stamp_is_false(places, text):
     assert not stamps.is_ready(places, {})
 
 
-def test_is_ready_other_python_asked_for_is_false(places):
-    """PYTHON=... counts only if it was given when the environment was prepared."""
-    write_ready(places, {'PYTHON': 'python3.11'}, '3.11')
-
-    assert stamps.is_ready(places, {'PYTHON': 'python3.11'})
-    assert stamps.is_ready(places, {})
-    assert not stamps.is_ready(places, {'PYTHON': 'python3.12'})
+SOURCED = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
 
 
-def test_is_ready_newly_sourced_ros_is_false(places):
-    """A shell with ROS 2 Jazzy sourced does not accept an environment from PyPI."""
-    sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
-    write_ready(places, {}, '3.12')
+@pytest.mark.parametrize(
+    ('prepared', 'shell', 'ready'),
+    [
+        # PYTHON=... counts only if it was given when the environment was prepared.
+        ({'PYTHON': 'python3.11'}, {'PYTHON': 'python3.11'}, True),
+        ({'PYTHON': 'python3.11'}, {}, True),
+        ({'PYTHON': 'python3.11'}, {'PYTHON': 'python3.12'}, False),
+        # A shell with ROS 2 Jazzy sourced does not accept an environment from PyPI.
+        ({}, SOURCED, False),
+        ({}, {**SOURCED, 'ROS_DISTRO': 'humble'}, True),
+        # An environment with a sourced ROS 2 is ready in shells that do not source it.
+        (SOURCED, SOURCED, True),
+        (SOURCED, {}, True),
+        (SOURCED, {'ROS_SOURCE': 'wheels'}, False),
+    ],
+)
+def test_is_ready_compares_what_the_shell_requests(places, prepared, shell, ready):
+    """A shell without a request accepts any prepared environment."""
+    write_ready(places, prepared, '3.12')
 
-    assert not stamps.is_ready(places, sourced)
-    assert stamps.is_ready(places, {**sourced, 'ROS_DISTRO': 'humble'})
-
-
-def test_is_ready_sourced_once_serves_later_shells(places):
-    """An environment with a sourced ROS 2 is ready in shells that do not source it."""
-    sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
-    write_ready(places, sourced, '3.12')
-
-    assert stamps.is_ready(places, sourced)
-    assert stamps.is_ready(places, {})
-    assert not stamps.is_ready(places, {'ROS_SOURCE': 'wheels'})
+    assert stamps.is_ready(places, shell) == ready
 
 
 def test_digest_of_borders_count():

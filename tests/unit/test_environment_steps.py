@@ -17,7 +17,7 @@ from environment.steps import locked, run_steps, Screen, Step, StepError
 
 class FakeSetUp:
     """
-    A set-up of three steps that remember what they did in files.
+    A set-up of three steps that are stamped with the same digest.
 
     :param folder: where
     """
@@ -27,6 +27,7 @@ class FakeSetUp:
         self.out = io.StringIO()
         self.ran = []
         self.fail_in = None
+        self.digest = 'inputs'
 
     def steps(self):
         """Return the three steps."""
@@ -34,8 +35,9 @@ class FakeSetUp:
             Step(
                 name,
                 f'Step {name}',
-                lambda name=name: not (self.folder / name).exists(),
+                lambda: False,
                 lambda job, name=name: self.run(name, job),
+                digest=lambda: self.digest,
                 try_this=f'mend {name}',
             )
             for name in ('one', 'two', 'three')
@@ -47,11 +49,11 @@ class FakeSetUp:
         print(f'working on {name}', file=job.log, flush=True)
         if self.fail_in == name:
             raise StepError(f'{name} broke')
-        (self.folder / name).touch()
 
     def go(self, **screen):
         """Run the steps and return whether all succeeded."""
-        return run_steps(self.steps(), self.folder / 'logs', Screen(self.out, **screen))
+        self.ran.clear()
+        return run_steps(self.steps(), self.folder, Screen(self.out, **screen))
 
 
 @pytest.fixture
@@ -68,18 +70,21 @@ def test_run_steps_all_needed_runs_in_order(fake):
 
 
 def test_run_steps_second_time_does_nothing(fake):
-    """If all steps are done, nothing runs and nothing is printed."""
+    """If all steps are done, nothing runs and nothing is printed, until their inputs change."""
     fake.go()
     fake.out.truncate(0)
-    fake.ran.clear()
 
     assert fake.go()
     assert fake.ran == []
     assert '[' not in fake.out.getvalue()
 
+    fake.digest = 'other inputs'
+    assert fake.go()
+    assert fake.ran == ['one', 'two', 'three']
 
-def test_run_steps_failure_explains_and_stops(fake):
-    """The error names the step, shows the end of its log and says what to do."""
+
+def test_run_steps_failure_explains_stops_and_goes_on_there(fake):
+    """The error names the step, the end of its log and a remedy; the next run does the rest."""
     fake.fail_in = 'two'
 
     assert not fake.go()
@@ -89,14 +94,7 @@ def test_run_steps_failure_explains_and_stops(fake):
     assert '| working on two' in text
     assert 'try: mend two' in text
 
-
-def test_run_steps_after_failure_goes_on_there(fake):
-    """The next run does only the steps that are left."""
-    fake.fail_in = 'two'
-    fake.go()
     fake.fail_in = None
-    fake.ran.clear()
-
     assert fake.go()
     assert fake.ran == ['two', 'three']
 
@@ -112,6 +110,16 @@ def test_run_steps_killed_step_runs_again(fake):
     assert fake.ran == ['one', 'two', 'three']
 
 
+def test_run_steps_edited_while_running_is_stamped_as_before(fake):
+    """A file that was edited during a step counts as changed."""
+    fake.run = lambda name, job: setattr(fake, 'digest', 'edited')
+    fake.go()
+    del fake.run
+
+    assert fake.go()
+    assert fake.ran == ['one']
+
+
 def test_run_steps_on_ci_says_one_line_a_step(fake):
     """On CI, a step that succeeds is one line."""
     fake.go(quiet=True)
@@ -121,24 +129,23 @@ def test_run_steps_on_ci_says_one_line_a_step(fake):
     assert all('done in' in line for line in lines)
 
 
-def test_job_run_failing_command_tells_its_code(tmp_path):
+@pytest.mark.parametrize(
+    ('command', 'said'),
+    [
+        (
+            [sys.executable, '-S', '-c', 'print("some words"); raise SystemExit(3)'],
+            ['tool ended with code 3', '| some words'],
+        ),
+        (['/no/such/tool'], ['tool did not start']),
+    ],
+)
+def test_job_run_explains_a_command_that_fails_or_is_missing(tmp_path, command, said):
     """The error has the exit code, and the log has the output."""
-    command = [sys.executable, '-S', '-c', 'print("some words"); raise SystemExit(3)']
     step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
     out = io.StringIO()
 
     assert not run_steps([step], tmp_path, Screen(out))
-    assert 'tool ended with code 3' in out.getvalue()
-    assert '| some words' in out.getvalue()
-
-
-def test_job_run_missing_command_is_a_step_error(tmp_path):
-    """A command that does not exist is explained like any other failure."""
-    step = Step('x', 'X', lambda: True, lambda job: job.run(['/no/such/tool'], {}))
-    out = io.StringIO()
-
-    assert not run_steps([step], tmp_path, Screen(out))
-    assert 'tool did not start' in out.getvalue()
+    assert all(words in out.getvalue() for words in said)
 
 
 def test_locked_second_holder_waits(tmp_path):
@@ -194,8 +201,8 @@ def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
     (places.venv / 'lib').mkdir(parents=True)
     (places.venv / 'lib64').symlink_to('lib')
     (places.venv / 'pyvenv.cfg').touch()
-    places.logs.mkdir(parents=True)
-    (places.logs / 'venv.log').touch()
+    (places.notes / 'logs').mkdir(parents=True)
+    (places.notes / 'logs' / 'venv.log').touch()
     (places.notes / 'packages.stamp').touch()
 
     prepare.clear_venv(places)
@@ -245,7 +252,7 @@ def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
     fake.fail_in = 'two'
     steps = [one, dataclasses.replace(two, optional=True), three]
 
-    assert run_steps(steps, fake.folder / 'logs', Screen(fake.out))
+    assert run_steps(steps, fake.folder, Screen(fake.out))
     assert fake.ran == ['one', 'two', 'three']
     assert 'Step two: FAILED: two broke' in fake.out.getvalue()
     assert 'Step two: done' not in fake.out.getvalue()
@@ -258,6 +265,6 @@ def test_a_grader_that_fails_its_proof_is_told(tmp_path, monkeypatch):
     last = dataclasses.replace(prepare.steps_of(plan)[-1], needed=lambda: True)
     out = io.StringIO()
 
-    assert run_steps([last], tmp_path / 'logs', Screen(out))
+    assert run_steps([last], tmp_path, Screen(out))
     assert 'FAILED: self-check ended with code 1' in out.getvalue()
     assert 'done in' not in out.getvalue()

@@ -50,8 +50,6 @@ ALLOWED = {
     ('autograder/inside/run_node.py', 'exec'): 'runs inside the sandbox, which is its purpose',
     ('autograder/inside/run_node.py', 'compile'): 'runs inside the sandbox, which is its purpose',
     ('autograder/inside/steady_rclpy.py', 'run_path'): 'runs inside the sandbox, on purpose',
-    ('autograder/inside/warm_python.py', 'run_path'): 'builds inside the sandbox, on purpose',
-    ('autograder/inside/warm_python.py', 'run_module'): 'builds inside the sandbox, on purpose',
     ('roslab/magics.py', 'exec'): "a learner's own cell, in the learner's own kernel",
     ('roslab/magics.py', 'compile'): "a learner's own cell, in the learner's own kernel",
     (
