@@ -8,33 +8,11 @@ conditions.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.text_table import rows_of
 from autograder.submission.code.acts import find
 from autograder.submission.code.learners_code import Code
-
-
-class Row(NamedTuple):
-    """
-    A cause that can be recognised in the code.
-
-    :param situations: situations to which the row applies, such as ``idle``; callers of
-        :func:`why_by_code` name them
-    :param words: conditions that must all hold: a name that the code uses, ``name()`` if the code
-        calls it, or a fact of :data:`_FACTS`; ``!`` negates a condition
-    :param text: may contain names in braces, for which the situation gives values
-    """
-
-    cause_id: str
-    situations: str
-    words: str
-    text: str
-    try_this: str
-
-
-TABLE = tuple(Row(*head.split('|'), *rest) for head, *rest in rows_of('by_code.txt'))
 
 
 def why_by_code(situation: str, run: Run, **names: object) -> Cause:
@@ -43,12 +21,14 @@ def why_by_code(situation: str, run: Run, **names: object) -> Cause:
 
     For code that Python cannot parse, only the last row of a situation (``always``) matches.
 
+    :param situation: such as ``idle``; its rows name conditions that must all hold: a name that
+        the code uses, ``name()`` if the code calls it, or a fact of :data:`_FACTS`; ``!`` negates
     :param names: values for the names in braces
     """
     code = Code(run.files)
-    here = (row for row in TABLE if situation in row.situations.split())
-    row = next(row for row in here if row.words == 'always' or _fits(code, row.words))
-    return Cause(row.cause_id, row.text.format(**names), row.try_this.format(**names))
+    here = (row for row in rows_of('by_code.txt') if situation in row.more[0].split())
+    row = next(row for row in here if row.when == 'always' or _fits(code, row.when))
+    return row.cause(**names)
 
 
 def _fits(code: Code, words: str) -> bool:

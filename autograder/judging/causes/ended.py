@@ -13,11 +13,11 @@ import re
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes import not_answering
+from autograder.judging.causes.builds import why_no_program
 from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.text_table import cause_of, rows_of
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.judging.packages import why_no_program
 from autograder.submission.code.learners_code import Code
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
@@ -26,7 +26,7 @@ _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 LONG_S = 50.0
 """A period longer than in any exercise: the student probably meant milliseconds [s]."""
 
-LIMITS = {name: words for name, *words in rows_of('by_limit.txt')}
+LIMITS = {'|'.join((row.cause_id, *row.more)): row for row in rows_of('by_limit.txt')}
 
 
 def why_it_ended(run: Run) -> Cause | None:
@@ -58,9 +58,10 @@ def why_killed(limit: str, what: str) -> Cause:
 
     :param what: ``program``, ``package`` or ``build``, whose limits differ
     """
-    how, why = LIMITS.get(f'{limit}|{what}', LIMITS[limit])
+    row = LIMITS.get(f'{limit}|{what}', LIMITS[limit])
     subject = 'build' if what == 'build' else 'program'
-    return Cause(limit, f'The grader stopped your {subject}: {how}.', f'Look for {why}.')
+    text = f'The grader stopped your {subject}: {row.text}.'
+    return Cause(limit, text, f'Look for {row.try_this}.')
 
 
 def died_in_vain(run: Run) -> bool:

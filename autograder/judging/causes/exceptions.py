@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 import re
-from typing import NamedTuple
 
 from autograder.exam.exam import Cause
 from autograder.judging.causes.text_table import rows_of
@@ -77,26 +76,6 @@ WANTED = {
 """Advice on a field, by a pattern in rclpy's message; the first match is used."""
 
 
-class Kind(NamedTuple):
-    """
-    One kind of exception that beginners cause.
-
-    :param says: regular expression, searched in the exception and, after a line break, the line of
-        code without its comments and strings
-    :param text: what is wrong; may contain groups of ``says``
-    :param try_this: the repair; may contain groups of ``says`` and names of the exam
-    """
-
-    cause_id: str
-    says: str
-    text: str
-    try_this: str
-
-
-KINDS = tuple(Kind(*row) for row in rows_of('by_exception.txt'))
-"""Common exceptions of beginners; the first match is used."""
-
-
 def exception_cause(trace: Traceback) -> Cause:
     """Return the cause of an exception."""
     for explain in _IN_ORDER:
@@ -124,12 +103,12 @@ def _how_to_find(trace: Traceback) -> str:
 
 def _known_cause(trace: Traceback) -> Cause | None:
     """Explain an exception that is in the table."""
-    for kind in KINDS:
-        if found := re.search(kind.says, trace.said):
+    for row in rows_of('by_exception.txt'):
+        if found := re.search(row.when, trace.said):
             # If the pattern includes the line of code, name that line even if it only spins.
-            line = trace.line if r'\n' in kind.says else None
-            text, repair = found.expand(kind.text), found.expand(kind.try_this)
-            return Cause(kind.cause_id, text, repair, line=line)
+            line = trace.line if r'\n' in row.when else None
+            text, repair = found.expand(row.text), found.expand(row.try_this)
+            return Cause(row.cause_id, text, repair, line=line)
     return None
 
 
