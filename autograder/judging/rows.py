@@ -25,6 +25,7 @@ from autograder.exam.slips import (
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import count_of, field_of, require_endpoint, SECOND
 from autograder.judging.rhythm import seconds_between
 from autograder.recording import Event
@@ -33,12 +34,6 @@ Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once comes earlier [s]
 ANSWER = 'if:publish() | def:publish()'
 AT_START_S = 0.25  # a message that __init__ publishes comes earlier [s]
-PUBLISHES_LATER = Cause(
-    'publishes_later',
-    'Some time after the answer to a message, your node publishes again, although no other '
-    'message has arrived.',
-    'Publish once for each message, in its callback: no timer, loop or thread publishes it again.',
-)
 
 
 def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
@@ -180,24 +175,22 @@ def why_other_answer(
     more = len(came[place] or ()) - len(asked.answers[place])
     if more > 0:
         again_s = [late - first for first, late in pairwise(late_s[place])] if late_s else [0.0]
-        return PUBLISHES_LATER if max(again_s, default=0.0) > LATE_S else SEVERAL_ANSWERS
+        later = max(again_s, default=0.0) > LATE_S
+        return cause_of('publishes_later') if later else SEVERAL_ANSWERS
     if more == 0:
         return None
     if not any(came):
         return NO_ANSWER
     if len(asked.row(place)) > 1:
         cut = why_burst_cut(asked, came[place] or ()) or MISSES_SOME
-        in_a_timer = bool(late_s) and all(min(row, default=math.inf) > LATE_S for row in late_s)
-        return _in_a_timer(cut) if in_a_timer else cut
+        if not late_s or any(min(row, default=math.inf) <= LATE_S for row in late_s):
+            return cut
+        text = f'{cut.text} It publishes some time after they arrive, like a timer.'
+        repair = (
+            'Publish in the callback of the subscription, once per message, and not in a timer.'
+        )
+        return replace(cut, text=text, try_this=repair, act='kept_message | create_timer()')
     return LEAVES_OUT
-
-
-def _in_a_timer(cut: Cause) -> Cause:
-    """Explain a burst that is not completely answered, and answers that all come late."""
-    text = f'{cut.text} It publishes some time after they arrive, like a timer.'
-    repair = 'Publish in the callback of the subscription, once per message, and not in a timer.'
-    act = 'kept_message | create_timer()'
-    return replace(cut, text=text, try_this=repair, act=act)
 
 
 def require_values(
