@@ -26,7 +26,6 @@ from tests.judgement.kept import load, table, write_or_compare
 NAME = 'causes'
 ROOT = Layout.here().root
 LEAST = 40
-_FILLED_IN = re.compile(r'\\\d|\{\w+\}')
 QUESTION = re.compile(r'q\d\d_')
 """What explains a wrong letter is the question's own, and no mistake in a program."""
 
@@ -118,10 +117,17 @@ def _in_tables() -> Iterator[Written]:
         yield Written(row.cause_id, text, f'Look for {try_this}.', 'by_limit')
     for name in ('by_exception', 'by_code', 'by_evidence', 'of_fields', 'of_builds'):
         for row in rows_of(f'{name}.txt'):
-            text, try_this = (_FILLED_IN.sub('…', said) for said in (row.text, row.try_this))
-            yield Written(_FILLED_IN.sub('*', row.cause_id), text, try_this, name)
+            text, try_this = (_shown(said, name) for said in (row.text, row.try_this))
+            yield Written(_shown(row.cause_id, name).replace('…', '*'), text, try_this, name)
     for name, (text, try_this) in questions.CAUSES.items():
         yield Written(name, text, try_this, 'check_your_understanding')
+
+
+def _shown(text: str, name: str) -> str:
+    """Return a text of a table, with … for what is put in."""
+    if name == 'by_exception':
+        return re.sub(r'\\\d', '…', text)
+    return re.sub(r'(?<!\{)\{[^{}]+\}', '…', text).replace('{{', '{').replace('}}', '}')
 
 
 @cache
