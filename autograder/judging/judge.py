@@ -9,6 +9,7 @@ from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
 from autograder.exam.specification import Slip
 from autograder.judging.causes.ended import how_to_look
+from autograder.judging.causes.missing_logs import lines_of_code
 from autograder.judging.causes.redaction import without_arguments
 from autograder.judging.causes.text_table import acts_by_cause
 from autograder.layout import Layout
@@ -115,6 +116,6 @@ def _place(code: Code, why: Cause, failure: Failed) -> str:
         return Place(why.line).words
     known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))
     acts = known or (failure.act if isinstance(why, Slip) else '')
-    lines = {int(one['line']) for one in failure.shown_by if one.get('line')}
+    lines = lines_of_code(failure.shown_by)
     place = place_of(code, acts, why.about, lines) if acts else None
     return place.words if place else ''

@@ -16,13 +16,12 @@ from autograder.exam.patterns import why_pattern
 from autograder.exam.slips import FALSE_ALARM, MISSED_WARNING, REPEATED
 from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
+from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
+from autograder.judging.causes.text_table import acts_by_cause, cause_of
 from autograder.judging.checks import lines, own_logs
 from autograder.judging.numbers import numbers_in
 from autograder.judging.rows import Row, rows
 from autograder.recording import INFO, WARN
-
-WARN_ACT = 'limit@to:create_subscription() | limit | if:warning() | warning()'
 
 
 @dataclass(frozen=True)
@@ -43,22 +42,21 @@ class Followed:
         """Return the lines that followed, empty if the inputs were not sent."""
         return self.row or []
 
+    def texts(self, level: int) -> list[str]:
+        """Return the lines at a level."""
+        return [entry['text'] for entry in self.logs if entry['level'] == level]
+
     def count(self, level: int) -> int:
         """Return the number of lines at a level."""
-        return sum(entry['level'] == level for entry in self.logs)
+        return len(self.texts(level))
 
     def numbers(self, level: int) -> list[float]:
         """Return the numbers in the lines at a level."""
-        return [
-            number
-            for entry in self.logs
-            if entry['level'] == level
-            for number in numbers_in(entry['text'])
-        ]
+        return [number for text in self.texts(level) for number in numbers_in(text)]
 
     def showing(self, one: Any, level: int = INFO) -> int:
         """Return the number of lines at a level that show an input."""
-        return sum(one.is_in(entry['text']) for entry in self.logs if entry['level'] == level)
+        return sum(map(one.is_in, self.texts(level)))
 
 
 def followed(run: Run, ask: str, logger: str) -> list[Followed]:
@@ -101,10 +99,11 @@ def require_warnings(
     short = count < due
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
     other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
-    row = followed[place] or []
+    row, inputs = followed[place] or [], asked.row(place)
     elsewhere = why_missing or (lambda one: None if count else why_not_logged(run, row, WARN))
+    what = f'a burst of {len(inputs)} readings' if len(inputs) > 1 else inputs[0].kind
     raise Failed(
-        expected=f'{lines(due, WARN)} after {_what(asked.row(place))}',
+        expected=f'{lines(due, WARN)} after {what}',
         observed='the run ended before it was sent' if came[place] is None else lines(count, WARN),
         why=why_silent(run)
         or (elsewhere(place) or why_left_out(run, WARN, _warnings(followed)) if short else None)
@@ -114,7 +113,7 @@ def require_warnings(
         or other,
         blocks=not any(came),  # a node that warns is at work, so its other mistakes count alone
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
-        act=WARN_ACT,
+        act=acts_by_cause()['false_alarm'],
     )
 
 
@@ -123,22 +122,13 @@ def _why_from_elsewhere(
 ) -> Cause | None:
     """Explain a needless WARN line that a different line of the code logs than all right ones."""
     exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
-    right = _places(_warnings(exact))
-    others = sorted(_places(_warnings([followed[place]])) - right)
-    if not right or not others:
-        return None
-    text = 'A WARN line comes from here, without a value above the limit.'
-    repair = 'Log everything else with info() or error().'
-    return Cause('other_warning', text, repair, line=others[0])
+    right = lines_of_code(_warnings(exact))
+    others = sorted(lines_of_code(_warnings([followed[place]])) - right)
+    return cause_of('other_warning', line=others[0]) if right and others else None
 
 
 def _warnings(followed: Iterable[Row | None]) -> Row:
     return [line for row in followed for line in row or () if line['level'] == WARN]
-
-
-def _places(found: Row) -> set[int]:
-    """Return the lines of the code that logged some lines."""
-    return {int(one['line']) for one in found if one.get('line')}
 
 
 def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
@@ -153,10 +143,6 @@ def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> flo
     return round(right / due, 2)
 
 
-def _what(inputs: Sequence[Any]) -> str:
-    return f'a burst of {len(inputs)} readings' if len(inputs) > 1 else str(inputs[0].kind)
-
-
 def warnings_after(followed: Iterable[Row | None]) -> list[int | None]:
     """Return the number of WARN lines after each input, None if the input was not sent."""
-    return [row if row is None else sum(line['level'] == WARN for line in row) for row in followed]
+    return [row if row is None else len(_warnings([row])) for row in followed]

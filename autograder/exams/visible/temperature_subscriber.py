@@ -20,8 +20,13 @@ from autograder.exam.specification import Specification
 from autograder.exams import readings as monitor
 from autograder.exams.readings import Reading
 from autograder.judging.causes.ended import close_name, why_silent
-from autograder.judging.causes.logged_errors import why_error_logged, why_exception_logged
-from autograder.judging.causes.missing_logs import why_elsewhere, why_left_out, why_not_logged
+from autograder.judging.causes.missing_logs import (
+    why_elsewhere,
+    why_error_logged,
+    why_exception_logged,
+    why_left_out,
+    why_not_logged,
+)
 from autograder.judging.causes.not_answering import nobody_answers
 from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
