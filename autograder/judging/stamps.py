@@ -12,8 +12,7 @@ from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.scenario import RosClock
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.checks import field_of, SECOND
 from autograder.recording import Event
 from autograder.submission.code.code_places import FieldUse, use_of_field

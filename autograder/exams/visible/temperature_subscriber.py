@@ -19,7 +19,7 @@ from autograder.exam.slips import in_quick_succession, NO_WARNING, REPEATED, SKI
 from autograder.exam.specification import Specification
 from autograder.exams import readings as monitor
 from autograder.exams.readings import Reading
-from autograder.judging.causes.ended import close_name, why_silent
+from autograder.judging.causes.ended import close_name, nobody_answers, why_silent
 from autograder.judging.causes.missing_logs import (
     why_elsewhere,
     why_error_logged,
@@ -27,7 +27,6 @@ from autograder.judging.causes.missing_logs import (
     why_left_out,
     why_not_logged,
 )
-from autograder.judging.causes.not_answering import nobody_answers
 from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
 from autograder.judging.lines import Followed, followed, require_warnings, share, warnings_after

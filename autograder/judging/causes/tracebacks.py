@@ -87,10 +87,15 @@ class Traceback:
         return frozenset(re.findall(r'\b(?:class|def) (\w+)', self.bare))
 
 
-def traceback_of(run: Run) -> Traceback | None:
-    """Return the exception at the end of standard error, None if there is none."""
+def traceback_of(run: Run, said: str | None = None) -> Traceback | None:
+    """
+    Return the exception at the end of a text, None if there is none.
+
+    :param said: what the program printed, by default its standard error
+    """
+    said = str(run.recording.process.get('stderr', '')) if said is None else said
     source = '\n'.join(text for name, text in run.files.items() if name.endswith('.py'))
-    lines = _last_traceback(str(run.recording.process.get('stderr', '')).splitlines(), source)
+    lines = _last_traceback(said.splitlines(), source)
     error = _error_of(lines)
     if not error:
         return None
