@@ -13,7 +13,7 @@ import roslab
 def at(line, error, above=''):
     """Return how an error is explained that comes from a line below others."""
     source = f'{above}{line}\n'
-    return exception_cause(Traceback(error, 'talker.py', source.count('\n'), line, source))
+    return exception_cause(Traceback(error, source.count('\n'), line, source))
 
 
 @pytest.mark.parametrize(

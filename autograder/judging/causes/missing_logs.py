@@ -154,7 +154,7 @@ def why_exception_logged(run: Run, lines: Sequence[Event]) -> Cause | None:
     text = next((str(one['text']) for one in lines if one['level'] == ERROR), '')
     attribute = _ATTRIBUTE.search(text)
     if attribute and quoted(run, attribute[0]) == attribute[0]:
-        return exception_cause(Traceback(f'AttributeError: {attribute[0]}', '', None))
+        return exception_cause(Traceback(f'AttributeError: {attribute[0]}', None))
     return why_error_logged(run, text) if _PYTHON.search(text) else None
 
 
