@@ -14,9 +14,8 @@ import re
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.builds import why_no_program
-from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.exceptions import exception_cause
-from autograder.judging.causes.text_table import cause_of, rows_of
+from autograder.judging.causes.text_table import cause_of, rows_of, why_by_code
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.submission.code.code_places import pause_in_callback
 from autograder.submission.code.learners_code import Code

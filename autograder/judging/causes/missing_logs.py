@@ -13,11 +13,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import re
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes.code_table import why_by_code
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import quoted
-from autograder.judging.causes.text_table import cause_of
+from autograder.judging.causes.text_table import cause_of, why_by_code
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.recording import ERROR, Event, LEVELS
 from autograder.submission.code.code_places import leaves_out, logs_with_python
