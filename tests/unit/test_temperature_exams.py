@@ -13,7 +13,7 @@ from autograder.exams.readings import Reading, SLIPS, warns
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.judge import closest
-from autograder.judging.lines import share
+from autograder.judging.rows import share
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.submission.code.learners_code import Code
 
