@@ -258,14 +258,11 @@ def mistake_in_build(run: Run) -> Diagnosis:
     """Return the diagnosis of a failed build, from the output of the tools."""
     output = output_of(run)
     found = diagnose(output, run.files)
-    if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
-        return NO_MESSAGES
-    return found
+    lacks = not found.cause and 'Traceback' in output and 'echo_node.py' in output
+    return NO_MESSAGES if lacks else found
 
 
 def why_no_build(run: Run) -> Cause:
     """Explain why no message of a package arrived, from the way its build ended."""
     killed = str(run.recording.process.get('killed', ''))
-    if killed in LIMITS:
-        return why_killed(killed, 'build')
-    return build_cause(mistake_in_build(run))
+    return why_killed(killed, 'build') if killed in LIMITS else build_cause(mistake_in_build(run))

@@ -123,7 +123,10 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         space = topic.removesuffix(near)
         return cause_of('absolute_name', kind=kind, near=near, space=space, base=near[1:])
     if near:
-        written = _relative(run, topic)
+        # The code should write the name without the namespace of the node.
+        spaces = [name.rpartition('/')[0] + '/' for name in recording.nodes]
+        space = max((one for one in spaces if topic.startswith(one)), default='/')
+        written = topic.removeprefix(space)
         return cause_of('topic_name', kind=kind, near=near, topic=topic, wanted=written)
     if ended := why_it_ended(run):
         return ended
@@ -149,19 +152,12 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
     """Explain a topic with the right last part but a wrong prefix."""
     base = topic.rpartition('/')[2]
     for end in run.recording.endpoints(kind):
-        if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
-            continue
-        if end['topic'] == f'{end["node"]}/{base}':
-            return cause_of('private_name', kind=kind, base=base, seen=end['topic'])
-        if not topic.endswith(end['topic']):
-            return cause_of('namespace_in_the_name', kind=kind, base=base, seen=end['topic'])
+        seen, private = end['topic'], f'{end["node"]}/{base}'
+        longer = seen == private or (seen.endswith(f'/{base}') and not topic.endswith(seen))
+        if end['type'] == type_name and longer:
+            situation = 'private_name' if seen == private else 'namespace_in_the_name'
+            return cause_of(situation, kind=kind, base=base, seen=seen)
     return None
-
-
-def _relative(run: Run, topic: str) -> str:
-    """Return the topic name as the code should write it, without the namespace of the node."""
-    homes = [name.rpartition('/')[0] + '/' for name in run.recording.nodes]
-    return topic.removeprefix(max((home for home in homes if topic.startswith(home)), default='/'))
 
 
 def why_no_verdict(run: Run) -> Cause | None:
@@ -260,9 +256,7 @@ def how_to_look(run: Run) -> str:
     topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
     if not run.recording.nodes:
         return ''
+    tools = ', run logs() in a cell,'
     if topics:
-        return (
-            f"Try it: start your node and run echo('{min(topics)}') in a cell, or "
-            f'ros2 topic echo in a terminal, and compare with what is expected.'
-        )
-    return 'Try it: start your node, run logs() in a cell, and compare with what is expected.'
+        tools = f" and run echo('{min(topics)}') in a cell, or ros2 topic echo in a terminal,"
+    return f'Try it: start your node{tools} and compare with what is expected.'

@@ -98,15 +98,15 @@ def import_cause(trace: Traceback) -> Cause | None:
         return _module_cause(trace, missing[1])
     found = _FROM.search(trace.error) or _BEHIND.search(trace.error)
     name, module = found.group('name', 'module') if found else ('', '')
-    home = homes(trace.names).get(name, '')
+    home = homes(trace.names).get(name)
     if not home and trace.kind != 'ImportError':
         return None
     if not found:
         return cause_of('import_fails', error=trace.error)
-    if home:
+    if home == module:
+        advice = 'Build your own message first: build_messages().'
+    elif home:
         advice = f'Write: from {home} import {name}, and use {name} alone.'
-        if home == module:
-            advice = 'Build your own message first: build_messages().'
     elif _PACKAGE.fullmatch(module):
         advice = f'Message classes are in the submodule msg: from {module}.msg import {name}'
     elif meant := _MEANT.search(trace.error):
