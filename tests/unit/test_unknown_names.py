@@ -136,6 +136,7 @@ def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above,
         ),
         ("cannot import name 'QosProfile' from 'rclpy.qos'", 'import', 'help(rclpy.qos)'),
         ("No module named 'rospy'", 'ros_1', 'here it is rclpy'),
+        ("No module named 'station_interfaces'", 'message_not_built', 'build_messages()'),
         ("No module named 'rclpy.nodes'", 'import', 'Did you mean rclpy.node?'),
         ("No module named 'std_msg'", 'import', 'Did you mean std_msgs?'),
         (
