@@ -78,8 +78,7 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
         return why
     else:
         situation = 'stale_stamp'
-    take = f'Set msg.{field} = self.get_clock().now().to_msg() in the callback.'
-    return cause_of(situation, field=field, take=take, about=[field])
+    return cause_of(situation, field=field, about=[field])
 
 
 def _why_zero(code: FieldUse) -> str:
