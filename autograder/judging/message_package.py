@@ -8,7 +8,7 @@ from the output of the tools.  All of this input is untrusted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import re
 import xml.etree.ElementTree as ElementTree
@@ -98,22 +98,14 @@ def _why_wrong(kind: str, name: str, types: Mapping[str, str]) -> Cause:
     names = f'(?P<name>{"|".join(types)})'
     for row in rows_of('of_fields.txt'):
         found = re.search(row.when.replace('NAME', names), line)
-        words = {'kind': '', **found.groupdict()} if found else {}
+        words = found.groupdict() if found else {}
         wanted = types.get(words.get('name', ''), '')
-        if found and all(_IF[condition](words['kind'], wanted) for condition in row.more):
+        both = f'{words.get("kind", "")}\n{wanted}'
+        if found and all(re.search(condition, both) for condition in row.more):
             return row.cause(**words, line=line, wanted=wanted, bound=_bound_of(wanted))
     near = close_name(name, types)
     advice = f'Did you mean {near}?' if near else 'Compare with the table.'
     return cause_of('field_name', field=repr(name[:40]), advice=advice)
-
-
-_IF: Mapping[str, Callable[[str, str], bool]] = {
-    'of_a_package': lambda kind, wanted: '/' in wanted,
-    'same_but_for_the_bound': lambda kind, wanted: (
-        re.split(r'[^\w/]', kind)[0] == re.split(r'[^\w/]', wanted)[0]
-    ),
-}
-"""Conditions of a row, given the type in the line and the expected type."""
 
 
 def _bound_of(wanted: str) -> str:
