@@ -57,11 +57,7 @@ def paragraph(text: str) -> str:
 
 
 def checks_html(result: ExamResult, lesson: str | None = None) -> str:
-    """
-    Return all checks of an exam; failed checks have a picture if there is one.
-
-    :param lesson: as for :func:`exam_html`
-    """
+    """Return all checks of an exam, with pictures; ``lesson`` is as for :func:`exam_html`."""
     return ''.join(_check(check, result, lesson) for check in causes_once(result))
 
 

@@ -209,10 +209,8 @@ def require_values(
     what: str = 'what is due',
 ) -> None:
     """
-    Fail unless each input is answered with the expected values.
+    Fail unless each input is answered with the expected values, as in :func:`require_one_for_one`.
 
-    :param came: see :func:`published`
-    :param places: indices of the inputs to check, by default all
     :param what: description of the expected values that may be shown for hidden inputs
     """
     for place in asked.wrong(came, places)[:1]:
