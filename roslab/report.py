@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import html
 import textwrap
 
-from autograder.explaining.feedback import causes_once, check_lines, number, titles_of, WIDTH
+from autograder.explaining.feedback import causes_once, check_lines, number, WIDTH
 from autograder.explaining.feedback_html import checks_html, paragraph
 from autograder.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
@@ -111,9 +111,8 @@ class CheckReport:
         for remark in self._remarks:
             lines += textwrap.wrap(remark, WIDTH, initial_indent='  ', subsequent_indent='  ')
         if self.result is not None:
-            titles = titles_of(self.result)
             for check in causes_once(self.result):
-                lines += check_lines(check, titles)
+                lines += check_lines(check)
         lines += ['', self.worked[0]] if self.worked[0] else []
         return '\n'.join(lines)
 

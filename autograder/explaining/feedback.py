@@ -9,7 +9,7 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 import textwrap
 
@@ -40,9 +40,7 @@ NO_ANSWER = ('missing_file', 'not_answered')
 """Causes for which a problem with the notebook's cells is a better explanation."""
 
 SIGNS = {Verdict.PASSED: '[pass]', Verdict.FAILED: '[FAIL]', Verdict.NOT_RUN: '[ -- ]'}
-WORDS = {Verdict.PASSED: 'passed', Verdict.FAILED: 'failed', Verdict.NOT_RUN: 'not looked at'}
 _INDENT = ' ' * 7
-_HANGING = _INDENT + ' ' * 4
 _CUT = ' \N{HORIZONTAL ELLIPSIS}'
 _TOGETHER = '\N{NO-BREAK SPACE}'
 
@@ -62,26 +60,24 @@ def number(points: float) -> str:
     return f'{round(points, 2):g}'
 
 
-def points_of(check: CheckResult) -> str:
-    """Return the points of a check as text, such as ``2 of 3``."""
-    return f'{number(check.points)} of {number(check.max_points)}'
-
-
-def titles_of(result: ExamResult) -> dict[str, str]:
-    """Return the title of each check of an exam, by the name of the check."""
-    return {check.check: check.title for check in result.checks}
+def points_of(result: CheckResult | ExamResult) -> str:
+    """Return the points of a check or an exam as text, such as ``2 of 3``."""
+    return f'{number(result.points)} of {number(result.max_points)}'
 
 
 def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
     """
-    Return the checks of an exam; a repeated cause is replaced with a reference to its first check.
+    Return the checks of an exam as learners read them, with titles in place of names of checks.
 
-    The advice is kept, unless an earlier check has the same cause and the same advice.
+    A repeated cause is replaced with a reference to its first check.  The advice is kept, unless
+    an earlier check has the same cause and the same advice.
     """
+    titles = {check.check: check.title for check in result.checks}
     first: dict[str, CheckResult] = {}
     repairs: set[tuple[str, str]] = set()
     checks = []
     for check in result.checks:
+        check = replace(check, waits_for=titles.get(check.waits_for, check.waits_for))
         if check.verdict is Verdict.FAILED and check.cause:
             before = first.setdefault(check.cause, check)
             repair = (check.cause, check.try_this)
@@ -97,37 +93,22 @@ def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
 # -- one check -------------------------------------------------------------------------------
 
 
-def told(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
+def told(check: CheckResult) -> list[tuple[str, str]]:
     """
     Return the feedback items of a check as pairs of name and text, in order.
 
     Long items are shortened so that the whole check fits in :data:`MOST_LINES`.
 
-    :param check: result of a check; a passed check has no items
-    :param titles: from :func:`titles_of`
+    :param check: from :func:`causes_once`; a passed check has no items
     """
-    facts = _facts(check, titles)
-    room = {name: len(_wrapped(name, text)) for name, text in facts}
-    while len(_title_lines(check)) + sum(room.values()) > MOST_LINES:
-        longest = max(room, key=lambda name: room[name])
-        room[longest] -= 1
-    return [(name, _shortened(name, text, room[name])) for name, text in facts]
-
-
-def _facts(check: CheckResult, titles: Mapping[str, str]) -> list[tuple[str, str]]:
-    if check.verdict is Verdict.PASSED:
-        return []
+    facts = check.facts if check.verdict is Verdict.FAILED else {}
     if check.verdict is Verdict.NOT_RUN:
-        waits_for = titles.get(check.waits_for, check.waits_for)
-        return [('waits for', _one_line(waits_for))] if waits_for else []
-    facts = (
-        ('expected', check.expected),
-        ('observed', check.observed),
-        ('likely cause', check.cause),
-        ('try', check.try_this),
-        ('read', check.read),
-    )
-    return [(name, _one_line(text)) for name, text in facts if text.strip()]
+        facts = {'waits for': check.waits_for}
+    texts = {name: one for name, text in facts.items() if (one := _one_line(text))}
+    room = {name: len(_wrapped(name, text)) for name, text in texts.items()}
+    while len(_title_lines(check)) + sum(room.values()) > MOST_LINES:
+        room[max(room, key=lambda name: room[name])] -= 1
+    return [(name, _shortened(name, text, room[name])) for name, text in texts.items()]
 
 
 def _one_line(text: str) -> str:
@@ -135,11 +116,19 @@ def _one_line(text: str) -> str:
 
 
 def _wrapped(name: str, text: str, most: int | None = None) -> list[str]:
+    return _wrap(f'{_INDENT}{name}: {text}', f'{_INDENT}    ', most)
+
+
+def _wrap(text: str, indent: str, most: int | None = None) -> list[str]:
+    """
+    Return the lines of a text.
+
+    :param indent: begins the lines after the first
+    """
     return textwrap.wrap(
-        f'{name}: {text}',
+        text,
         WIDTH,
-        initial_indent=_INDENT,
-        subsequent_indent=_HANGING,
+        subsequent_indent=indent,
         break_on_hyphens=False,
         max_lines=most,
         placeholder=_CUT,
@@ -154,29 +143,20 @@ def _shortened(name: str, text: str, most: int) -> str:
     return cut.partition(': ')[2]
 
 
-def _title_lines(check: CheckResult, sign: str = SIGNS[Verdict.FAILED]) -> list[str]:
+def _title_lines(check: CheckResult) -> list[str]:
     points = f'({points_of(check)})'.replace(' ', _TOGETHER)
-    lines = textwrap.wrap(
-        f'{sign} {_one_line(check.title)} {points}',
-        WIDTH,
-        subsequent_indent=_INDENT,
-        break_on_hyphens=False,
-        max_lines=3,
-        placeholder=_CUT,
-    )
+    lines = _wrap(f'{SIGNS[check.verdict]} {_one_line(check.title)} {points}', _INDENT, 3)
     return [line.replace(_TOGETHER, ' ') for line in lines]
 
 
-def check_lines(check: CheckResult, titles: Mapping[str, str]) -> list[str]:
+def check_lines(check: CheckResult) -> list[str]:
     """
     Return everything about one check, as lines of plain text.
 
-    :param titles: from :func:`titles_of`
+    :param check: from :func:`causes_once`
     """
-    lines = _title_lines(check, SIGNS[check.verdict])
-    for name, text in told(check, titles):
-        lines += _wrapped(name, text)
-    return lines
+    items = (_wrapped(name, text) for name, text in told(check))
+    return [*_title_lines(check), *(line for lines in items for line in lines)]
 
 
 # -- an exam, a submission ------------------------------------------------------------------
@@ -202,12 +182,11 @@ def exam_text(result: ExamResult, problems: Iterable[Problem] = ()) -> str:
 
     :param problems: problems with the notebook cells of this exam
     """
-    titles = titles_of(result)
-    lines = [f'{number(result.points)} of {number(result.max_points)} points']
+    lines = [f'{points_of(result)} points']
     for remark in remarks(result, problems):
-        lines += textwrap.wrap(remark, WIDTH, subsequent_indent='  ', break_on_hyphens=False)
+        lines += _wrap(remark, '  ')
     for check in causes_once(result):
-        lines += ['', *check_lines(check, titles)]
+        lines += ['', *check_lines(check)]
     return printable('\n'.join(lines)) + '\n'
 
 
@@ -215,9 +194,8 @@ def review_text(result: SubmissionResult) -> str:
     """Return the feedback on a submission without a score."""
     if result.fault:
         return f'{FOR_REVIEW}\n'
-    said = (UNUSABLE, f'Note: {_one_line(result.unusable)}')
-    lines = (textwrap.fill(one, WIDTH, subsequent_indent='  ') for one in said)
-    return '\n'.join([*lines, ''])
+    note = _one_line(f'Note: {result.unusable}')
+    return '\n'.join([*_wrap(UNUSABLE, '  '), *_wrap(note, '  '), ''])
 
 
 def headline(result: SubmissionResult) -> str:
@@ -248,15 +226,11 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
     cost: dict[tuple[str, str], float] = {}
     first: dict[tuple[str, str], CheckResult] = {}
     for exam in result.exams:
-        # Map each check that loses points to the failed check that is the reason.
-        failed: dict[str, CheckResult] = {}
+        failed: dict[str, CheckResult] = {}  # by check that loses points: the reason
         for check in exam.checks:
-            if check.verdict is Verdict.NOT_RUN and check.waits_for in failed:
-                failed[check.check] = failed[check.waits_for]
-            elif check.verdict is Verdict.FAILED:
-                failed[check.check] = check
-        for check in exam.checks:
-            if (why := failed.get(check.check)) is not None:
+            why = check if check.verdict is Verdict.FAILED else failed.get(check.waits_for)
+            if why is not None:
+                failed[check.check] = why
                 key = (why.cause_id, why.cause) if why.cause else (exam.exam, why.check)
                 first.setdefault(key, why)
                 cost[key] = cost.get(key, 0.0) + check.max_points - check.points

@@ -13,15 +13,7 @@ import html
 import re
 from urllib.parse import quote
 
-from autograder.explaining.feedback import (
-    causes_once,
-    number,
-    points_of,
-    printable,
-    remarks,
-    titles_of,
-    told,
-)
+from autograder.explaining.feedback import causes_once, points_of, printable, remarks, told
 from autograder.explaining.picture_svg import picture_html
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
 
@@ -36,8 +28,9 @@ _LIST = (
     'display: grid; grid-template-columns: max-content minmax(0, 1fr); gap: 2px 12px; '
     'margin: 4px 0; padding: 0'
 )
-_TERM = 'float: none; width: auto; margin: 0; padding: 0; text-align: left; font-weight: 600'
-_FACT = 'float: none; width: auto; margin: 0; padding: 0; overflow-wrap: anywhere'
+_CELL = 'float: none; width: auto; margin: 0; padding: 0'
+_TERM = f'{_CELL}; text-align: left; font-weight: 600'
+_TEXT = f'{_CELL}; overflow-wrap: anywhere'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
 _ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
 _WHOLE = 'max-width: 800px; line-height: 1.45'
@@ -53,8 +46,7 @@ def exam_html(
     :param lesson: address of the lesson with the sections to read, empty for the page itself; None
         for text without links
     """
-    points = f'{number(result.points)} of {number(result.max_points)} points'
-    said = [f'<p style="{_PLAIN}"><strong>{points}</strong></p>']
+    said = [f'<p style="{_PLAIN}"><strong>{points_of(result)} points</strong></p>']
     said += [paragraph(remark) for remark in remarks(result, problems)]
     return f'<div style="{_WHOLE}">{"".join(said)}{checks_html(result, lesson)}</div>'
 
@@ -65,26 +57,20 @@ def paragraph(text: str) -> str:
 
 
 def checks_html(result: ExamResult, lesson: str | None = None) -> str:
-    """
-    Return all checks of an exam; failed checks have a picture if there is one.
-
-    :param lesson: as for :func:`exam_html`
-    """
-    titles = titles_of(result)
-    return ''.join(_check(check, result, titles, lesson) for check in causes_once(result))
+    """Return all checks of an exam, with pictures; ``lesson`` is as for :func:`exam_html`."""
+    return ''.join(_check(check, result, lesson) for check in causes_once(result))
 
 
-def _check(
-    check: CheckResult, result: ExamResult, titles: dict[str, str], lesson: str | None
-) -> str:
+def _check(check: CheckResult, result: ExamResult, lesson: str | None) -> str:
+    points = points_of(check).replace(' ', '\N{NO-BREAK SPACE}')
     head = (
         f'<p style="{_PLAIN}"><strong>{HEADS[check.verdict]}:</strong> '
-        f'{_escaped(" ".join(check.title.split()))} ({_together(points_of(check))})</p>'
+        f'{_escaped(" ".join(check.title.split()))} ({points})</p>'
     )
     facts = ''.join(
-        f'<dt style="{_TERM}">{name}</dt><dd style="{_FACT}">{_fact(name, text, check, lesson)}'
+        f'<dt style="{_TERM}">{name}</dt><dd style="{_TEXT}">{_fact(name, text, check, lesson)}'
         '</dd>'
-        for name, text in told(check, titles)
+        for name, text in told(check)
     )
     body = f'<dl style="{_LIST}">{facts}</dl>' if facts else ''
     picture = picture_html(result.pictures.get(check.check, {}))
@@ -128,11 +114,6 @@ def with_unique_ids(page: str) -> str:
         return f'{match[0][: -len(match[1]) - 1]}{name}"'
 
     return _ID.sub(unique, page)
-
-
-def _together(text: str) -> str:
-    """Replace the spaces in a text with no-break spaces."""
-    return text.replace(' ', '\N{NO-BREAK SPACE}')
 
 
 def _escaped(text: str) -> str:

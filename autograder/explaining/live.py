@@ -26,11 +26,9 @@ def live_line(event: Event) -> str:
 
     :param event: as in :mod:`autograder.recording`
     """
-    what = _what(event)
-    if not what:
-        return ''
-    line = printable(' '.join(f'{clock(event)}  {what}'.split('\n')))
-    return shortened(line, WIDEST)
+    words = _WORDS.get(event['event'])
+    what = words(event).replace('\n', ' ') if words else ''
+    return shortened(printable(f'{clock(event)}  {what}'), WIDEST) if what else ''
 
 
 def clock(event: Event) -> str:
@@ -39,22 +37,11 @@ def clock(event: Event) -> str:
     return f'{"-":>9} ' if now is None else f'{now / SECOND:>9.3f}s'
 
 
-def _what(event: Event) -> str:
-    """Return an event as text without its time; empty if it is not shown."""
-    words = _WORDS.get(event['event'])
-    return words(event) if words else ''
-
-
 def _message(event: Event) -> str:
     heard = f' (heard by {event["listener"]})' if event.get('listener') else ''
     if 'too_large' in event:
         return f'{event["topic"]}{heard}: a message of {event["too_large"]} characters'
     return f'{event["topic"]}{heard}: {fields(event["data"])}'
-
-
-def _log(event: Event) -> str:
-    level = LEVELS.get(event['level'], str(event['level']))
-    return f'[{level}] [{event["name"]}]: {event["text"]}'
 
 
 def _graph(event: Event) -> str:
@@ -87,9 +74,9 @@ def fields(data: Any) -> str:
 
 
 def _value(value: Any) -> str:
+    if isinstance(value, Mapping) and set(value) == {'sec', 'nanosec'}:
+        return f'{value["sec"]}.{value["nanosec"]:09d}'
     if isinstance(value, Mapping):
-        if set(value) == {'sec', 'nanosec'}:
-            return f'{value["sec"]}.{value["nanosec"]:09d}'
         return '{' + fields(value) + '}'
     if isinstance(value, float) and len(repr(value)) > MOST_DIGITS + 1:
         return f'{value:.{MOST_DIGITS}g}'
@@ -99,11 +86,13 @@ def _value(value: Any) -> str:
 _WORDS: dict[str, Callable[[Event], str]] = {
     'seen': lambda event: f'nodes: {", ".join(event["nodes"])}',
     'asked': lambda event: (
-        f'{event["node"]} answers' if event['answered'] else f'{event["node"]} does not answer'
+        f'{event["node"]} {"answers" if event["answered"] else "does not answer"}'
     ),
     'graph': _graph,
     'message': _message,
-    'log': _log,
+    'log': lambda event: (
+        f'[{LEVELS.get(event["level"], event["level"])}] [{event["name"]}]: {event["text"]}'
+    ),
     'input': lambda event: f'sent {event["index"]} on {event["topic"]}: {fields(event["data"])}',
     'answer': lambda event: f'{event["service"]} answers: {fields(event["data"])}',
     'no_answer': lambda event: f'{event["service"]}: no answer ({event["reason"]})',

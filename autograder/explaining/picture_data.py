@@ -11,7 +11,7 @@ names are shortened.  :mod:`autograder.explaining.picture_svg` draws the picture
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 import json
 import re
 from typing import Any
@@ -90,25 +90,23 @@ def _without_secrets(scenario: Scenario, picture: Mapping[str, Any]) -> Mapping[
 # -- graph -----------------------------------------------------------------------------------
 
 
-def _wanted(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
+def _wanted(scenario: Scenario) -> list[tuple[str, str, str]]:
     """
-    Yield the endpoints that a scenario requires: kind, full topic name, type.
+    Return the endpoints that a scenario requires: kind, full topic name, type.
 
     If several topics have the same last part, such as ``/lab/chatter`` and ``/chatter``, the exam
     requires the first; the probe watches the others to detect a mistake.
     """
-    seen: set[tuple[str, str]] = set()
+    found: dict[tuple[str, str], tuple[str, str, str]] = {}
     for kind, topic, type_name in scenario.endpoints():
-        key = kind, topic.rpartition('/')[2]
-        if key not in seen:
-            seen.add(key)
-            yield kind, topic, type_name
+        found.setdefault((kind, topic.rpartition('/')[2]), (kind, topic, type_name))
+    return list(found.values())
 
 
 def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any] | None:
     """Return the graph of connections, if the check failed because a connection is missing."""
     arrows: list[dict[str, Any]] = []
-    wanted = list(_wanted(exam.scenario))
+    wanted = _wanted(exam.scenario)
     about = ' '.join((result.title, result.expected, result.observed, result.cause))
     named = [end for end in wanted if _names(about, end[1])]
     for kind, topic, type_name in named or (wanted if _about_qos(result) else []):
@@ -121,7 +119,12 @@ def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any]
         arrows.append(_arrow(node, topic, type_name, outward, False, reason))
         us = LISTENING if outward else SENDING
         arrows.append(_arrow(us, topic, type_name, not outward, bool(ends), ''))
-        arrows += _instead(run, kind, {one for _, one, _ in wanted})
+        right = {one for _, one, _ in wanted}
+        others = [end for end in run.recording.endpoints(kind) if end['topic'] not in right]
+        arrows += [
+            _arrow(end['node'], end['topic'], end['type'], outward, True, 'not asked for')
+            for end in others[:3]
+        ]
     if not arrows:
         return None
     unique = {json.dumps(arrow, sort_keys=True): arrow for arrow in arrows}
@@ -147,13 +150,13 @@ def _reason(
     if any(event['event'] == 'offered' and event['matched'] for event in about):
         # The node must refuse one of the grader's publishers, whose QoS profile is too weak.
         refused = []
-    if _about_qos(result) or refused:
-        qos = ends[0]['qos']
-        yours = f'yours is {qos["reliability"]}, {qos["durability"]}'
-        if not _about_qos(result) or 'subscription' in result.expected:
-            return f'the quality of service does not fit; {yours}'
+    if _about_qos(result) and 'subscription' not in result.expected:
         return f'expected {result.expected}, observed {result.observed}'[:120]
-    return ''
+    if not refused and not _about_qos(result):
+        return ''
+    qos = ends[0]['qos']
+    yours = f'yours is {qos["reliability"]}, {qos["durability"]}'
+    return f'the quality of service does not fit; {yours}'
 
 
 def _about_qos(result: CheckResult) -> bool:
@@ -165,26 +168,12 @@ def _names(text: str, topic: str) -> bool:
     return re.search(rf'(?<![\w]){re.escape(topic.rpartition("/")[2])}(?!\w)', text) is not None
 
 
-def _instead(run: Run, kind: str, wanted: set[str]) -> list[dict[str, Any]]:
-    """Return up to three endpoints of the program that the exam does not require, as arrows."""
-    return [
-        _arrow(end['node'], end['topic'], end['type'], kind == 'publisher', True, 'not asked for')
-        for end in run.recording.endpoints(kind)
-        if end['topic'] not in wanted
-    ][:3]
-
-
 def _arrow(
     node: str, topic: str, type_name: str, outward: bool, matched: bool, remark: str
 ) -> dict[str, Any]:
-    return {
-        'node': node[:LONGEST_NAME],
-        'topic': topic[:LONGEST_NAME],
-        'type': type_name[:LONGEST_NAME],
-        'outward': outward,
-        'matched': matched,
-        'remark': remark,
-    }
+    names = {'node': node, 'topic': topic, 'type': type_name}
+    shortened = {key: name[:LONGEST_NAME] for key, name in names.items()}
+    return {**shortened, 'outward': outward, 'matched': matched, 'remark': remark}
 
 
 # -- timeline --------------------------------------------------------------------------------
@@ -195,33 +184,33 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
     failure = failure_of(check, run)
     if failure is None or (failure.at is None and not _AMOUNT.match(failure.expected)):
         return None
-    by_input = bool(run.recording.of('input')) and failure.every_s is None
-    unit = 'input' if by_input else 'seconds'
-    rows = _rows(exam, run, result, unit)
-    times = [time for row in rows for time in row['times']]
-    if unit == 'input':
-        begin, end = 1.0, float(max(2, len(run.recording.of('input'))))
-    else:
-        begin = 0.0
-        end = max([*times, *_moments(run.recording.events, unit)], default=0.0)
+    inputs, clock = run.recording.of('input'), exam.scenario.ros_clock
+    unit, rate = ('ros_seconds', clock.rate) if clock else ('seconds', 1.0)
+    if inputs and failure.every_s is None:
+        unit, rate = 'input', 0.0
+    rows = _rows(exam, run, result, rate)
+    seen = [
+        *(time for row in rows for time in row['times']),
+        *_moments(run.recording.events, rate),
+    ]
+    begin, end = (0.0, max(seen, default=0.0)) if rate else (1.0, float(max(2, len(inputs))))
     if not rows or end <= begin:
         return None
-    at = _first_difference(check, run, failure, unit)
-    every_s = failure.every_s
-    if unit == 'seconds' and exam.scenario.ros_clock:  # the program's clock, as in the exercise
-        unit, rate = 'ros_seconds', exam.scenario.ros_clock.rate
-        rows = [{**row, 'times': [round(rate * time, 3) for time in row['times']]} for row in rows]
-        begin, end, at = rate * begin, rate * end, None if at is None else round(rate * at, 3)
-        every_s = every_s and round(rate * every_s, 3)
-    if every_s:
+    at = _first_difference(check, run, failure, rate)
+    if failure.every_s:
+        every_s = round(rate * failure.every_s, 3)
         begin, end = _window(begin, end, every_s, at)
         rows.insert(0, _due(every_s, rows, end))
+    within = (
+        {**row, 'times': [time for time in row['times'] if begin <= time <= end][:MOST_TIMES]}
+        for row in rows[:MOST_ROWS]
+    )
     return {
         'kind': 'timeline',
         'unit': unit,
         'begin': round(begin, 3),
         'end': round(end, 3),
-        'rows': [_within(row, begin, end) for row in rows[:MOST_ROWS]],
+        'rows': list(within),
         'deviation': at,
     }
 
@@ -235,52 +224,47 @@ def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple
     return first, first + MOST_PERIODS * every_s
 
 
-def _within(row: dict[str, Any], begin: float, end: float) -> dict[str, Any]:
-    return {**row, 'times': [time for time in row['times'] if begin <= time <= end][:MOST_TIMES]}
-
-
-def _rows(exam: Exam, run: Run, result: CheckResult, unit: str) -> list[dict[str, Any]]:
-    rows = []
-    recording = run.recording
-    if unit == 'input':
-        for topic in dict.fromkeys(str(event['topic']) for event in recording.of('input')):
-            sent = [event['index'] + 1.0 for event in recording.of('input', topic=topic)]
-            rows.append(_row(f'sent on {topic}', 'sent', sent))
-    about = f'{result.title} {result.expected}'
-    named = [node for node in recording.nodes if _says(result.expected, node)]
-    for level in dict.fromkeys(_LEVEL.findall(about)):
+def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[str, Any]]:
+    """Return the rows for inputs, and for the log lines or the messages that a check is about."""
+    recording, about = run.recording, f'{result.title} {result.expected}'
+    sent = {} if rate else {str(event['topic']): 'sent' for event in recording.of('input')}
+    shown = [(f'sent on {topic}', recording.of('input', topic=topic)) for topic in sent]
+    # A name may be the beginning of a longer one.
+    named = [
+        node
+        for node in recording.nodes
+        if re.search(rf'{re.escape(node)}(?![\w/])', result.expected)
+    ]
+    levels = list(dict.fromkeys(_LEVEL.findall(about)))
+    for level in levels:
         entries = recording.logs(level=_NUMBERS[level])
         for node in named:
             own = [entry for entry in entries if entry['name'] == node[1:].replace('/', '.')]
-            rows.append(_row(f'{level} lines of {node}', 'observed', _moments(own, unit)))
+            shown.append((f'{level} lines of {node}', own))
         if not named:
-            rows.append(_row(f'{level} lines', 'observed', _moments(entries, unit)))
-    if len(rows) > (unit == 'input'):
-        return rows
-    topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
-    topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
-    for topic in topics[:3]:
-        rows.append(_row(topic, 'observed', _moments(recording.messages(topic), unit)))
-    return rows
+            shown.append((f'{level} lines', entries))
+    if not levels:
+        topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
+        topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
+        shown += [(topic, recording.messages(topic)) for topic in topics[:3]]
+    kinds = [*sent.values(), *['observed'] * (len(shown) - len(sent))]
+    return [
+        _row(label, kind, _moments(events, rate)) for kind, (label, events) in zip(kinds, shown)
+    ]
 
 
-def _says(text: str, name: str) -> bool:
-    """Return whether a text contains a full name that is not the beginning of a longer name."""
-    return re.search(rf'{re.escape(name)}(?![\w/])', text) is not None
+def _moments(events: Iterable[Event], rate: float) -> list[float]:
+    """
+    Return the positions of events on the axis of the picture.
 
-
-def _moments(events: Iterable[Event], unit: str) -> list[float]:
-    """Return the positions of events on the axis of the picture."""
-    found = [_moment(event, unit) for event in events]
-    return [moment for moment in found if moment is not None]
-
-
-def _moment(event: Event, unit: str) -> float | None:
-    if unit == 'input':
-        after = event.get('index') if event['event'] == 'input' else event.get('after_input')
-        return None if after is None else after + 1.0
-    clock_ns = event.get('clock_ns')
-    return None if clock_ns is None else clock_ns / SECOND
+    :param rate: seconds of the axis per virtual second; 0 for an axis with the number of the last
+        message before each event
+    """
+    if rate:
+        moments = (event.get('clock_ns') for event in events)
+        return [moment / SECOND * rate for moment in moments if moment is not None]
+    after = (event.get('index', event.get('after_input')) for event in events)
+    return [index + 1.0 for index in after if index is not None]
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
@@ -292,22 +276,17 @@ def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
 
 def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[str, Any]:
     """Return the row of expected times, aligned with the first observed time."""
-    seen = [row['times'][0] for row in rows if row['times']]
-    first = seen[0] % every_s if seen else 0.0
-    first = first or every_s
+    first = next((row['times'][0] % every_s for row in rows if row['times']), 0.0) or every_s
     count = int((end - first) / every_s + 1e-6) + 1
     due = [first + number * every_s for number in range(max(count, 1))][-2 * MOST_PERIODS :]
     return {**_row('expected', 'expected', due), 'every_s': every_s}
 
 
-def _first_difference(check: Check, run: Run, failure: Failed, unit: str) -> float | None:
+def _first_difference(check: Check, run: Run, failure: Failed, rate: float) -> float | None:
     """Return the position of the first difference on the axis of the picture; None if unknown."""
+    events = run.recording.events
     if failure.at is not None:
-        return round(failure.at / SECOND, 3) if unit == 'seconds' else None
-    if len(run.recording.events) > MOST_EVENTS:
-        return None
-    where = deviation(check, run)
-    if where is None or where.how not in ('named', 'cut'):
-        return None
-    moment = _moment(run.recording.events[where.index], unit)
-    return None if moment is None else round(moment, 3)
+        return round(failure.at / SECOND * rate, 3) if rate else None
+    where = deviation(check, run) if len(events) <= MOST_EVENTS else None
+    found = _moments([events[where.index]], rate) if where and where.how == 'cut' else []
+    return round(found[0], 3) if found else None

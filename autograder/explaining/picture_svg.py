@@ -7,7 +7,7 @@ description as text.  It uses the colours of the page, and all text in it is esc
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 import textwrap
 from typing import Any
 
@@ -27,10 +27,11 @@ _REMARK = 40
 _LINE = 14.0
 _BOX = 34.0
 AXES = {
-    'seconds': 'seconds',
-    'ros_seconds': 'ROS seconds',
-    'input': 'message sent',
+    'seconds': ('seconds', 'against time', 'times [s]'),
+    'ros_seconds': ('ROS seconds', 'against time', 'times [s]'),
+    'input': ('message sent', 'by the messages sent', 'at numbers'),
 }
+"""By unit: the words at the axis, in the title, and at the head of a column."""
 
 
 def picture_html(picture: Mapping[str, Any]) -> str:
@@ -50,19 +51,25 @@ def picture_html(picture: Mapping[str, Any]) -> str:
 def _timeline(picture: Mapping[str, Any]) -> str:
     rows = picture['rows']
     begin, end = float(picture['begin']), float(picture['end'])
+    axis, against, head = AXES[picture['unit']]
     labels = [_short(row['label']) for row in rows]
     amounts = [_amount(row) for row in rows]
     wide = max(svg.text_width(label, 12) for label in labels)
     left = _MARGIN + min(max(wide, _LEAST_LEFT), _MOST_LEFT) + 8
-    texts = [*amounts, AXES[picture['unit']]]
-    right = _WIDTH - _MARGIN - max(svg.text_width(text, 11) for text in texts) - 8
+    right = _WIDTH - _MARGIN - max(svg.text_width(text, 11) for text in (*amounts, axis)) - 8
     span = max(end - begin, 1e-6)
 
     def place(value: float) -> float:
         return left + 8 + (value - begin) / span * (right - left - 16)
 
     bottom = _TOP + _ROW * len(rows)
-    parts = _axis(picture, begin, end, place, bottom, right)
+    parts = []
+    for tick in svg.ticks(begin, end):
+        if picture['unit'] != 'input' or tick == int(tick):
+            x = place(tick)
+            parts.append(svg.line(x, _TOP, x, bottom + 3, faint=True))
+            parts.append(svg.text(x, bottom + 16, f'{tick:g}', anchor='middle', size=11))
+    parts.append(svg.text(right + 8, bottom + 16, axis, size=11, faint=True))
     for index, row in enumerate(rows):
         y = _TOP + _ROW * (index + 0.5)
         expected = row['what'] == 'expected'
@@ -70,32 +77,14 @@ def _timeline(picture: Mapping[str, Any]) -> str:
         parts.append(svg.line(left + 2, y, right - 2, y, faint=True))
         parts.append(_ticks(row, y, place))
         parts.append(svg.text(right + 8, y + 4, amounts[index], size=11))
-    at = picture.get('deviation')
-    if at is not None:
-        parts.append(_deviation(place(float(at)), bottom, left, right))
-    unit = 'at numbers' if picture['unit'] == 'input' else 'times [s]'
+    if picture.get('deviation') is not None:
+        parts.append(_deviation(place(float(picture['deviation'])), bottom, left, right))
     data = [(*row, svg.listed(one['times'])) for *row, one in zip(labels, amounts, rows)]
-    table = [('row', 'amount', unit), *data]
-    words = timeline_words(picture)
-    return svg.picture(_WIDTH, bottom + 26, _title(picture), words, parts, table)
+    title, words = f'What was seen, {against}', timeline_words(picture)
+    return svg.picture(_WIDTH, bottom + 26, title, words, parts, [('row', 'amount', head), *data])
 
 
-def _axis(
-    picture: Mapping[str, Any], begin: float, end: float, place: Any, bottom: float, right: float
-) -> list[str]:
-    parts = []
-    ticks = svg.ticks(begin, end)
-    if picture['unit'] == 'input':
-        ticks = [tick for tick in ticks if tick == int(tick)]
-    for tick in ticks:
-        x = place(tick)
-        parts.append(svg.line(x, _TOP, x, bottom + 3, faint=True))
-        parts.append(svg.text(x, bottom + 16, f'{tick:g}', anchor='middle', size=11))
-    parts.append(svg.text(right + 8, bottom + 16, AXES[picture['unit']], size=11, faint=True))
-    return parts
-
-
-def _ticks(row: Mapping[str, Any], y: float, place: Any) -> str:
+def _ticks(row: Mapping[str, Any], y: float, place: Callable[[float], float]) -> str:
     """Return the ticks of a row as one SVG path; ticks on the same half pixel are drawn once."""
     xs = sorted({round(place(float(time)) * 2) / 2 for time in row['times']})
     path = ''.join(f'M{x:g} {y - _TICK:g}v{2 * _TICK:g}' for x in xs)
@@ -107,18 +96,12 @@ def _ticks(row: Mapping[str, Any], y: float, place: Any) -> str:
 
 
 def _deviation(x: float, bottom: float, left: float, right: float) -> str:
-    words = 'first difference'
     anchor = 'start' if x - left < 60 else 'end' if right - x < 60 else 'middle'
     return (
         svg.line(x, _TOP - 6, x, bottom, colour=svg.RED, width=1.6, dashed=True)
         + svg.shape('triangle', x, _TOP - 5, 4, svg.RED)
-        + svg.text(x, _TOP - 13, words, anchor=anchor, size=11, bold=True)
+        + svg.text(x, _TOP - 13, 'first difference', anchor=anchor, size=11, bold=True)
     )
-
-
-def _title(picture: Mapping[str, Any]) -> str:
-    what = 'by the messages sent' if picture['unit'] == 'input' else 'against time'
-    return f'What was seen, {what}'
 
 
 def timeline_words(picture: Mapping[str, Any]) -> str:
@@ -127,21 +110,18 @@ def timeline_words(picture: Mapping[str, Any]) -> str:
 
     :param picture: a picture of the kind ``timeline``
     """
-    unit = '' if picture['unit'] == 'input' else ' s'
+    by_input = picture['unit'] == 'input'
+    word, unit = ('at numbers', '') if by_input else ('from', ' s')
     said = []
     for row in picture['rows']:
         times = row['times']
-        where = ''
-        if times:
-            word = 'at numbers' if picture['unit'] == 'input' else 'from'
-            where = f' {word} {times[0]:g} to {times[-1]:g}{unit}'
-            if not row.get('every_s') and len(times) < row['count']:
-                where = f', {len(times)} of them shown,{where}'
+        where = f' {word} {times[0]:g} to {times[-1]:g}{unit}' if times else ''
+        if times and not row.get('every_s') and len(times) < row['count']:
+            where = f', {len(times)} of them shown,{where}'
         said.append(f'{_short(row["label"])}: {_amount(row)}{where}')
     at = picture.get('deviation')
     if at is not None:
-        where = f'message {at:g}' if picture['unit'] == 'input' else f'{at:g} s'
-        said.append(f'first difference at {where}')
+        said.append(f'first difference at {f"message {at:g}" if by_input else f"{at:g} s"}')
     return '; '.join(said) + '.'
 
 
@@ -160,37 +140,36 @@ def _short(name: str) -> str:
 def _graph(picture: Mapping[str, Any]) -> str:
     arrows = picture['arrows']
     ends: dict[Arrow, Mapping[str, Any]] = {}
-    remarks: dict[str, list[str]] = {}
+    remarks: dict[str, list[str]] = {arrow['topic']: [] for arrow in arrows}
+    types = {arrow['topic']: _short(arrow['type']) for arrow in arrows}
     sizes: dict[str, tuple[float, float]] = {}
     for arrow in arrows:
         node, topic = f'n{arrow["node"]}', f't{arrow["topic"]}'
         sizes.setdefault(node, (max(80.0, svg.text_width(_short(arrow['node'])) + 24), _BOX))
-        if arrow['remark']:
-            found = remarks.setdefault(arrow['topic'], [])
-            wrapped = textwrap.wrap(arrow['remark'], _REMARK, break_on_hyphens=False)
-            found += [line for line in wrapped if line not in found][: 4 - len(found)]
+        found = remarks[arrow['topic']]
+        wrapped = textwrap.wrap(arrow['remark'], _REMARK, break_on_hyphens=False)
+        found += [line for line in wrapped if line not in found][: 4 - len(found)]
         ends[(node, topic) if arrow['outward'] else (topic, node)] = arrow
-    for arrow in arrows:
-        sizes[f't{arrow["topic"]}'] = _topic_size(arrow, remarks.get(arrow['topic'], []))
-    layout = arrange(sizes, list(ends), frozenset(key for key in sizes if key[0] == 't'))
+    for name, kind in types.items():
+        width = max(svg.text_width(line, 12) for line in (_short(name), kind, *remarks[name]))
+        # Remarks are below the box; the same space above it keeps it vertically centred.
+        sizes[f't{name}'] = max(100.0, width + 20), 42.0 + 2 * _LINE * len(remarks[name])
+    layout = arrange(sizes, list(ends), frozenset(f't{name}' for name in types))
     parts = [_edge(layout.routes[pair], arrow) for pair, arrow in ends.items()]
-    types = {arrow['topic']: arrow['type'] for arrow in arrows}
     for key, spot in layout.spots.items():
-        if key[0] == 'n':
-            parts.append(_node(spot, key[1:]))
-        else:
-            parts.append(_topic(spot, key[1:], types[key[1:]], remarks.get(key[1:], [])))
+        is_node, name = key[0] == 'n', key[1:]
+        parts += [_node(spot, name) if is_node else _topic(spot, name, types[name], remarks[name])]
     low = layout.height + 2 * _LINE
     legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not as it should be'
     parts.append(svg.text(0, low - 2, legend, size=11, faint=True))
     width = max(layout.width, svg.text_width(legend, 11)) + 2 * _MARGIN
     moved = [f'<g transform="translate({_MARGIN:g} {_MARGIN:g})">', *parts, '</g>']
     title = 'Nodes and topics, expected and observed'
-    height = low + 2 * _MARGIN
-    return svg.picture(width, height, title, graph_words(picture), moved, _graph_table(arrows))
+    height, table = low + 2 * _MARGIN, _graph_table(arrows)
+    return svg.picture(width, height, title, _graph_words(table), moved, table)
 
 
-def _graph_table(arrows: Sequence[Mapping[str, Any]]) -> svg.Table:
+def _graph_table(arrows: Sequence[Mapping[str, Any]]) -> Sequence[Sequence[str]]:
     """Return a table with one row per arrow, as an alternative to the picture."""
     rows = [
         (
@@ -206,27 +185,14 @@ def _graph_table(arrows: Sequence[Mapping[str, Any]]) -> svg.Table:
     return [('node', 'does', 'topic', 'type', 'as it should be', 'remark'), *rows]
 
 
-def graph_words(picture: Mapping[str, Any]) -> str:
-    """
-    Return a description of a graph as text.
-
-    :param picture: a picture of the kind ``graph``
-    """
-    said = []
-    for arrow in picture['arrows']:
-        verb = 'publishes' if arrow['outward'] else 'subscribes to'
-        line = f'{_short(arrow["node"])} {verb} {_short(arrow["topic"])}'
-        line += '' if arrow['matched'] else ': not as it should be'
-        line += f' ({arrow["remark"]})' if arrow['remark'] else ''
-        said.append(line)
+def _graph_words(table: Sequence[Sequence[str]]) -> str:
+    """Return the rows of the table as sentences."""
+    said = (
+        f'{node} {verb} {topic}{": not as it should be" if right == "no" else ""}'
+        f'{f" ({remark})" if remark else ""}'
+        for node, verb, topic, _, right, remark in table[1:]
+    )
     return '; '.join(said) + '.'
-
-
-def _topic_size(arrow: Mapping[str, Any], remarks: Sequence[str]) -> tuple[float, float]:
-    lines = [_short(arrow['topic']), _short(arrow['type']), *remarks]
-    width = max(svg.text_width(line, 12) for line in lines) + 20
-    # Remarks are below the box; the same space above the box keeps it vertically centred.
-    return max(100.0, width), 42.0 + 2 * _LINE * len(remarks)
 
 
 def _node(spot: Spot, name: str) -> str:
@@ -242,7 +208,7 @@ def _topic(spot: Spot, name: str, type_name: str, remarks: Sequence[str]) -> str
     parts = [
         svg.box(spot.x, spot.y - 21, spot.width, 42, colour=svg.ORANGE),
         svg.text(middle, spot.y - 3, _short(name), anchor='middle', bold=True),
-        svg.text(middle, spot.y + 12, _short(type_name), anchor='middle', size=11, faint=True),
+        svg.text(middle, spot.y + 12, type_name, anchor='middle', size=11, faint=True),
     ]
     for index, remark in enumerate(remarks):
         y = spot.y + 21 + _LINE * (index + 1)

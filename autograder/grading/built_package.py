@@ -14,7 +14,7 @@ import re
 from typing import Any
 
 from autograder.exam.exam import Exam, Run
-from autograder.judging.packages import installed, NOT_BUILT, why_no_program
+from autograder.judging.causes.builds import installed, NOT_BUILT, why_no_program
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 

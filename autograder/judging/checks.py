@@ -28,6 +28,7 @@ from autograder.judging.causes.ended import (
     why_silent,
 )
 from autograder.judging.causes.redaction import own_words
+from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.learners_code import Code
 
@@ -68,15 +69,15 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
         return None
     where = f'the namespace {spaces[0]}' if spaces[0] else 'no namespace'
     repair = repair or f'{_own_namespace(Code(run.files))} The command line chooses the namespace.'
-    return Cause('namespace', f'Your node {base} is in {where}.', repair, [spaces[0], base])
+    return cause_of('namespace', node=base, where=where, repair=repair, about=[spaces[0], base])
 
 
 def _own_namespace(code: Code) -> str:
     """Return how to repair what overrides the namespace of the command line."""
-    for call in (call for some in code.calls.values() for call in some):
-        for one in call.keywords:
-            if one.arg in ('namespace', 'use_global_arguments', 'cli_args'):
-                return f'Remove {one.arg}=.'
+    named = {one.arg for calls in code.calls.values() for call in calls for one in call.keywords}
+    for name in ('namespace', 'use_global_arguments', 'cli_args'):
+        if name in named:
+            return f'Remove {name}=.'
     for call in code.calls.get('init', ()):
         given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
         replaced = (ast.List, ast.Tuple, ast.Call)
@@ -110,38 +111,21 @@ def require_partner(ends: Iterable[Event]) -> None:
     :param ends: from :func:`require_endpoint`
     """
     for end in ends:
-        policy, wrong, *texts = _UNUSUAL[end['kind']]
+        policy, wrong, cause_id, partner = _UNUSUAL[end['kind']]
         if end['qos'][policy] == wrong:
-            expected, cause_id, why, repair = texts
             base = end['topic'].rpartition('/')[2]
             raise Failed(
-                expected=expected,
+                expected=f'a {end["kind"]} that a {partner} of depth 10 is connected to',
                 observed=f'{policy} {wrong}',
-                why=Cause(cause_id, why.format(base), repair, [wrong, base]),
+                why=cause_of(cause_id, on=base, about=[wrong, base]),
             )
 
 
 _UNUSUAL = {
-    'publisher': (
-        'reliability',
-        'BEST_EFFORT',
-        'a publisher that a subscription of depth 10 is connected to',
-        'offers_too_little',
-        'Most subscriptions request reliable delivery, so they receive nothing on {}: the policy '
-        'RELIABILITY does not match.',
-        'Give create_publisher() the number 10, or ReliabilityPolicy.RELIABLE.',
-    ),
-    'subscription': (
-        'durability',
-        'TRANSIENT_LOCAL',
-        'a subscription that a publisher of depth 10 is connected to',
-        'asks_too_much',
-        'Your subscription on {} requests old messages, which most publishers do not keep: the '
-        'policy DURABILITY does not match, so it receives nothing.',
-        'Give create_subscription() the number 10, or leave out the durability.',
-    ),
+    'publisher': ('reliability', 'BEST_EFFORT', 'offers_too_little', 'subscription'),
+    'subscription': ('durability', 'TRANSIENT_LOCAL', 'asks_too_much', 'publisher'),
 }
-"""By kind of endpoint: a policy, the value that most partners do not match, and the feedback."""
+"""By kind of endpoint: a policy, the value that most partners do not match, the cause, them."""
 
 
 def require_reached(run: Run, topic: str, kind: str) -> None:
@@ -161,12 +145,7 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
     raise Failed(
         expected=f'a subscription on {topic} of type {kind}',
         observed='a subscription that receives nothing',
-        why=why_silent(run)
-        or Cause(
-            'qos_incompatible',
-            f'Your subscription requests {asked} that the publisher does not offer.',
-            'Pass the depth 10 as quality of service.',
-        ),
+        why=why_silent(run) or cause_of('qos_incompatible', asked=asked),
     )
 
 
@@ -178,14 +157,7 @@ def _require_from_the_start(run: Run, topic: str) -> None:
         raise Failed(
             expected=f'a subscription on {topic} from the start',
             observed='a subscription that is created later',
-            why=Cause(
-                'subscribed_late',
-                f'Your node subscribes to {topic} some time after its start, and loses every '
-                'earlier message.',
-                'Call create_subscription() in __init__(), not in another callback.',
-                about=[topic.rpartition('/')[2]],
-                act='create_subscription()',
-            ),
+            why=cause_of('subscribed_late', topic=topic, about=[topic.rpartition('/')[2]]),
             blocks=False,  # later messages reach the node
         )
 
@@ -250,22 +222,18 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     if not others:
         return
     shown = ', '.join(dict.fromkeys(_own_value(run, value) for value in others[:3]))
-    near = isinstance(wanted, str) and any(
-        str(value).strip().lower() == wanted.lower() for value in others
-    )
-    slip = (
-        'Upper and lower case and spaces matter.'
-        if near
-        else f'The field {field} has a different value.'
-    )
+    texts = [str(value).strip().lower() for value in others]
+    near = isinstance(wanted, str) and wanted.lower() in texts
+    slip = f'The field {field} has a different value.'
     raise Failed(
         expected=f'{field} {wanted!r} in every message',
         observed=f'{field} {shown}',
-        why=Cause(
+        why=cause_of(
             'wrong_value',
-            slip,
-            f'Set msg.{field} = {wanted!r} before you publish.',
-            [field, *map(str, others[:1])],
+            slip='Upper and lower case and spaces matter.' if near else slip,
+            field=field,
+            wanted=repr(wanted),
+            about=[field, *map(str, others[:1])],
         ),
     )
 
@@ -304,29 +272,23 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
     for end in ends:
         for policy, value in wanted.items():
             if end['qos'][policy] != value:
-                name = policy.removesuffix('_ns')
+                name, has = policy.removesuffix('_ns'), end['qos'][policy]
+                (due, code), (seen, _) = _policy(policy, value), _policy(policy, has)
+                words = {'policy': name, 'code': code, 'kind': end['kind'], 'on': end['topic']}
                 raise Failed(
-                    expected=f'{name} {_policy_text(policy, value)}',
-                    observed=f'{name} {_policy_text(policy, end["qos"][policy])}',
-                    why=Cause(
-                        f'qos_{name}',
-                        f'The {end["kind"]} on {end["topic"]} has a different {name}.',
-                        f'Pass a QoSProfile with {name}={_policy_code(policy, value)}.',
-                        [str(end['qos'][policy]), end['topic']],
-                    ),
+                    expected=f'{name} {due}',
+                    observed=f'{name} {seen}',
+                    why=cause_of('qos', **words, about=[str(has), end['topic']]),
                 )
 
 
-def _policy_text(policy: str, value: Any) -> str:
-    if policy.endswith('_ns'):
-        return 'without limit' if value is None else f'{value / SECOND:g} s'
-    return str(value)
-
-
-def _policy_code(policy: str, value: Any) -> str:
-    if policy.endswith('_ns'):
-        return 'Infinite' if value is None else f'Duration(seconds={value / SECOND:g})'
-    return f'{policy.capitalize()}Policy.{value}'
+def _policy(policy: str, value: Any) -> tuple[str, str]:
+    """Return the value of a policy as text, and as code."""
+    if not policy.endswith('_ns'):
+        return str(value), f'{policy.capitalize()}Policy.{value}'
+    if value is None:
+        return 'without limit', 'Infinite'
+    return f'{value / SECOND:g} s', f'Duration(seconds={value / SECOND:g})'
 
 
 def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
@@ -398,11 +360,7 @@ def require_answers(
 def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
     if answer.get('reason') != 'no_service' or died_in_vain(run):
         return None
-    return Cause(
-        'no_service',
-        f'There is no service {service}.',
-        'Is it the right class of node, with the right name?',
-    )
+    return cause_of('no_service', service=service)
 
 
 def _shown(fields: Mapping[str, Any]) -> str:

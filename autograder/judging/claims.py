@@ -32,17 +32,18 @@ from autograder.judging.checks import (
     require_qos,
     require_reached,
 )
-from autograder.judging.lines import require_warnings
 from autograder.judging.rhythm import require_period
 from autograder.judging.rows import (
     published,
     require_all_sent,
     require_one_for_one,
     require_values,
+    require_warnings,
     rows,
 )
 
 Judge = Callable[[Run], None]
+NONE: dict[str, Any] = {}
 
 
 def claim(name: str, sentence: str, judge: Judge) -> Judge:
@@ -68,8 +69,7 @@ def node(
     :param sentence: what learners read, by default a standard sentence; like ``check``, this is a
         parameter of all claims
     """
-    base = name.rpartition('/')[2]
-    sentence = sentence or f'Your program starts a node called {base}.'
+    sentence = sentence or f'Your program starts a node called {name.rpartition("/")[2]}.'
     return claim(check, sentence, lambda run: require_node(run, name, only_named))
 
 
@@ -104,11 +104,7 @@ def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: An
 
 
 def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
-    """
-    Return the check for the QoS profile that a subscription requests.
-
-    :param qos: required policies, see :func:`autograder.judging.checks.require_qos`
-    """
+    """Return the check for the QoS profile that a subscription requests, as for :func:`offers`."""
 
     def judge(run: Run) -> None:
         require_qos(require_endpoint(run, 'subscription', topic, kind), **qos)
@@ -171,10 +167,10 @@ def publishes(
     """
     Return the check that the messages after each input have the expected values.
 
-    :param ask: see :func:`one_for_one`
+    For the other parameters see :func:`one_for_one`.
+
     :param fields: names of the fields to compare; several give a tuple of values; dots separate
         nested fields
-    :param places: indices of the inputs to check, by default all
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
@@ -236,19 +232,17 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
     sentence = sentence or f'It answers each call of {base}.'
 
     def judge(run: Run) -> None:
-        asked = run.asked(ask)
-        nothing: dict[str, Any] = {}
-        calls = zip_longest(asked.answers, run.recording.answers(service), fillvalue=nothing)
+        asked, calls = run.asked(ask), run.recording.answers(service)
         came = [
             {name: field_of(one, name) for name in due} if 'data' in one else None
-            for due, one in calls
+            for due, one in zip_longest(asked.answers, calls[: len(asked.answers)], fillvalue=NONE)
         ]
         require_answers(
             run,
             service,
             asked.answers,
             f'the calls of {base}',
-            explain=lambda place: asked.cause(came[: len(asked.answers)], place),
+            explain=lambda place: asked.cause(came, place),
             secret=run.secret,
         )
 

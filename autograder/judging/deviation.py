@@ -8,11 +8,11 @@ start, for which the check fails with the same words.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_left
 from dataclasses import dataclass, replace
 
 from autograder.exam.exam import Check, Failed, Run
-from autograder.recording import Event, Recording
+from autograder.recording import Recording
 
 TAIL = ('graph', 'end', 'process')
 
@@ -41,17 +41,16 @@ def deviation(check: Check, run: Run) -> Deviation | None:
     failure = failure_of(check, run)
     if failure is None or check.static or not events:
         return None
+    regular = [n for n, event in enumerate(events) if event['event'] not in TAIL] or [0]
     if failure.at is not None:
-        return Deviation(_index_at(events, failure.at), 'named')
+        moments = ((n, events[n].get('clock_ns')) for n in regular)
+        later = (n for n, moment in moments if moment is not None and moment >= failure.at)
+        return Deviation(next(later, regular[-1]), 'named')
     if run.recording.end_reason != 'complete':
         ends = [n for n, event in enumerate(events) if event['event'] == 'end']
-        return Deviation(ends[-1] if ends else len(events) - 1, 'ended')
-    index, last = _shortest(check, run, failure), _last_before_the_end(events)
-    return Deviation(index, 'cut') if index < last else Deviation(last, 'end')
-
-
-def _last_before_the_end(events: Sequence[Event]) -> int:
-    return max((n for n, event in enumerate(events) if event['event'] not in TAIL), default=0)
+        return Deviation((ends or [len(events) - 1])[-1], 'ended')
+    index = _shortest(check, run, failure)
+    return Deviation(index, 'cut') if index < regular[-1] else Deviation(regular[-1], 'end')
 
 
 def failure_of(check: Check, run: Run) -> Failed | None:
@@ -63,30 +62,20 @@ def failure_of(check: Check, run: Run) -> Failed | None:
     return None
 
 
-def _index_at(events: Sequence[Event], at: int) -> int:
-    """Return the index of the first event from a virtual time on, or of the last regular one."""
-    for number, event in enumerate(events):
-        clock = event.get('clock_ns')
-        if clock is not None and clock >= at and event['event'] not in TAIL:
-            return number
-    return _last_before_the_end(events)
-
-
 def _shortest(check: Check, run: Run, failure: Failed) -> int:
     """Return the index of the last event of the shortest part with the same failure."""
     events = run.recording.events
     body = len(events)
     while body and events[body - 1]['event'] in TAIL:
         body -= 1
-    short, long = 0, body
-    while short < long:
-        middle = (short + long) // 2
+
+    def fails_alike(count: int) -> bool:
+        cut = Recording(run.recording.header, [*events[:count], *events[body:]])
         try:
-            cut = Recording(run.recording.header, [*events[:middle], *events[body:]])
             found = failure_of(check, replace(run, recording=cut))
         except Exception:  # noqa: BLE001 - a check may break on half a recording
-            found = None
-        words = found and (found.expected, found.observed)
-        same = words == (failure.expected, failure.observed)
-        short, long = (short, middle) if same else (middle + 1, long)
-    return max(0, long - 1)
+            return False
+        same = found and (found.expected, found.observed) == (failure.expected, failure.observed)
+        return bool(same)
+
+    return max(0, bisect_left(range(body), True, key=fails_alike) - 1)

@@ -27,7 +27,8 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     """
     process = recording.process
     found = [*_about_topics(recording, scenario), *_about_nodes(recording)]
-    if recording.of('graph') and max(_counts(recording)) > MANY_ENDPOINTS:
+    counts = (one.get('count', len(one['endpoints'])) for one in recording.of('graph'))
+    if max(counts, default=0) > MANY_ENDPOINTS:
         found.append(f'more than {MANY_ENDPOINTS} publishers and subscriptions')
     if recording.end_reason == 'too_many_events':
         found.append('more messages and log lines than are recorded')
@@ -40,11 +41,6 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     if process.get('killed'):
         found.append(f'ended by the grader: {process["killed"]}')
     return tuple(found)
-
-
-def _counts(recording: Recording) -> Iterator[int]:
-    for graph in recording.of('graph'):
-        yield graph.get('count', len(graph['endpoints']))
 
 
 def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
@@ -79,10 +75,6 @@ def _about_nodes(recording: Recording) -> Iterator[str]:
     names = [name for graph in recording.of('graph', when='end') for name in graph['nodes']]
     if len(names) != len(set(names)):
         yield 'two nodes have the same name'
-    if any(not is_a_name(name) for name in recording.nodes):
+    parts = (part for name in recording.nodes for part in name.split('/')[1:])
+    if not all(part.isascii() and part.isidentifier() for part in parts):
         yield 'a node has a name that ROS 2 does not allow'
-
-
-def is_a_name(name: str) -> bool:
-    """Return whether rclpy accepts this full name for a node."""
-    return all(part.isascii() and part.isidentifier() for part in name.split('/')[1:])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
 from autograder.exam.specification import Slip
 from autograder.judging.causes.ended import how_to_look
+from autograder.judging.causes.missing_logs import lines_of_code
 from autograder.judging.causes.redaction import without_arguments
 from autograder.judging.causes.text_table import acts_by_cause
 from autograder.layout import Layout
@@ -62,37 +64,19 @@ def _judge_one(
     :param blocked: names of checks that block the checks that need them; this check is added if it
         fails or is blocked
     """
+    points = check.points
     waits = [name for name in check.needs if name in blocked]
     if waits:
         blocked.add(check.name)
-        return CheckResult(
-            check=check.name,
-            title=check.title,
-            verdict=Verdict.NOT_RUN,
-            points=0.0,
-            max_points=check.points,
-            observed=f'This waits for: {earlier[waits[0]].title}',
-            waits_for=waits[0],
-        )
+        why = f'This waits for: {earlier[waits[0]].title}'
+        result = CheckResult(check.name, check.title, Verdict.NOT_RUN, 0.0, points, observed=why)
+        return replace(result, waits_for=waits[0])
     try:
         check.judge(run)
     except Failed as failure:
         if failure.blocks:
             blocked.add(check.name)
-        why = closest(run, failure.why or Cause('', '', how_to_look(run)))
-        return CheckResult(
-            check=check.name,
-            title=check.title,
-            verdict=Verdict.FAILED,
-            points=round(check.points * failure.share, 2),
-            max_points=check.points,
-            expected=failure.expected,
-            observed=failure.observed,
-            cause=_place(run, why, failure) + run.names.fill(why.text),
-            cause_id=why.cause_id,
-            try_this=run.names.fill(why.try_this),
-            read=Layout.here().facts.section_about(why.cause_id) or check.read or exam.read,
-        )
+        return _failed(exam, check, run, failure)
     except Exception as error:  # noqa: BLE001 - any other exception is a fault of the grader
         place = line_in(Layout.here().exams, error)
         raise GraderError(
@@ -100,23 +84,38 @@ def _judge_one(
             f'{type(error).__name__}: {error}.',
             'This says nothing about the submission; correct the exam and grade again.',
         ) from error
-    return CheckResult(check.name, check.title, Verdict.PASSED, check.points, check.points)
+    return CheckResult(check.name, check.title, Verdict.PASSED, points, points)
 
 
-def closest(run: Run, why: Cause) -> Cause:
+def _failed(exam: Exam, check: Check, run: Run, failure: Failed) -> CheckResult:
+    code = Code(run.files)
+    why = closest(code, failure.why or Cause('', '', how_to_look(run)))
+    return CheckResult(
+        check.name,
+        check.title,
+        Verdict.FAILED,
+        round(check.points * failure.share, 2),
+        check.points,
+        expected=failure.expected,
+        observed=failure.observed,
+        cause=_place(code, why, failure) + run.names.fill(why.text),
+        cause_id=why.cause_id,
+        try_this=run.names.fill(why.try_this),
+        read=Layout.here().facts.section_about(why.cause_id) or check.read or exam.read,
+    )
+
+
+def closest(code: Code, why: Cause) -> Cause:
     """Return the first of the more precise causes whose act the program does, or the cause."""
-    found = (one for one in why.closer if place_of(Code(run.files), one.act, one.about))
-    return next(found, why)
+    return next((one for one in why.closer if place_of(code, one.act, one.about)), why)
 
 
-def _place(run: Run, why: Cause, failure: Failed) -> str:
+def _place(code: Code, why: Cause, failure: Failed) -> str:
     """Return the line that a cause speaks about, empty if no single line is known."""
     if why.line:
         return Place(why.line).words
     known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))
     acts = known or (failure.act if isinstance(why, Slip) else '')
-    if not acts:
-        return ''
-    lines = {int(one['line']) for one in failure.shown_by if one.get('line')}
-    place = place_of(Code(run.files), acts, why.about, lines)
+    lines = lines_of_code(failure.shown_by)
+    place = place_of(code, acts, why.about, lines) if acts else None
     return place.words if place else ''

@@ -8,7 +8,7 @@ from the output of the tools.  All of this input is untrusted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import re
 import xml.etree.ElementTree as ElementTree
@@ -22,12 +22,11 @@ from autograder.judging.causes.builds import (
     output_of,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
-from autograder.judging.causes.text_table import rows, rows_of
+from autograder.judging.causes.text_table import cause_of, rows, rows_of
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""
 
-A_FIELD = 'A field is a type, a space and a name, and perhaps a default. An = makes a constant.'
 LONGEST_CMAKE = 20_000
 """Maximum length that is read [characters]; the file of the lesson has 700."""
 _BOUNDS = (
@@ -83,48 +82,30 @@ def _why_fields(found: Fields, wanted: Fields, text: str) -> Cause:
     for line in map(str.strip, text.splitlines()):
         code = line.partition('#')[0]
         if any(re.search(rf'\b{name}\b', code) for name in missing):
-            return Cause('field_line', f'This line defines no field: {line[:60]}', A_FIELD)
+            return cause_of('field_line', text=line[:60])
     if missing:
-        return Cause(
-            'field_missing',
-            f'{", ".join(missing)} {"is" if len(missing) == 1 else "are"} missing.',
-            'Add one line for each field: the type first, then the name.',
-        )
-    twice = next((name for name in names if names.count(name) > 1), '')
-    if twice:
-        return Cause('field_twice', f'{twice} occurs twice.', 'Remove one of the lines.')
-    place = next(number for number, name in enumerate(types) if names[number] != name)
-    return Cause(
-        'field_order',
-        f'{names[place]} is in the place of {list(types)[place]}.',
-        'Put the fields in the order of the table: order is part of a message type.',
-    )
+        are = 'is' if len(missing) == 1 else 'are'
+        return cause_of('field_missing', missing=f'{", ".join(missing)} {are}')
+    if twice := next((name for name in names if names.count(name) > 1), ''):
+        return cause_of('field_twice', field=twice)
+    found_there, due = next(pair for pair in zip(names, types) if pair[0] != pair[1])
+    return cause_of('field_order', field=found_there, due=due)
 
 
 def _why_wrong(kind: str, name: str, types: Mapping[str, str]) -> Cause:
     """Explain a line that is not a field of the specification."""
     line = f'{kind} {name}'.strip()[:80]
     names = f'(?P<name>{"|".join(types)})'
-    for cause_id, condition, pattern, text, repair in _FIELD_SLIPS:
-        found = re.search(pattern.replace('NAME', names), line)
-        words = {'kind': '', **found.groupdict()} if found else {}
+    for row in rows_of('of_fields.txt'):
+        found = re.search(row.when.replace('NAME', names), line)
+        words = found.groupdict() if found else {}
         wanted = types.get(words.get('name', ''), '')
-        if found and (not condition or _IF[condition](words['kind'], wanted)):
-            words |= {'line': line, 'wanted': wanted, 'bound': _bound_of(wanted)}
-            return Cause(cause_id, text.format(**words), repair.format(**words))
+        both = f'{words.get("kind", "")}\n{wanted}'
+        if found and all(re.search(condition, both) for condition in row.more):
+            return row.cause(**words, line=line, wanted=wanted, bound=_bound_of(wanted))
     near = close_name(name, types)
     advice = f'Did you mean {near}?' if near else 'Compare with the table.'
-    return Cause('field_name', f'There is no field {name[:40]!r} in the specification.', advice)
-
-
-_FIELD_SLIPS = [[*head.partition('|')[::2], *rest] for head, *rest in rows_of('of_fields.txt')]
-_IF: Mapping[str, Callable[[str, str], bool]] = {
-    'of_a_package': lambda kind, wanted: '/' in wanted,
-    'same_but_for_the_bound': lambda kind, wanted: (
-        re.split(r'[^\w/]', kind)[0] == re.split(r'[^\w/]', wanted)[0]
-    ),
-}
-"""Conditions of a row, given the type in the line and the expected type."""
+    return cause_of('field_name', field=repr(name[:40]), advice=advice)
 
 
 def _bound_of(wanted: str) -> str:
@@ -182,7 +163,7 @@ def require_declarations(
         raise Failed(
             expected='a well-formed package.xml',
             observed=f'XML that cannot be read: {error}',
-            why=Cause('xml', 'A tag is not closed, or is misspelled.', 'Look at that line.'),
+            why=cause_of('xml'),
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
     declarations = rows(needed)
@@ -234,12 +215,7 @@ def require_registered(text: str) -> None:
             expected='a package that ROS 2 finds once it is installed',
             observed='CMakeLists.txt without ament_package()',
             share=0.5,
-            why=Cause(
-                'not_registered',
-                'Without ament_package() nothing tells ROS 2 that the package is there: other '
-                'packages and ros2 interface do not find it.',
-                'End CMakeLists.txt with ament_package().',
-            ),
+            why=cause_of('not_registered'),
         )
 
 
@@ -274,14 +250,11 @@ def mistake_in_build(run: Run) -> Diagnosis:
     """Return the diagnosis of a failed build, from the output of the tools."""
     output = output_of(run)
     found = diagnose(output, run.files)
-    if not found.cause and 'Traceback' in output and 'echo_node.py' in output:
-        return NO_MESSAGES
-    return found
+    lacks = not found.cause and 'Traceback' in output and 'echo_node.py' in output
+    return NO_MESSAGES if lacks else found
 
 
 def why_no_build(run: Run) -> Cause:
     """Explain why no message of a package arrived, from the way its build ended."""
     killed = str(run.recording.process.get('killed', ''))
-    if killed in LIMITS:
-        return why_killed(killed, 'build')
-    return build_cause(mistake_in_build(run))
+    return why_killed(killed, 'build') if killed in LIMITS else build_cause(mistake_in_build(run))

@@ -10,6 +10,7 @@ from typing import Any
 from autograder.exam.exam import Cause
 from autograder.exam.slips import Change
 from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.judging.causes.text_table import cause_of
 
 COUNT_IN = 'Make self.count once, in __init__(), as 0, and add 1 in the callback, once.'
 _NUMBER = re.compile(
@@ -33,11 +34,7 @@ def whole_numbers_in(text: str) -> list[int]:
     return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
 
 
-ROUNDED_IN_TEXT = Cause(
-    'rounded_in_text',
-    'Your line shows the number rounded to too few digits.',
-    'Log the number as it is, without int(), round() and a format such as :.0f or :.3g.',
-)
+ROUNDED_IN_TEXT = cause_of('rounded_in_text')
 ROUNDED: tuple[Change, ...] = (
     lambda number: number - math.fmod(number, 1.0),  # int()
     *(lambda number, to=to: float(format(number, to)) for to in ('.0f', '.1g', '.2g', '.3g')),
@@ -96,58 +93,21 @@ def why_not_numbered(
     """
     text, due = texts[place], first + place
     if '{' in text and '}' in text:
-        return Cause(
-            'no_f_string',
-            'The string has no f in front of it, so Python shows its braces as they are.',
-            "Write an f before the quotes, as in f'number {self.count}'.",
-        )
+        return cause_of('no_f_string')
     numbers = whole_numbers_in(text)
     if not numbers:
-        return Cause('no_number', 'There is no number in the text.', "As in f'... {self.count}'.")
+        return cause_of('no_number')
     if len(set(texts)) == 1:
-        return Cause('never_counts', 'The number is the same in every text.', COUNT_IN)
-    if place:
-        changed = set(numbers) - set(whole_numbers_in(texts[place - 1]))
-        if any(number < due for number in changed):
-            return _why_back(due - 1, f' Just then, {when}.' if when else '')
-        wrong = 'From one text to the next the number does not grow by 1.'
-        return Cause('wrong_step', wrong, COUNT_IN)
-    if due - 1 in numbers:
-        return Cause('counts_from_zero', 'The count begins with 0.', 'Add 1 first, then use it.')
-    return Cause(
-        'begins_later',
-        f'Text {due} has the number {numbers[0]}: the count does not begin with 1, or something '
-        'counts that sends nothing.',
-        'Begin with self.count = 0, and let the timer alone call the method that counts.',
-    )
-
-
-def _why_back(count: int, when: str) -> Cause:
-    """
-    Explain a number that goes back.
-
-    :param count: number of texts before it
-    :param when: what else happened just then, as a sentence
-    """
-    back = f'After {count} texts the numbers begin again'
-    reset = f'The count goes back after {count} texts: something sets it again.{when}'
-    return Cause(
-        'begins_again',
-        f'{back}.{when}',
-        f'Write the count itself into the text, without % and cycle(). {COUNT_IN}',
-        closer=[
-            Cause('begins_again', reset, COUNT_IN, act='recount'),
-            Cause(
-                'begins_again',
-                f'{back}: the text has the remainder of the count.',
-                'Write the count itself into the text, and use % in the condition only.',
-                act='wrapped_count',
-            ),
-            Cause(
-                'begins_again',
-                f'{back}: cycle() repeats them.',
-                'Use itertools.count(1), or a count of your own.',
-                act='cycle()',
-            ),
-        ],
-    )
+        return cause_of('never_counts', repair=COUNT_IN)
+    if not place:
+        if due - 1 in numbers:
+            return cause_of('counts_from_zero')
+        return cause_of('begins_later', due=due, number=numbers[0])
+    changed = set(numbers) - set(whole_numbers_in(texts[place - 1]))
+    if all(number >= due for number in changed):
+        return cause_of('wrong_step', repair=COUNT_IN)
+    words: dict[str, Any] = {'count': due - 1, 'repair': COUNT_IN}
+    words['when'] = f' Just then, {when}.' if when else ''
+    acts = {'set_again': 'recount', 'remainder': 'wrapped_count', 'cycles': 'cycle()'}
+    closer = [cause_of(situation, **words, act=act) for situation, act in acts.items()]
+    return cause_of('begins_again', **words, closer=closer)

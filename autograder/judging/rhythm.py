@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, groupby, pairwise
 import math
 from operator import itemgetter
 from statistics import median
+from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.judging.causes.ended import why_it_ended, why_silent
-from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.causes.ended import why_it_ended, why_it_sleeps, why_silent
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
 from autograder.submission.code.acts import place_of
@@ -20,12 +21,6 @@ from autograder.submission.code.learners_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
-USED_UP = Cause(
-    'stops',
-    'next() has taken everything from its iterator, and then nothing more comes.',
-    'Use itertools.cycle() or itertools.count(), which have no end.',
-    act='next(1)',
-)
 FLOOD = 10
 """A flood is more than this multiple of the expected count; its recording is incomplete."""
 
@@ -52,20 +47,19 @@ def require_period(
     :param when: description of the phase, appended to the expectation
     :param waited_s: time until the first one, at most one period [s]
     """
-    seconds = [one['clock_ns'] / SECOND for one in found]
+    seconds = _seconds(found)
     gaps = _gaps(seconds)
     more = len(seconds) - during_s / period_s
-    odd = [late for late, gap in zip(seconds[1:], gaps) if abs(gap - period_s) > GRAIN_S]
+    odd = [late for late, gap in zip(seconds[1:], gaps) if not _is(period_s, gap)]
     late = waited_s > period_s + GRAIN_S
     if abs(more) <= 1.5 and not odd and not late:
         return
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     begins_late = not sleeps and (late or more < -1.5)
-    disturbed = why_disturbed(run, found, period_s, begins_late, what)
     if sleeps and 'reset' in Code(run.files).calls:
         sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
     rhythm = (
-        disturbed
+        why_disturbed(run, found, period_s, begins_late, what)
         or sleeps
         or why_paced(run)
         or why_other_rhythm(run, found, period_s, during_s, what)
@@ -126,21 +120,13 @@ def _missed(run: Run, found: Sequence[Event]) -> tuple[Event, int]:
 def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | None:
     """Explain a program that published nothing while its topic had no subscription."""
     after, missed = _missed(run, found)
-    if missed or after not in found or not _in_rhythm(found[found.index(after) :], period_s):
+    if missed or after not in found:
         return None
     # A node that skips its first calls has published nothing until then, heard or not.
     if after is found[0] and not place_of(Code(run.files), 'get_subscription_count()'):
         return None
-    return Cause(
-        'only_if_heard',
-        'While the topic has no subscription, your node publishes nothing.',
-        'Publish each time the timer ticks, without get_subscription_count() and without waiting '
-        'for a subscription.',
-    )
-
-
-def _in_rhythm(found: Sequence[Event], period_s: float) -> bool:
-    return _is(period_s, *_gaps([one['clock_ns'] / SECOND for one in found]))
+    in_rhythm = _is(period_s, *_gaps(_seconds(found[found.index(after) :])))
+    return cause_of('unheard') if in_rhythm else None
 
 
 def why_disturbed(
@@ -153,38 +139,24 @@ def why_disturbed(
     """
     if len(found) < 2:
         return None
-    seconds = [one['clock_ns'] / SECOND for one in found]
+    seconds = _seconds(found)
     gaps = _gaps(seconds)
     if unheard := _why_unheard(run, found, period_s):
         return unheard
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
-        text = (
-            f'Every {what} is in time, but the first comes too late: the timer starts late, or '
-            'its first calls are skipped.'
-        )
-        hint = 'Create the timer at once, wait for nothing, and act in each call.'
-        return Cause('begins_late', text, hint)
+        return cause_of('begins_late', what=what)
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
-    for event, moments in _alone_and_together(other_moments(run, found)):
+    others = other_moments(run, found)
+    for kinds in [*combinations(others, 1), *combinations(others, 2)]:
+        event, moments = ' or '.join(kinds), [one for kind in kinds for one in others[kind]]
         first = next((one for one in seconds if not _near(one, moments)), seconds[0])
         off = [one for one in seconds if not _is(0.0, math.remainder(one - first, period_s))]
         timed = sorted({*seconds} - {*off})
         if off and _is(period_s, *_gaps(timed)) and all(_near(one, moments) for one in off):
-            text = f'Besides the {what}s of the timer, others come at the moment when {event}.'
-            return Cause('additional', text, f'Let only the timer cause a {what}.')
+            return cause_of('additional', what=what, event=event)
         if late and all(_near(one - period_s, moments) for one in late):
-            text = f'When {event}, the timer begins a new period, so the next {what} is late.'
-            return Cause('timer_reset', text, 'Leave out reset(), and create the timer only once.')
+            return cause_of('timer_reset', what=what, event=event)
     return None
-
-
-def _alone_and_together(
-    moments: Mapping[str, Sequence[float]],
-) -> Iterator[tuple[str, Sequence[float]]]:
-    """Yield the moments of each kind of event, then those of two kinds together."""
-    for count in (1, 2):
-        for some in combinations(moments, count):
-            yield ' or '.join(some), [one for kind in some for one in moments[kind]]
 
 
 def why_paced(run: Run) -> Cause | None:
@@ -192,20 +164,9 @@ def why_paced(run: Run) -> Cause | None:
     code = Code(run.files)
     spun = {ast.unparse(call.args[0]) for call in code.calls.get('spin_once', ()) if call.args}
     if len(run.recording.nodes) > 1 and (len(spun) > 1 or place_of(code, 'for:spin_once()')):
-        return Cause(
-            'spun_in_turn',
-            'Your program spins its nodes in turn: while spin_once() waits for one of them, the '
-            'other does nothing.',
-            'Add each node to one executor with add_node(), and call executor.spin().',
-        )
-    if 'spin_once' not in code.calls or 'create_timer' in code.names:
-        return None
-    return Cause(
-        'paced_by_spin_once',
-        'spin_once() returns after any event, such as a request or a step of the ROS clock, so it '
-        'cannot keep a rhythm.',
-        'Use self.create_timer() with the period in seconds, and rclpy.spin(node).',
-    )
+        return cause_of('spun_in_turn')
+    paced = 'spin_once' in code.calls and 'create_timer' not in code.names
+    return cause_of('paced_by_spin_once') if paced else None
 
 
 def _is(seconds: float, *gaps: float) -> bool:
@@ -214,6 +175,10 @@ def _is(seconds: float, *gaps: float) -> bool:
 
 def _near(moment: float, moments: Sequence[float]) -> bool:
     return any(abs(moment - one) <= GRAIN_S for one in moments)
+
+
+def _seconds(found: Sequence[Event]) -> list[float]:
+    return [one['clock_ns'] / SECOND for one in found]
 
 
 def _gaps(seconds: Sequence[float]) -> list[float]:
@@ -231,12 +196,14 @@ def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[flo
     moments: dict[str, list[float]] = {}
     for one in run.recording.events:
         if one['event'] == 'input':
-            moments.setdefault('a message arrives', []).append(one['clock_ns'] / SECOND)
+            name = 'a message arrives'
         elif one['event'] == 'joined' and one['matched']:
-            moments.setdefault('a subscription connects', []).append(one['clock_ns'] / SECOND)
+            name = 'a subscription connects'
         elif one['event'] == 'message' and one['topic'] != found[0].get('topic'):
             name = f'your node publishes on {one["topic"].rpartition("/")[2]}'
-            moments.setdefault(name, []).append(one['clock_ns'] / SECOND)
+        else:
+            continue
+        moments.setdefault(name, []).append(one['clock_ns'] / SECOND)
     return moments
 
 
@@ -281,35 +248,20 @@ def why_other_rhythm(
         steps = _gaps([place for place, size in enumerate(sizes) if size > 1])
         same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1
         often = f', once in {steps[0]:g} periods' if same else ''
-        return Cause(
-            'several_at_once',
-            f'Several {what}s come at the same moment{often}.',
-            f'One timer causes one {what} each time it ticks, every {period_s:g} s. Use no second '
-            'timer, no loop and no second call.',
-        )
+        return cause_of('several_at_once', what=what, often=often, period_s=period_s)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0
     steady = len(gaps) > 1 and all(abs(gap - mean_s) <= grain_s for gap in gaps)
     if steady and abs(mean_s - period_s) > GRAIN_S:
         return _why_wrong_rate(run, mean_s, period_s, what)
     if steady and len(found) < due - 1.5:
-        return Cause(
-            'stops',
-            f'The {what}s come in time at first, but then nothing more comes.',
-            'Is a timer cancelled, or what it sends used up? It goes on until the program ends.',
-            closer=[USED_UP],
-        )
+        return cause_of('stops', what=what, closer=[cause_of('used_up', act='next(1)')])
     periods = [gap / period_s for gap in gaps]
     whole = (
         abs(one - round(one)) * period_s <= max(grain_s, GRAIN_S * one * period_s)
         for one in periods
     )
     if periods and not steady and min(periods) > 0.5 and all(whole):
-        return Cause(
-            'some_missing',
-            f'Your {what}s keep the rhythm of {period_s:g} s, but some are missing.',
-            f'Each call of the callback of the timer has one {what}: is there an if or a return '
-            'before it?',
-        )
+        return cause_of('some_missing', what=what, period_s=period_s)
     return None
 
 
@@ -319,33 +271,17 @@ def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Caus
 
     :param mean_s: the measured period [s]
     """
-    sends = f'Your node sends one {what} every {mean_s:.2g} s'
+    words: dict[str, Any] = {'what': what, 'mean_s': mean_s, 'period_s': float(period_s)}
     ticks = [one for code in Code(run.files).programs for one in code.numbers('create_timer')]
     parts = [one for one in ticks if 0 < one < mean_s and _is(0.0, math.remainder(mean_s, one))]
-    if any(_is(mean_s, one) for one in ticks) or not parts:
-        closer: tuple[Cause, ...] = ()
-    else:
-        closer = (
-            Cause(
-                'not_each_tick',
-                f'{sends}: its timer ticks every {parts[0]:g} s, and only one tick in '
-                f'{round(mean_s / parts[0])} sends one.',
-                f'Give create_timer() the period {float(period_s)}, and send one {what} in each '
-                'call of its callback, without a count of the calls.',
-                act='compared_count | %',
-            ),
-        )
+    closer: list[Cause] = []
+    if parts and not any(_is(mean_s, one) for one in ticks):
+        often = round(mean_s / parts[0])
+        act = 'compared_count | %'
+        closer = [cause_of('not_each_tick', **words, tick_s=parts[0], often=often, act=act)]
     right = any(_is(period_s, one) for one in ticks)
-    period = f'The first argument of create_timer() is the period in seconds: {float(period_s)}. '
-    return Cause(
-        'wrong_rate',
-        f'{sends}.',
-        f'{"" if right else period}'
-        f'Each call of the callback of the timer has one {what}, and nothing else in the program '
-        'waits.',
-        about=[f'{mean_s:.4g}'],
-        closer=closer,
-    )
+    situation = 'rate_of_calls' if right else 'wrong_rate'
+    return cause_of(situation, **words, about=[f'{mean_s:.4g}'], closer=closer)
 
 
 def is_flood(count: float, due: float) -> bool:

@@ -1,5 +1,5 @@
 """
-Collect the events that follow each input of a run, and compare them with the expected answers.
+Compare the messages and log lines that follow each input of a run with the expected answers.
 
 The events after one input, or after a burst, are a row.  The expected answers and the slips are in
 a :class:`autograder.exam.specification.Specification`.
@@ -7,8 +7,8 @@ a :class:`autograder.exam.specification.Specification`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 import math
 from typing import Any
@@ -16,29 +16,36 @@ from typing import Any
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.patterns import why_burst_cut, why_pattern
 from autograder.exam.slips import (
+    FALSE_ALARM,
     LEAVES_OUT,
+    MISSED_WARNING,
     MISSES_SOME,
     NO_ANSWER,
+    REPEATED,
     RUNS_EARLY,
     SEVERAL_ANSWERS,
     UNASKED,
 )
 from autograder.exam.specification import in_order, Specification
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import count_of, field_of, require_endpoint, SECOND
+from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
+from autograder.judging.causes.text_table import acts_by_cause, cause_of
+from autograder.judging.checks import (
+    count_of,
+    field_of,
+    lines,
+    own_logs,
+    require_endpoint,
+    SECOND,
+)
+from autograder.judging.numbers import numbers_in
 from autograder.judging.rhythm import seconds_between
-from autograder.recording import Event
+from autograder.recording import Event, INFO, WARN
 
 Row = list[Event]
 LATE_S = 0.015  # a message that a callback publishes at once comes earlier [s]
 ANSWER = 'if:publish() | def:publish()'
 AT_START_S = 0.25  # a message that __init__ publishes comes earlier [s]
-PUBLISHES_LATER = Cause(
-    'publishes_later',
-    'Some time after the answer to a message, your node publishes again, although no other '
-    'message has arrived.',
-    'Publish once for each message, in its callback: no timer, loop or thread publishes it again.',
-)
 
 
 def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
@@ -50,18 +57,15 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
     :returns: None for a row whose input, or burst, was not completely sent
     """
     count, burst = len(run.asked(ask).inputs), run.asked(ask).burst
-    found: list[Row] = [[] for _ in range(count)]
+    sent, last = len(run.recording.of('input')), count - burst
+    found: list[Row | None] = [[] if place < sent else None for place in range(last)]
+    found += [[] if sent == count else None] * bool(burst)
     for event in events:
-        if event['after_input'] is not None:
-            found[event['after_input']].append(event)
-    sent = len(run.recording.of('input'))
-    singles: list[Row | None] = [
-        row if place < sent else None for place, row in enumerate(found[: count - burst])
-    ]
-    if not burst:
-        return singles
-    together = [event for row in found[count - burst :] for event in row]
-    return [*singles, together if sent == count else None]
+        after = event['after_input']
+        row = None if after is None else found[min(after, last)]
+        if row is not None:
+            row.append(event)
+    return found
 
 
 def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, ...] | None]:
@@ -72,8 +76,15 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
     :returns: None for an input that was not sent; a value is None if its message was too large to
         be recorded
     """
+
+    def value(message: Event) -> Any:
+        if fields:
+            found = tuple(field_of(message, one) for one in fields)
+            return found if len(fields) > 1 else found[0]
+        return next(iter(message.get('data', {}).values()), None)
+
     found = [
-        None if row is None else tuple(_value(one, fields) for one in row)
+        None if row is None else tuple(map(value, row))
         for row in rows(run, ask, run.recording.messages(topic))
     ]
     if run.asked(ask).burst and found[-1]:  # several threads may answer in any order
@@ -115,14 +126,6 @@ def delays(run: Run, ask: str, topic: str) -> list[list[float]]:
         [(one['clock_ns'] - start) / SECOND for one in row or ()]
         for start, row in zip(begun, found, strict=True)
     ]
-
-
-def _value(message: Event, fields: Sequence[str]) -> Any:
-    if len(fields) > 1:
-        return tuple(field_of(message, one) for one in fields)
-    if fields:
-        return field_of(message, fields[0])
-    return next(iter(message.get('data', {}).values()), None)
 
 
 def require_one_for_one(
@@ -180,24 +183,22 @@ def why_other_answer(
     more = len(came[place] or ()) - len(asked.answers[place])
     if more > 0:
         again_s = [late - first for first, late in pairwise(late_s[place])] if late_s else [0.0]
-        return PUBLISHES_LATER if max(again_s, default=0.0) > LATE_S else SEVERAL_ANSWERS
+        later = max(again_s, default=0.0) > LATE_S
+        return cause_of('publishes_later') if later else SEVERAL_ANSWERS
     if more == 0:
         return None
     if not any(came):
         return NO_ANSWER
     if len(asked.row(place)) > 1:
         cut = why_burst_cut(asked, came[place] or ()) or MISSES_SOME
-        in_a_timer = bool(late_s) and all(min(row, default=math.inf) > LATE_S for row in late_s)
-        return _in_a_timer(cut) if in_a_timer else cut
+        if not late_s or any(min(row, default=math.inf) <= LATE_S for row in late_s):
+            return cut
+        text = f'{cut.text} It publishes some time after they arrive, like a timer.'
+        repair = (
+            'Publish in the callback of the subscription, once per message, and not in a timer.'
+        )
+        return replace(cut, text=text, try_this=repair, act='kept_message | create_timer()')
     return LEAVES_OUT
-
-
-def _in_a_timer(cut: Cause) -> Cause:
-    """Explain a burst that is not completely answered, and answers that all come late."""
-    text = f'{cut.text} It publishes some time after they arrive, like a timer.'
-    repair = 'Publish in the callback of the subscription, once per message, and not in a timer.'
-    act = 'kept_message | create_timer()'
-    return replace(cut, text=text, try_this=repair, act=act)
 
 
 def require_values(
@@ -208,10 +209,8 @@ def require_values(
     what: str = 'what is due',
 ) -> None:
     """
-    Fail unless each input is answered with the expected values.
+    Fail unless each input is answered with the expected values, as in :func:`require_one_for_one`.
 
-    :param came: see :func:`published`
-    :param places: indices of the inputs to check, by default all
     :param what: description of the expected values that may be shown for hidden inputs
     """
     for place in asked.wrong(came, places)[:1]:
@@ -242,3 +241,130 @@ def require_all_sent(run: Run, found: Sequence[object]) -> None:
             observed='a run that ended before',
             why=why_silent(run),
         )
+
+
+# -- log lines -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Followed:
+    """
+    One input or a burst, and the log lines that followed.
+
+    :param inputs: one input, or all of a burst; each has a method ``is_in``, which returns whether
+        a text shows the input
+    :param row: None if the run ended before all of the inputs were sent
+    """
+
+    inputs: Sequence[Any]
+    row: Row | None
+
+    @property
+    def logs(self) -> Row:
+        """Return the lines that followed, empty if the inputs were not sent."""
+        return self.row or []
+
+    def texts(self, level: int) -> list[str]:
+        """Return the lines at a level."""
+        return [entry['text'] for entry in self.logs if entry['level'] == level]
+
+    def count(self, level: int) -> int:
+        """Return the number of lines at a level."""
+        return len(self.texts(level))
+
+    def numbers(self, level: int) -> list[float]:
+        """Return the numbers in the lines at a level."""
+        return [number for text in self.texts(level) for number in numbers_in(text)]
+
+    def showing(self, one: Any, level: int = INFO) -> int:
+        """Return the number of lines at a level that show an input."""
+        return sum(map(one.is_in, self.texts(level)))
+
+
+def followed(run: Run, ask: str, logger: str) -> list[Followed]:
+    """
+    Return every input or burst of a specification, sent or not, with the log lines after it.
+
+    :param logger: full name of the node whose log lines are judged
+    """
+    found = rows(run, ask, own_logs(run, logger))
+    return [Followed(run.asked(ask).row(place), row) for place, row in enumerate(found)]
+
+
+def require_warnings(
+    run: Run,
+    asked: Specification,
+    followed: Sequence[Row | None],
+    places: Collection[int],
+    part: Collection[int] = (),
+    why_missing: Callable[[int], Cause | None] | None = None,
+    shared: bool = False,
+) -> None:
+    """
+    Fail unless inputs are followed by the expected number of WARN lines.
+
+    :param asked: specification with the expected counts; its inputs have a ``kind``, their
+        description in feedback
+    :param followed: log lines after each input, see :func:`rows`
+    :param places: indices of the inputs to check
+    :param part: indices for which one slip may explain all answers, see ``Specification.cause``
+    :param why_missing: explains a missing warning, given its index; by default, searches for the
+        line in other places
+    :param shared: whether to give a part of the points, see :func:`share`
+    """
+    came = warnings_after(followed)
+    wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
+    if not wrong:
+        return
+    place = wrong[0]
+    due, count = asked.answers[place], came[place] or 0
+    short = count < due
+    repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
+    other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
+    row, inputs = followed[place] or [], asked.row(place)
+    elsewhere = why_missing or (lambda one: None if count else why_not_logged(run, row, WARN))
+    what = f'a burst of {len(inputs)} readings' if len(inputs) > 1 else inputs[0].kind
+    raise Failed(
+        expected=f'{lines(due, WARN)} after {what}',
+        observed='the run ended before it was sent' if came[place] is None else lines(count, WARN),
+        why=why_silent(run)
+        or (elsewhere(place) or why_left_out(run, WARN, _warnings(followed)) if short else None)
+        or asked.cause(came, place, part)
+        or why_pattern(asked.answers, came, 'warns about', 'high value')
+        or _why_from_elsewhere(came, asked.answers, followed, place)
+        or other,
+        blocks=not any(came),  # a node that warns is at work, so its other mistakes count alone
+        share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
+        act=acts_by_cause()['false_alarm'],
+    )
+
+
+def _why_from_elsewhere(
+    came: Sequence[int | None], due: Sequence[int], followed: Sequence[Row | None], place: int
+) -> Cause | None:
+    """Explain a needless WARN line that a different line of the code logs than all right ones."""
+    exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
+    right = lines_of_code(_warnings(exact))
+    others = sorted(lines_of_code(_warnings([followed[place]])) - right)
+    return cause_of('other_warning', line=others[0]) if right and others else None
+
+
+def _warnings(followed: Iterable[Row | None]) -> Row:
+    return [line for row in followed for line in row or () if line['level'] == WARN]
+
+
+def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
+    """
+    Return the fraction of the points for correct results before the program ended during the run.
+
+    It is 0 if the run was complete, and at the CPU limit, because how far a program gets before
+    this limit depends on the machine.
+    """
+    if None not in followed or run.recording.end_reason == 'cpu_limit' or not due:
+        return 0.0
+    return round(right / due, 2)
+
+
+def warnings_after(followed: Iterable[Row | None]) -> list[int | None]:
+    """Return the number of WARN lines after each input, None if the input was not sent."""
+    return [row if row is None else len(_warnings([row])) for row in followed]

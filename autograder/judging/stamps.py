@@ -12,8 +12,8 @@ from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.scenario import RosClock
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.causes.ended import why_it_sleeps, why_silent
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import field_of, SECOND
 from autograder.recording import Event
 from autograder.submission.code.code_places import FieldUse, use_of_field
@@ -61,36 +61,28 @@ def _described(run: Run, seconds: float, now: float) -> str:
 
 
 def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause | None:
-    take = f'Set msg.{field} = self.get_clock().now().to_msg() in the callback.'
     sec, nanosec, right = stamp['sec'], stamp['nanosec'], int(now)
     if sec == nanosec == 0:
-        return why_silent(run) or _why_zero(use_of_field(run.files, field), field, take)
-    if sec > SYSTEM_TIME_S:
-        return Cause('wall_clock', 'The stamp comes from the system time.', take, [field])
-    if abs(sec - right) > FAR_S:
-        other = 'The stamp comes from a clock that is not the ROS clock, or sec is not in seconds.'
-        return Cause('other_clock', other, take, [field])
-    if sec == right and nanosec == 0:
-        return Cause('whole_seconds', 'The fraction of the second is lost.', take, [field])
-    if sec == right and nanosec < MILLISECOND:
-        wrong = 'nanosec counts milliseconds or microseconds, not nanoseconds.'
-        return Cause('nanoseconds', wrong, take, [field])
-    return why_it_sleeps(run) or Cause(
-        'stale_stamp',
-        'The stamp was taken at another moment, or its parts are wrong.',
-        take,
-        [field],
-    )
+        if why := why_silent(run):
+            return why
+        situation = _why_zero(use_of_field(run.files, field))
+    elif sec > SYSTEM_TIME_S:
+        situation = 'wall_clock'
+    elif abs(sec - right) > FAR_S:
+        situation = 'other_clock'
+    elif sec == right and nanosec == 0:
+        situation = 'whole_seconds'
+    elif sec == right and nanosec < MILLISECOND:
+        situation = 'nanoseconds'
+    elif why := why_it_sleeps(run):
+        return why
+    else:
+        situation = 'stale_stamp'
+    return cause_of(situation, field=field, about=[field])
 
 
-def _why_zero(code: FieldUse, field: str, take: str) -> Cause:
-    """Explain a stamp of 0 by the code that uses the field."""
-    if not code.given and code.local:
-        alone = f'The {field} is never set: {field} alone is a variable of its own.'
-        return Cause('missing_stamp', alone, take, [field])
+def _why_zero(code: FieldUse) -> str:
+    """Return the situation of a stamp of 0, by the code that uses the field."""
     if not code.given:
-        return Cause('missing_stamp', f'The {field} is never set.', take, [field])
-    if code.empty:
-        return Cause('empty_time', 'An empty Time is 0: Time() asks no clock.', take)
-    early = 'The stamp is 0: a time taken before the clock ran, as in __init__, or never set.'
-    return Cause('stale_stamp', early, take, [field])
+        return 'stamp_alone' if code.local else 'missing_stamp'
+    return 'empty_time' if code.empty else 'early_stamp'

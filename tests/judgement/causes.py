@@ -19,7 +19,6 @@ from typing import Any
 from autograder.exam import catalog
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
-from autograder.judging.causes import builds, code_table, ended, exceptions
 from autograder.judging.causes.text_table import rows_of
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
@@ -113,25 +112,22 @@ def template(node: ast.AST) -> str:
 
 def _in_tables() -> Iterator[Written]:
     """Yield the causes whose names come from tables."""
-    for kind in exceptions.KINDS:
-        text, try_this = (
-            re.sub(r'\\\d|\{\w+\}', '…', said) for said in (kind.text, kind.try_this)
-        )
-        yield Written(kind.cause_id, text, try_this, 'exceptions')
-    for row in code_table.TABLE:
-        text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (row.text, row.try_this))
-        yield Written(row.cause_id, text, try_this, 'code_table')
-    for name, (what, why) in ended.LIMITS.items():
-        text = f'The grader stopped your program: {what}.'
-        yield Written(name.partition('|')[0], text, f'Look for {why}.', 'ended')
-    for name in ('by_evidence.txt', 'of_fields.txt'):
-        for head, *_, text, try_this in rows_of(name):
-            text, try_this = (re.sub(r'\{[^{}]+\}', '…', said) for said in (text, try_this))
-            yield Written(head.partition('|')[0], text, try_this, name)
-    for mistake in builds.MISTAKES:
-        yield Written(mistake.cause, mistake.error, mistake.advice, 'builds')
+    for row in rows_of('by_limit.txt'):
+        text, try_this = f'The grader stopped your program: {row.text}.', row.try_this
+        yield Written(row.cause_id, text, f'Look for {try_this}.', 'by_limit')
+    for name in ('by_exception', 'by_code', 'by_evidence', 'of_fields', 'of_builds'):
+        for row in rows_of(f'{name}.txt'):
+            text, try_this = (_shown(said, name) for said in (row.text, row.try_this))
+            yield Written(_shown(row.cause_id, name).replace('…', '*'), text, try_this, name)
     for name, (text, try_this) in questions.CAUSES.items():
         yield Written(name, text, try_this, 'check_your_understanding')
+
+
+def _shown(text: str, name: str) -> str:
+    """Return a text of a table, with … for what is put in."""
+    if name == 'by_exception':
+        return re.sub(r'\\\d', '…', text)
+    return re.sub(r'(?<!\{)\{[^{}]+\}', '…', text).replace('{{', '{').replace('}}', '}')
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from autograder.exam.exam import Exam
-from autograder.explaining.feedback import check_lines, MOST_LINES, titles_of, WIDTH
+from autograder.explaining.feedback import causes_once, check_lines, MOST_LINES, WIDTH
 from autograder.grading.examine import judged
 from autograder.recording import Recording
 from autograder.results import ExamResult, Verdict
@@ -15,8 +15,8 @@ from tests.judgement.rewritten import blanked, commented, rewritten
 
 def unreadable(result: ExamResult) -> Iterator[str]:
     """Yield the checks whose text is too long or too wide, or that fail without a word."""
-    for check in result.checks:
-        lines = check_lines(check, titles_of(result))
+    for check in causes_once(result):
+        lines = check_lines(check)
         silent = check.verdict is not Verdict.PASSED and len(lines) < 2
         if silent or len(lines) > MOST_LINES or max(map(len, lines)) > WIDTH:
             yield f'{check.check}: {lines}'

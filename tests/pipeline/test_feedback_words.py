@@ -18,7 +18,7 @@ from autograder.authoring.exam_mistakes import lesson_headings, no_section, read
 from autograder.classroom.pages import page_name, write_reports
 from autograder.commands import OK
 from autograder.exam import catalog
-from autograder.explaining.feedback import check_lines, titles_of, told
+from autograder.explaining.feedback import causes_once, check_lines, told
 from autograder.gradebook.record import record
 from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
@@ -98,8 +98,7 @@ def result(course):
 def said(result):
     """Return all that is to be said about the exam, in order."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
-    titles = titles_of(exam)
-    words = [fact for check in exam.checks for fact in told(check, titles)]
+    words = [fact for check in causes_once(exam) for fact in told(check)]
     assert {name for name, _ in words} == {
         *('expected', 'observed', 'likely cause', 'try', 'read'),
         'waits for',
@@ -110,7 +109,7 @@ def said(result):
 def lines_of(result):
     """Return the lines of the exam's checks, as every plain text has them."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
-    return [line for check in exam.checks for line in check_lines(check, titles_of(exam))]
+    return [line for check in causes_once(exam) for line in check_lines(check)]
 
 
 def test_nbgraders_feedback_says_them(result, said, course):

@@ -8,7 +8,6 @@ import pytest
 
 from autograder.errors import ExamInvalid
 from autograder.judging.causes.text_table import acts_by_cause, FOLDER
-from autograder.judging.lines import WARN_ACT
 from autograder.judging.rows import ANSWER
 from autograder.submission.code.acts import OPERATORS, place_of, STATEMENTS
 from autograder.submission.code.known_acts import ACTS
@@ -363,7 +362,7 @@ class TestTable:
         shapes = re.compile(
             r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|nan|inf|\w+Group'
         )
-        acts = (*acts_by_cause().values(), ANSWER, WARN_ACT)
+        acts = (*acts_by_cause().values(), ANSWER)
         words = {word for one in acts for word in one.split() if word != '|'}
         parts = {part.removesuffix('+') for word in words for part in word.split('@')}
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from autograder.judging.causes.builds import diagnose, MISTAKES, PYTHON_MISTAKES, texts_of
+from autograder.judging.causes.builds import diagnose, texts_of
+from autograder.judging.causes.text_table import rows_of
 
 ADAPTER = """
 CMake Error at /opt/ros/share/rosidl_adapter/cmake/rosidl_adapt_interfaces.cmake:57 (message):
@@ -104,26 +105,24 @@ PYTHON_PRINTED = {
 }
 
 
-@pytest.mark.parametrize('mistake', MISTAKES, ids=lambda mistake: mistake.cause)
-def test_every_mistake_of_the_table_is_recognised(mistake):
+@pytest.mark.parametrize('cause', [row.cause_id for row in rows_of('of_builds.txt')])
+def test_every_mistake_of_the_table_is_recognised(cause):
     """Each entry of the table is found by its own output and fills in all its places."""
-    diagnosis = diagnose(PRINTED[mistake.cause], {})
+    diagnosis = diagnose(PRINTED[cause], {})
 
-    assert diagnosis.cause == mistake.cause
+    assert diagnosis.cause == cause
     for text in (diagnosis.error, diagnosis.advice):
         assert text
         assert '\n' not in text
         assert '{' not in text.replace('${PROJECT_NAME}', '')
 
 
-@pytest.mark.parametrize(
-    'mistake', [one for one in PYTHON_MISTAKES if one not in MISTAKES], ids=lambda one: one.cause
-)
-def test_every_mistake_of_a_python_package_is_recognised(mistake):
+@pytest.mark.parametrize('cause', [row.cause_id for row in rows_of('of_python_builds.txt')])
+def test_every_mistake_of_a_python_package_is_recognised(cause):
     """A mistake of a Python package is recognised only if there is a setup.py."""
-    printed = 'WARNING:colcon.colcon_ros.task.ament_python\n' + PYTHON_PRINTED[mistake.cause]
+    printed = 'WARNING:colcon.colcon_ros.task.ament_python\n' + PYTHON_PRINTED[cause]
 
-    assert diagnose(printed, {'setup.py': ''}).cause == mistake.cause
+    assert diagnose(printed, {'setup.py': ''}).cause == cause
     assert diagnose(printed, {}).cause == 'wrong_build_type'
 
 

@@ -10,8 +10,8 @@ import pytest
 from autograder.exam import catalog
 from autograder.exam.exam import Run
 from autograder.grading.built_package import as_package, explained, package_name
-from autograder.judging import packages
-from autograder.judging.packages import MARK
+from autograder.judging.causes import builds as packages
+from autograder.judging.causes.builds import MARK
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.runs.observe import HERE

@@ -9,7 +9,14 @@ import re
 
 import pytest
 
-from autograder.explaining.feedback import check_lines, exam_text, MOST_LINES, told, WIDTH
+from autograder.explaining.feedback import (
+    causes_once,
+    check_lines,
+    exam_text,
+    MOST_LINES,
+    told,
+    WIDTH,
+)
 from autograder.explaining.feedback_html import exam_html, section_id
 from autograder.results import CheckResult, ExamResult, Verdict
 from roslab.report import CheckReport
@@ -67,7 +74,7 @@ def facts_of(page):
 
 def test_a_failed_check_says_five_things_in_order():
     """The parts come in a fixed order below the sentence of the check, with its points."""
-    lines = check_lines(failing(), {})
+    lines = check_lines(failing())
 
     assert lines == [
         '[FAIL] It speaks twice a second. (0.5 of 2)',
@@ -81,7 +88,7 @@ def test_a_failed_check_says_five_things_in_order():
 
 def test_what_is_not_known_is_not_said():
     """A check without a known cause has no line for it."""
-    assert [name for name, _ in told(failing(cause='', try_this=' '), {})] == [
+    assert [name for name, _ in told(failing(cause='', try_this=' '))] == [
         'expected',
         'observed',
         'read',
@@ -92,8 +99,11 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
     """The text has the title of the other check, and not its name in the code."""
     waiting = CheckResult('text', 'It counts.', Verdict.NOT_RUN, 0, 1, waits_for='rate')
 
-    assert told(waiting, {'rate': 'It speaks.'}) == [('waits for', 'It speaks.')]
-    assert told(waiting, {}) == [('waits for', 'rate')]
+    first = replace(waiting, check='rate', title='It speaks.', waits_for='')
+    both = causes_once(ExamResult('talker', (first, waiting)))
+
+    assert [told(check) for check in both] == [[], [('waits for', 'It speaks.')]]
+    assert told(waiting) == [('waits for', 'rate')]
 
 
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
@@ -101,7 +111,7 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
 def test_twelve_lines_are_enough_for_any_text(name, text):
     """The longest part is shortened with a note, and the others are complete."""
     check = failing(**{name: text})
-    lines = check_lines(check, {})
+    lines = check_lines(check)
 
     assert len(lines) <= MOST_LINES
     assert max(map(len, lines)) <= WIDTH
@@ -113,8 +123,8 @@ def test_all_parts_may_be_long():
     """Each part keeps at least one line."""
     check = failing(**dict.fromkeys(('expected', 'observed', 'cause', 'try_this', 'read'), LONG))
 
-    assert len(check_lines(check, {})) <= MOST_LINES
-    assert len(told(check, {})) == 5
+    assert len(check_lines(check)) <= MOST_LINES
+    assert len(told(check)) == 5
 
 
 def test_cause_is_printed_once_and_then_referred_to():
@@ -138,7 +148,7 @@ def test_points_stay_together():
     for length in range(60, 90):
         check = CheckResult('a', f'{"x " * (length // 2)}end.', Verdict.PASSED, 1, 1)
 
-        assert '(1 of 1)' in '\n'.join(check_lines(check, {}))
+        assert '(1 of 1)' in '\n'.join(check_lines(check))
 
 
 @pytest.mark.parametrize('text', ['short', LONG, EVIL])
@@ -147,7 +157,7 @@ def test_html_says_the_same_words(text):
     check = failing(observed=text)
     page = exam_html(ExamResult('talker', (check,)))
 
-    assert facts_of(page) == told(check, {})
+    assert facts_of(page) == told(check)
 
 
 def test_words_of_a_program_stay_words():

@@ -8,6 +8,7 @@ from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import courier, harbour, night_watch, running_mean, talker
 from autograder.judging.judge import closest
 from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.submission.code.learners_code import Code
 
 SECONDS = 21
 DEPTH_10 = {'reliability': 'RELIABLE', 'durability': 'VOLATILE'}
@@ -363,7 +364,7 @@ class TestCourier:
         with pytest.raises(Failed) as failed:
             courier.delivers_to_who_comes_late(run)
 
-        assert closest(run, failed.value.why).cause_id == cause_id
+        assert closest(Code(run.files), failed.value.why).cause_id == cause_id
 
     def test_parcel_that_is_kept_is_delivered_again(self):
         """A subscription that asks for old messages gets it, at any time."""

@@ -9,6 +9,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.judging.judge import closest, judge, worth_running
 from autograder.recording import Recording
 from autograder.results import Verdict
+from autograder.submission.code.learners_code import Code
 
 NOTHING = Recording({}, ())
 
@@ -73,8 +74,8 @@ def test_more_precise_cause_is_given_if_the_program_does_its_act():
     why = Cause('wrong_rate', 'It is fast.', '', closer=closer)
     code = 'node.create_timer(0.7, f)\ndef f():\n    log.info(1)\n    log.info(2)\n'
 
-    assert closest(Run({'a.py': code}, NOTHING), why).cause_id == 'b'
-    assert closest(Run({'a.py': 'log.info(1)\n'}, NOTHING), why) is why
+    assert closest(Code({'a.py': code}), why).cause_id == 'b'
+    assert closest(Code({'a.py': 'log.info(1)\n'}), why) is why
 
 
 class TestJudge:

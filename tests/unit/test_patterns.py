@@ -21,10 +21,10 @@ from autograder.exams.visible import (
 )
 from autograder.judging import rhythm
 from autograder.judging.judge import closest
-from autograder.judging.lines import require_warnings
 from autograder.judging.numbers import shown, why_not_numbered
-from autograder.judging.rows import delays, why_other_answer
+from autograder.judging.rows import delays, require_warnings, why_other_answer
 from autograder.recording import ERROR, Recording, WARN
+from autograder.submission.code.learners_code import Code
 
 ENDS = (
     {'event': 'end', 'reason': 'complete', 'clock_ns': 20 * 10**9},
@@ -171,7 +171,7 @@ def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, s
     """A count that nothing sets again is not blamed."""
     first = int(texts[0][-1])
 
-    cause = closest(run_of(code=code), why_not_numbered(texts, 2, first))
+    cause = closest(Code(run_of(code=code).files), why_not_numbered(texts, 2, first))
 
     assert (cause.cause_id, says in cause.text) == ('begins_again', True)
     assert f'After {first + 1} texts' in cause.text or 'goes back after' in cause.text
@@ -237,7 +237,7 @@ def test_iterator_that_ends_is_the_cause_if_its_end_is_expected(code):
     found = [message(clock) for clock in (1, 2, 3, 4)]
     run = run_of(code=code)
 
-    cause = closest(run, why(rhythm.require_period, run, found, 1.0, 15.0))
+    cause = closest(Code(run.files), why(rhythm.require_period, run, found, 1.0, 15.0))
 
     assert (cause.cause_id, 'next()' in cause.text) == ('stops', 'None' in code)
 
@@ -272,7 +272,7 @@ def test_right_period_in_the_code_is_not_to_be_corrected(code, every_s, cause_id
     found = [message(every_s * number) for number in range(1, 6)]
     run = run_of({'event': 'graph', 'nodes': ['/a', '/b'], 'endpoints': []}, code=code)
 
-    cause = closest(run, why(rhythm.require_period, run, found, 1.0, 15.0))
+    cause = closest(Code(run.files), why(rhythm.require_period, run, found, 1.0, 15.0))
 
     assert cause.cause_id == cause_id
     assert cause.try_this.startswith(advice)
@@ -446,7 +446,7 @@ def test_map_that_is_published_for_each_newcomer_is_told():
 )
 def test_first_map_for_a_newcomer_is_told_from_a_late_one(code, cause_id):
     """Of a map that is published again for each subscription, only the last copy is kept."""
-    assert closest(run_of(code=code), map_server.FIRST_LATE).cause_id == cause_id
+    assert closest(Code(run_of(code=code).files), map_server.FIRST_LATE).cause_id == cause_id
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,7 @@ import time
 
 import pytest
 
-from autograder.judging.causes.builds import MISTAKES
-from autograder.judging.causes.exceptions import KINDS
+from autograder.judging.causes.text_table import rows_of
 
 GRADER = Path(__file__).parents[2] / 'autograder'
 IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
@@ -37,10 +36,9 @@ def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
             tree = ast.parse(path.read_text(encoding='utf-8'))
             for call, pattern, method in patterns_in(tree):
                 yield f'{place}:{call.lineno}', pattern, method
-    for mistake in MISTAKES:
-        yield f'mistake {mistake.cause}', re.compile(mistake.pattern), 'search'
-    for kind in KINDS:
-        yield f'kind {kind.cause_id}', re.compile(kind.says), 'search'
+    for name in ('by_exception.txt', 'of_builds.txt', 'of_python_builds.txt'):
+        for row in rows_of(name):
+            yield f'{name} {row.cause_id}', re.compile(row.when), 'search'
 
 
 def patterns_in(tree: ast.AST) -> Iterator[tuple[ast.Call, re.Pattern[str], str]]:

@@ -19,8 +19,9 @@ from autograder.exams.visible import (
 )
 from autograder.judging.causes import ended, lifecycle
 from autograder.judging.judge import closest
-from autograder.judging.lines import Followed
+from autograder.judging.rows import Followed
 from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.submission.code.learners_code import Code
 
 DISTANCES = replace(sensor_watch.exam.asks['distances'], inputs=(1.25,))
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})
@@ -156,7 +157,7 @@ def test_seed_in_the_callback_is_told(line, cause_id):
     code = f'self.create_timer(1.0, self.tick)\ndef tick(self):\n    {line}\n'
     run = warming([20.5] * 10, code)
 
-    found = closest(run, why(temperature_publisher.readings_are_plausible, run))
+    found = closest(Code(run.files), why(temperature_publisher.readings_are_plausible, run))
     assert found.cause_id == cause_id
 
 

@@ -13,8 +13,9 @@ from autograder.exams.readings import Reading, SLIPS, warns
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.judge import closest
-from autograder.judging.lines import share
+from autograder.judging.rows import share
 from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.submission.code.learners_code import Code
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
 TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
@@ -310,7 +311,7 @@ class TestUnlogged:
 
         found = why(subscriber.reports_an_unknown_unit, run)
 
-        assert closest(run, found).cause_id == cause_id
+        assert closest(Code(run.files), found).cause_id == cause_id
 
 
 class TestErrors:

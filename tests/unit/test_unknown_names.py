@@ -13,7 +13,7 @@ import roslab
 def at(line, error, above=''):
     """Return how an error is explained that comes from a line below others."""
     source = f'{above}{line}\n'
-    return exception_cause(Traceback(error, 'talker.py', source.count('\n'), line, source))
+    return exception_cause(Traceback(error, source.count('\n'), line, source))
 
 
 @pytest.mark.parametrize(
@@ -136,6 +136,7 @@ def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above,
         ),
         ("cannot import name 'QosProfile' from 'rclpy.qos'", 'import', 'help(rclpy.qos)'),
         ("No module named 'rospy'", 'ros_1', 'here it is rclpy'),
+        ("No module named 'station_interfaces'", 'message_not_built', 'build_messages()'),
         ("No module named 'rclpy.nodes'", 'import', 'Did you mean rclpy.node?'),
         ("No module named 'std_msg'", 'import', 'Did you mean std_msgs?'),
         (

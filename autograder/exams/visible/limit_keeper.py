@@ -34,8 +34,7 @@ from autograder.exams.limit_changes import (
 )
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import answers, hears, node
-from autograder.judging.lines import require_warnings
-from autograder.judging.rows import require_all_sent, rows
+from autograder.judging.rows import require_all_sent, require_warnings, rows
 
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0

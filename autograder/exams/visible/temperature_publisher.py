@@ -19,8 +19,7 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, Unheard
-from autograder.judging.causes.ended import why_silent
-from autograder.judging.causes.not_answering import why_it_sleeps
+from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import (

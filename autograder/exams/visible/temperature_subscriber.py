@@ -19,14 +19,18 @@ from autograder.exam.slips import in_quick_succession, NO_WARNING, REPEATED, SKI
 from autograder.exam.specification import Specification
 from autograder.exams import readings as monitor
 from autograder.exams.readings import Reading
-from autograder.judging.causes.ended import close_name, why_silent
-from autograder.judging.causes.logged_errors import why_error_logged, why_exception_logged
-from autograder.judging.causes.missing_logs import why_elsewhere, why_left_out, why_not_logged
-from autograder.judging.causes.not_answering import nobody_answers
+from autograder.judging.causes.ended import close_name, nobody_answers, why_silent
+from autograder.judging.causes.missing_logs import (
+    why_elsewhere,
+    why_error_logged,
+    why_exception_logged,
+    why_left_out,
+    why_not_logged,
+)
 from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
-from autograder.judging.lines import Followed, followed, require_warnings, share, warnings_after
 from autograder.judging.numbers import shown
+from autograder.judging.rows import Followed, followed, require_warnings, share, warnings_after
 from autograder.recording import ERROR, Event, INFO, WARN
 from autograder.submission.code.learners_code import Code
 

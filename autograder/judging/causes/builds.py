@@ -1,5 +1,5 @@
 """
-Explain failed builds in one line.
+Explain in one line why a package was not built, or why its executable did not start.
 
 The tables ``of_builds.txt`` and ``of_python_builds.txt`` list mistakes that learners make in a
 package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, colcon, CMake).
@@ -8,38 +8,17 @@ package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, col
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+import json
 from pathlib import Path
 import re
+from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes.text_table import rows_of
+from autograder.judging.causes.text_table import cause_of, Row, rows_of
+from autograder.judging.causes.tracebacks import traceback_of
 
 
-@dataclass(frozen=True)
-class Mistake:
-    """
-    One kind of mistake.
-
-    :param pattern: regular expression, searched in the output after all white space is replaced by
-        single spaces
-    :param error: the decisive words; ``{name}`` is replaced by a group of the pattern
-    :param advice: what to change; may contain the same groups
-    :param cause: short stable name
-    :param place: text that identifies the line to change, or ``#`` and the line number
-    :param file: the file to change; ``msg`` is the .msg file that contains ``place``
-    """
-
-    pattern: str
-    error: str
-    advice: str
-    cause: str
-    place: str = ''
-    file: str = 'CMakeLists.txt'
-
-
-@dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(NamedTuple):
     """
     The reason why a build failed.
 
@@ -62,19 +41,16 @@ _CMAKE = re.compile(
 )
 _FOLDERS = re.compile(r'(?<![\w.)}>/])(?:/[\w.+-]+)+/')
 _ERROR_LINE = re.compile(r'^(?!ninja: ).*\berror:|^CMake Error: |\wError: |^[\w.]+\.Invalid\w+: ')
+_NO_ENTRY = re.compile(
+    r"No module named '(?P<module>[\w.]{1,80})'"
+    r"|module '(?P<place>[\w.]{1,80})' has no attribute '(?P<function>\w{1,60})'"
+)
 LONGEST = 240
 """Maximum length of a tool's message in feedback [characters]."""
+NO_EXECUTABLE, NOT_BUILT = 97, 98
+MARK = 'run_package: '
+"""Start of the line from ``inside/run_package.py``, which imports nothing from the project."""
 
-
-def _mistakes(name: str) -> tuple[Mistake, ...]:
-    return tuple(Mistake(*rest, *head.split('|')) for head, *rest in rows_of(name))
-
-
-MISTAKES = _mistakes('of_builds.txt')
-PYTHON_MISTAKES = (
-    *_mistakes('of_python_builds.txt'),
-    *(one for one in MISTAKES if one.file == 'package.xml' and one.cause != 'wrong_build_type'),
-)
 MISSING_AMENT_PACKAGE = Diagnosis(
     'missing_ament_package',
     'The package was built, but ROS 2 cannot find it: nothing was registered.',
@@ -126,21 +102,30 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     :param files: files of the package, relative path to text, to find the line of the mistake
     """
     text = ' '.join(output.split())
-    for mistake in PYTHON_MISTAKES if 'setup.py' in files else MISTAKES:
-        match = re.search(mistake.pattern, text)
-        if match:
+    for row in mistakes(python='setup.py' in files):
+        if match := re.search(row.when, text):
             groups = match.groupdict()
-            return Diagnosis(
-                mistake.cause,
-                mistake.error.format_map(groups),
-                mistake.advice.format_map(groups),
-                _where(mistake, groups, files),
-            )
+            error, advice = row.text.format(**groups), row.try_this.format(**groups)
+            return Diagnosis(row.cause_id, error, advice, _where(row, groups, files))
     return Diagnosis('', _decisive_line(output), 'Read the log; the first error counts.', '')
 
 
-def _where(mistake: Mistake, groups: Mapping[str, str], files: Mapping[str, str]) -> str:
-    name, place = mistake.file.format_map(groups), mistake.place.format_map(groups)
+def mistakes(python: bool) -> list[Row]:
+    """
+    Return the rows for a package, which name the text and the file of the line to change.
+
+    :param python: whether the package has a ``setup.py``
+    """
+    rows = [*rows_of('of_builds.txt')]
+    if not python:
+        return rows
+    manifest = [row for row in rows if row.more[1:] == ['package.xml']]
+    others = [row for row in manifest if row.cause_id != 'wrong_build_type']
+    return [*rows_of('of_python_builds.txt'), *others]
+
+
+def _where(row: Row, groups: Mapping[str, str], files: Mapping[str, str]) -> str:
+    place, name, *_ = (*(one.format(**groups) for one in row.more), *_NO_PLACE[len(row.more) :])
     if place.startswith('#'):
         return f'{name}, line {place[1:]}'
     messages = sorted(path for path in files if path.startswith('msg/'))
@@ -151,6 +136,9 @@ def _where(mistake: Mistake, groups: Mapping[str, str], files: Mapping[str, str]
     return '' if name == 'msg' else name
 
 
+_NO_PLACE = ('', 'CMakeLists.txt')
+
+
 def _decisive_line(output: str) -> str:
     """Return the first error in the output, or otherwise its last line, as complete sentences."""
     for error in _CMAKE.finditer(output):
@@ -159,12 +147,9 @@ def _decisive_line(output: str) -> str:
             place = f'{error["place"].replace(":", ", line ")}: ' if error['place'] else ''
             return _sentences(place + ' '.join(error['said'].split()))
     lines = [line.strip() for line in output.splitlines() if line.strip()]
-    for line in lines:
-        # Skip ninja's error about a missing build.ninja, which follows from an earlier error of
-        # CMake.
-        if _ERROR_LINE.search(line):
-            return _sentences(line)
-    return _sentences(lines[-1]) if lines else 'The build printed nothing.'
+    # ninja's error about a missing build.ninja follows from an earlier error of CMake.
+    errors = filter(_ERROR_LINE.search, lines)
+    return _sentences(next(errors, (lines or ['The build printed nothing.'])[-1]))
 
 
 def _sentences(text: str) -> str:
@@ -174,3 +159,61 @@ def _sentences(text: str) -> str:
         return text
     end = text.rfind('. ', 0, LONGEST)
     return text[: end + 1] if end > 0 else f'{text[:LONGEST].rpartition(" ")[0]} …'
+
+
+# -- the executable of a package ---------------------------------------------------------------
+
+
+def why_no_program(run: Run) -> Cause | None:
+    """Return why a package has no program to run, None if it has one or is not a package."""
+    code = run.recording.process.get('exit') if run.facts.get('package') else None
+    if code == NOT_BUILT:
+        return build_cause(diagnose(output_of(run), run.files))
+    if code == NO_EXECUTABLE:
+        return _why_no_executable(run)
+    return _why_no_entry(run) if code is not None else None
+
+
+def _why_no_entry(run: Run) -> Cause | None:
+    """Explain an entry point that names a missing package, module or function."""
+    trace, package = traceback_of(run), run.facts['package']
+    found = _NO_ENTRY.search(trace.error) if trace is not None and not trace.line else None
+    if found is None:
+        return None
+    words = {**found.groupdict(), 'executable': run.facts['executable'], 'package': package}
+    if found['function']:
+        return cause_of('entry_point_function', **words)
+    return cause_of('no_modules' if found['module'] == package else 'entry_point_module', **words)
+
+
+def _why_no_executable(run: Run) -> Cause:
+    name, package = run.facts['executable'], run.facts['package']
+    there = installed(run)
+    others = [one for one in there['others'] if one != package]
+    if name in there['bin'] or (others and not there['lib']):
+        folder = 'bin/' if name in there['bin'] else f'lib/{others[0]}/'
+        return cause_of('script_folder', executable=name, folder=folder, package=package)
+    if 'setup.py' in run.files and 'CMakeLists.txt' not in run.files:
+        has = f'; it makes {", ".join(there["lib"])}' if there['lib'] else ''
+        return cause_of('entry_point_missing', executable=name, has=has, package=package)
+    return cause_of('executable_not_installed', executable=name)
+
+
+def installed(run: Run) -> dict[str, list[str]]:
+    """
+    Return the installed files that ``run_package`` lists.
+
+    Students can forge this list, so it only explains.
+    """
+    said = str(run.recording.process.get('stderr', ''))
+    lines = [line.removeprefix(MARK) for line in said.splitlines() if line.startswith(MARK)]
+    try:
+        data = json.loads((lines or ['{}'])[-1])
+    except ValueError:
+        data = {}
+    data = data if isinstance(data, dict) else {}
+    names = {word: data.get(word) for word in ('lib', 'bin', 'others')}
+    return {
+        word: [str(name)[:60] for name in found[:8]] if isinstance(found, list) else []
+        for word, found in names.items()
+    }

@@ -1,5 +1,5 @@
 """
-Find the likely cause of a failed check from the recording and the end of the program.
+Explain programs that ended, nodes that answer late or not at all, and missing endpoints.
 
 The program's own output may name a cause, but never decides a verdict.  If there is no evidence,
 the functions return None: a misleading cause is worse than none.
@@ -8,25 +8,30 @@ the functions return None: a misleading cause is worse than none.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 import difflib
 import re
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes import not_answering
-from autograder.judging.causes.code_table import why_by_code
+from autograder.judging.causes.builds import why_no_program
 from autograder.judging.causes.exceptions import exception_cause
-from autograder.judging.causes.text_table import cause_of, rows_of
+from autograder.judging.causes.text_table import cause_of, rows_of, why_by_code
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.judging.packages import why_no_program
+from autograder.submission.code.code_places import pause_in_callback
 from autograder.submission.code.learners_code import Code
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _IN_VAIN = 'Failed to trigger lifecycle state machine transition'
 
+_THREAD = 'Exception in thread '
+"""Start of Python's message about an exception that ended a thread."""
+_MOST_THREADS = 20  # maximum number of threads that are examined
+_SPINS = re.compile(r'^ +File .*, in _?spin\w*$', re.MULTILINE)
+
 LONG_S = 50.0
 """A period longer than in any exercise: the student probably meant milliseconds [s]."""
 
-LIMITS = {name: words for name, *words in rows_of('by_limit.txt')}
+LIMITS = {'|'.join((row.cause_id, *row.more)): row for row in rows_of('by_limit.txt')}
 
 
 def why_it_ended(run: Run) -> Cause | None:
@@ -58,9 +63,10 @@ def why_killed(limit: str, what: str) -> Cause:
 
     :param what: ``program``, ``package`` or ``build``, whose limits differ
     """
-    how, why = LIMITS.get(f'{limit}|{what}', LIMITS[limit])
+    row = LIMITS.get(f'{limit}|{what}', LIMITS[limit])
     subject = 'build' if what == 'build' else 'program'
-    return Cause(limit, f'The grader stopped your {subject}: {how}.', f'Look for {why}.')
+    text = f'The grader stopped your {subject}: {row.text}.'
+    return Cause(limit, text, f'Look for {row.try_this}.')
 
 
 def died_in_vain(run: Run) -> bool:
@@ -88,7 +94,7 @@ def why_no_node(run: Run, wanted: str) -> Cause:
     near = close_name(wanted, others) or (others[0] if others else '')
     if near:
         return cause_of('node_name', near=near[1:], wanted=wanted.rpartition('/')[2])
-    return why_it_ended(run) or not_answering.why_thread_ended(run) or why_by_code('unseen', run)
+    return why_it_ended(run) or why_thread_ended(run) or why_by_code('unseen', run)
 
 
 def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
@@ -104,7 +110,7 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
             return cause_of('wrong_type', kind=kind, topic=topic, seen=end['type'], wanted=wanted)
     if why := _why_longer_name(run, kind, topic, type_name):
         return why
-    # An endpoint that the exam expects is no misspelling of another.
+    # A node that has another endpoint of the exam has not misspelt its name.
     right = run.names.published if kind == 'publisher' else run.names.heard
     ends = [end for end in recording.endpoints(kind) if end['topic'] not in right]
     near = close_name(topic, (end['topic'] for end in ends))
@@ -117,7 +123,10 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         space = topic.removesuffix(near)
         return cause_of('absolute_name', kind=kind, near=near, space=space, base=near[1:])
     if near:
-        written = _relative(run, topic)
+        # The code should write the name without the namespace of the node.
+        spaces = [name.rpartition('/')[0] + '/' for name in recording.nodes]
+        space = max((one for one in spaces if topic.startswith(one)), default='/')
+        written = topic.removeprefix(space)
         return cause_of('topic_name', kind=kind, near=near, topic=topic, wanted=written)
     if ended := why_it_ended(run):
         return ended
@@ -143,19 +152,12 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
     """Explain a topic with the right last part but a wrong prefix."""
     base = topic.rpartition('/')[2]
     for end in run.recording.endpoints(kind):
-        if end['type'] != type_name or not end['topic'].endswith(f'/{base}'):
-            continue
-        if end['topic'] == f'{end["node"]}/{base}':
-            return cause_of('private_name', kind=kind, base=base, seen=end['topic'])
-        if not topic.endswith(end['topic']):
-            return cause_of('namespace_in_the_name', kind=kind, base=base, seen=end['topic'])
+        seen, private = end['topic'], f'{end["node"]}/{base}'
+        longer = seen == private or (seen.endswith(f'/{base}') and not topic.endswith(seen))
+        if end['type'] == type_name and longer:
+            situation = 'private_name' if seen == private else 'namespace_in_the_name'
+            return cause_of(situation, kind=kind, base=base, seen=seen)
     return None
-
-
-def _relative(run: Run, topic: str) -> str:
-    """Return the topic name as the code should write it, without the namespace of the node."""
-    homes = [name.rpartition('/')[0] + '/' for name in run.recording.nodes]
-    return topic.removeprefix(max((home for home in homes if topic.startswith(home)), default='/'))
 
 
 def why_no_verdict(run: Run) -> Cause | None:
@@ -174,22 +176,69 @@ def why_silent(run: Run) -> Cause | None:
     if ended and ended.cause_id not in LIMITS:
         return ended
     # An exception that ended a thread explains more than a limit that the other threads exceeded.
-    thread = not_answering.why_thread_ended(run)
-    if other := thread or ended or not_answering.why_other_is_spun(run):
+    thread = why_thread_ended(run)
+    if other := thread or ended or why_other_is_spun(run):
         return other
-    if not not_answering.nobody_answers(run):
+    if not nobody_answers(run):
         return why_late(run)
-    return not_answering.why_it_sleeps(run) or why_by_code('idle', run)
+    return why_it_sleeps(run) or why_by_code('idle', run)
+
+
+def nobody_answers(run: Run) -> bool:
+    """Return whether the probe sent a request to every node at the end, and none responded."""
+    asked = run.recording.of('asked')
+    return bool(asked) and not any(event['answered'] for event in asked)
+
+
+def why_thread_ended(run: Run) -> Cause | None:
+    """
+    Explain a program that keeps running after an exception ended the thread that spins its node.
+
+    An exception in any other thread is the cause only if there is no node or no node answers.
+    """
+    said = str(run.recording.process.get('stderr', ''))
+    for thread in said.split(_THREAD, _MOST_THREADS)[1:]:
+        trace, spins = traceback_of(run, thread), _SPINS.search(thread)
+        idle = not run.recording.nodes or nobody_answers(run)
+        if trace is not None and trace.line and (spins or idle):
+            why = exception_cause(trace)
+            which = 'the thread that spins the node' if spins else 'a thread of your program'
+            return replace(why, text=f'{why.text.removesuffix(".")}. It ended {which}.')
+    return None
+
+
+def why_other_is_spun(run: Run) -> Cause | None:
+    """Explain a node that does not answer at the end although another node does."""
+    answered = {event['node'] for event in run.recording.of('asked', answered=True)}
+    silent = {event['node'] for event in run.recording.of('asked')} - answered
+    kinds = ('publisher', 'subscription')
+    working = {end['node'] for kind in kinds for end in run.recording.endpoints(kind)}
+    # A node without endpoints is not the cause, unless the nodes that answer have none either.
+    if answered & working:
+        silent &= working
+    if not answered or not silent:
+        return None
+    first = min(silent & working or silent)
+    other, mine = (name.rpartition('/')[2][:60] for name in (min(answered), first))
+    return cause_of('other_node_spun', other=other, mine=mine)
+
+
+def why_it_sleeps(run: Run) -> Cause | None:
+    """Explain a node that is late because a callback sleeps, unless the exercise requires this."""
+    pause = None if run.facts.get('slow_callback') else pause_in_callback(run.files)
+    if pause is None:
+        return None
+    name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
+    return cause_of('sleeps_in_callback', name=name, line=pause.line)
 
 
 def why_late(run: Run) -> Cause | None:
     """Explain a timer whose period has the wrong unit, so that its first call is too late."""
     for program in Code(run.files).programs:
         for timer in ('create_timer', 'Timer'):
-            for period_s in program.numbers(timer):
-                if period_s >= LONG_S:
-                    minutes = period_s / 60
-                    return cause_of('period_unit', timer=timer, period_s=period_s, minutes=minutes)
+            if late := [one for one in program.numbers(timer) if one >= LONG_S]:
+                minutes = late[0] / 60
+                return cause_of('period_unit', timer=timer, period_s=late[0], minutes=minutes)
     return None
 
 
@@ -207,9 +256,7 @@ def how_to_look(run: Run) -> str:
     topics = {end['topic'].rpartition('/')[2][:60] for end in run.recording.endpoints('publisher')}
     if not run.recording.nodes:
         return ''
+    tools = ', run logs() in a cell,'
     if topics:
-        return (
-            f"Try it: start your node and run echo('{min(topics)}') in a cell, or "
-            f'ros2 topic echo in a terminal, and compare with what is expected.'
-        )
-    return 'Try it: start your node, run logs() in a cell, and compare with what is expected.'
+        tools = f" and run echo('{min(topics)}') in a cell, or ros2 topic echo in a terminal,"
+    return f'Try it: start your node{tools} and compare with what is expected.'

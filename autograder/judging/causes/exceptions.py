@@ -11,10 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 import re
-from typing import NamedTuple
 
 from autograder.exam.exam import Cause
-from autograder.judging.causes.text_table import rows_of
+from autograder.judging.causes.text_table import cause_of, rows_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
     homes,
@@ -77,26 +76,6 @@ WANTED = {
 """Advice on a field, by a pattern in rclpy's message; the first match is used."""
 
 
-class Kind(NamedTuple):
-    """
-    One kind of exception that beginners cause.
-
-    :param says: regular expression, searched in the exception and, after a line break, the line of
-        code without its comments and strings
-    :param text: what is wrong; may contain groups of ``says``
-    :param try_this: the repair; may contain groups of ``says`` and names of the exam
-    """
-
-    cause_id: str
-    says: str
-    text: str
-    try_this: str
-
-
-KINDS = tuple(Kind(*row) for row in rows_of('by_exception.txt'))
-"""Common exceptions of beginners; the first match is used."""
-
-
 def exception_cause(trace: Traceback) -> Cause:
     """Return the cause of an exception."""
     for explain in _IN_ORDER:
@@ -124,12 +103,12 @@ def _how_to_find(trace: Traceback) -> str:
 
 def _known_cause(trace: Traceback) -> Cause | None:
     """Explain an exception that is in the table."""
-    for kind in KINDS:
-        if found := re.search(kind.says, trace.said):
+    for row in rows_of('by_exception.txt'):
+        if found := re.search(row.when, trace.said):
             # If the pattern includes the line of code, name that line even if it only spins.
-            line = trace.line if r'\n' in kind.says else None
-            text, repair = found.expand(kind.text), found.expand(kind.try_this)
-            return Cause(kind.cause_id, text, repair, line=line)
+            line = trace.line if r'\n' in row.when else None
+            text, repair = found.expand(row.text), found.expand(row.try_this)
+            return Cause(row.cause_id, text, repair, line=line)
     return None
 
 
@@ -137,12 +116,7 @@ def _attribute_cause(trace: Traceback) -> Cause | None:
     """Explain an attribute that does not exist."""
     if 'has no attribute' not in trace.error:
         return None
-    return Cause(
-        'no_attribute',
-        f'Your code uses something that does not exist: {trace.error}',
-        'Is the spelling the same everywhere, and is it created before it is used? Put '
-        'self.name = ... into __init__().',
-    )
+    return cause_of('no_attribute', error=trace.error)
 
 
 def _arguments_cause(trace: Traceback) -> Cause | None:
@@ -160,20 +134,10 @@ def _arguments_cause(trace: Traceback) -> Cause | None:
     call = rf'(?:self\.)?{re.escape(name)}\(\)'
     passed = re.search(rf'[(,=]\s*{call}|^{call}\s*[,)]', trace.bare_code)
     if own and passed and found['missing']:
-        return Cause(
-            'called_not_passed',
-            f'Your code calls {name}() where it should pass the method.',
-            f'Write the method without parentheses: self.{name}.',
-        )
+        return cause_of('called_not_passed', method=name)
     if trace.spun and not made:
-        return Cause(
-            'callback_arguments',
-            f'{"A callback" if name == "<lambda>" else f"{name}()"} gets the wrong number of '
-            'arguments.',
-            'A subscription passes the message, an event callback gets the event, a timer passes '
-            'nothing; a method also has self first: def take(self, message).',
-            about=[name],
-        )
+        callback = 'A callback' if name == '<lambda>' else f'{name}()'
+        return cause_of('callback_called', callback=callback, about=[name])
     advice = SIGNATURES.get(name, f'Look up how the lesson calls {called}().')
     if own:
         advice = f'Compare the call with its line def {name}(...); Python passes self itself.'
@@ -198,9 +162,8 @@ def _messages(trace: Traceback) -> Mapping[str, str]:
     """Return the package of each message type that the lessons know or the code imports."""
     known = {
         name: home.removesuffix('.msg')
-        for home, names in (*homes().items(), *trace.names.homes.items())
+        for name, home in homes(trace.names).items()
         if home.endswith('.msg')
-        for name in names.split()
     }
     for package, names in _MESSAGE_IMPORT.findall(trace.bare):
         known |= dict.fromkeys(re.findall(r'\w+', names), package)
@@ -240,14 +203,11 @@ def _field_cause(trace: Traceback) -> Cause | None:
     given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)]|$)', trace.bare_code)
     kind = _heard(trace).get(given[1], '') if given else ''
     field = _main_field(kind, _messages(trace).get(kind, ''))
-    if given and field and 'sub message' not in wanted:
-        return Cause(
-            'field_value', text, f'{given[1]} is the whole message: take {given[1]}.{field}.'
-        )
     matches = ((re.search(says, trace.error), advice) for says, advice in WANTED.items())
-    return Cause(
-        'field_value', text, next(match.expand(advice) for match, advice in matches if match)
-    )
+    advice = next(match.expand(advice) for match, advice in matches if match)
+    if given and field and 'sub message' not in wanted:
+        advice = f'{given[1]} is the whole message: take {given[1]}.{field}.'
+    return Cause('field_value', text, advice)
 
 
 def _no_field_cause(trace: Traceback) -> Cause | None:
@@ -282,11 +242,9 @@ def _take_the_field(kind: str, trace: Traceback) -> Cause:
     package = _messages(trace)[kind]
     field = _main_field(kind, package)
     name = next((one for one, theirs in _heard(trace).items() if theirs == kind), 'message')
-    return Cause(
-        'whole_message',
-        f'Your code uses a whole {kind} as if it were a value.',
-        f'Take the field: {name}.{field}.' if field else f'Take a field. {_show(kind, package)}',
-    )
+    if field:
+        return cause_of('whole_message', kind=kind, value=name, field=field)
+    return cause_of('several_fields', kind=kind, show=_show(kind, package))
 
 
 _IN_A_FILE = ('no_parameter_file', 'parameter_file')

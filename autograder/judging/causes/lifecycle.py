@@ -54,7 +54,7 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     taken = code.parameters(f'on_{name}')
     if taken is not None and len(taken) < 2:
         return cause_of('callback_arguments', name=name, first=(*taken, 'self')[0])
-    known = {one: home for home, names in homes().items() for one in names.split()}
+    known = homes()
     missing = next((one for one in known if one in code.unmade), '')
     if missing:
         return cause_of('missing_import', name=missing, callback=name, home=known[missing])

@@ -105,10 +105,8 @@ def asked(run: Run) -> list[Event]:
 
 
 def _leaves(value: Any) -> Iterator[Any]:
-    if isinstance(value, dict):
-        value = list(value.values())
-    if not isinstance(value, list):
+    if isinstance(value, (dict, list)):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from _leaves(part)
+    else:
         yield value
-        return
-    for part in value:
-        yield from _leaves(part)

@@ -1,14 +1,45 @@
-"""Read the tables of causes, which are text files to make each row readable."""
+"""Read the tables of causes, text files with readable rows; compare code with one of them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 import re
+from typing import NamedTuple
 
-from autograder.exam.exam import Cause
+from autograder.exam.exam import Cause, Run
+from autograder.submission.code.acts import find
+from autograder.submission.code.learners_code import Code
 
 FOLDER = Path(__file__).parent
+_ABOUT = ('near', 'seen', 'topic', 'base', 'name')
+"""Names in braces whose values help to find the line, see :class:`autograder.exam.exam.Cause`."""
+
+
+class Row(NamedTuple):
+    """
+    One row of a table of causes.
+
+    :param cause_id: short stable name of the cause; may contain names in braces
+    :param more: the other words of the first line, which ``|`` separates
+    :param when: the evidence: a pattern, or conditions on the code; empty in ``by_evidence.txt``
+    :param text: what is wrong, with names in braces
+    :param try_this: the repair, with names in braces
+    """
+
+    cause_id: str
+    more: Sequence[str]
+    when: str
+    text: str
+    try_this: str
+
+    def cause(self, **words: object) -> Cause:
+        """Return the cause, with values for the names in braces."""
+        about = [str(words[name]) for name in _ABOUT if name in words]
+        text, try_this = self.text.format(**words), self.try_this.format(**words)
+        return Cause(self.cause_id.format(**words), text, try_this, about)
 
 
 def rows(text: str) -> list[list[str]]:
@@ -22,36 +53,112 @@ def rows(text: str) -> list[list[str]]:
     return [re.sub(r'\n +', ' ', block).split('\n') for block in blocks]
 
 
-def rows_of(name: str) -> list[list[str]]:
+@cache
+def rows_of(name: str) -> tuple[Row, ...]:
     """Return the rows of a file of causes, such as ``by_code.txt``."""
-    return rows((FOLDER / name).read_text(encoding='utf-8'))
+    found = []
+    for head, *when, text, try_this in rows((FOLDER / name).read_text(encoding='utf-8')):
+        cause_id, *more = head.split('|')
+        found.append(Row(cause_id, more, ''.join(when), text, try_this))
+    return tuple(found)
 
 
 @cache
 def acts_by_cause() -> dict[str, str]:
     """Return the acts of each cause in ``places.txt``."""
     text = (FOLDER / 'places.txt').read_text(encoding='utf-8').replace('\n  ', ' ')
-    rows = (line.split(': ') for line in text.splitlines() if line and line[0] != '#')
-    return {one: acts for causes, acts in rows for one in causes.split()}
+    lines = (line.split(': ') for line in text.splitlines() if line and line[0] != '#')
+    return {one: acts for causes, acts in lines for one in causes.split()}
 
 
-def cause_of(situation: str, **words: object) -> Cause:
+def cause_of(
+    situation: str,
+    *,
+    about: Sequence[str] = (),
+    act: str = '',
+    line: int | None = None,
+    closer: Sequence[Cause] = (),
+    **words: object,
+) -> Cause:
     """
     Return the cause for a situation from ``by_evidence.txt``.
 
-    :param words: values for the names in braces
+    :param words: values for the names in braces; the other parameters are fields of the cause
     """
-    cause_id, text, try_this = _sentences()[situation]
-    about = [
-        str(words[name]) for name in ('near', 'seen', 'topic', 'base', 'name') if name in words
-    ]
-    return Cause(cause_id, text.format(**words), try_this.format(**words), about)
+    cause = _by_situation()[situation].cause(**words)
+    return replace(cause, about=about or cause.about, act=act, line=line, closer=closer)
 
 
 @cache
-def _sentences() -> dict[str, tuple[str, str, str]]:
-    found = {}
-    for head, text, try_this in rows_of('by_evidence.txt'):
-        cause_id, _, situation = head.partition('|')
-        found[situation or cause_id] = (cause_id, text, try_this)
-    return found
+def _by_situation() -> dict[str, Row]:
+    return {(row.more or [row.cause_id])[0]: row for row in rows_of('by_evidence.txt')}
+
+
+# -- conditions on the code ----------------------------------------------------------------------
+
+
+def why_by_code(situation: str, run: Run, **names: object) -> Cause:
+    """
+    Return the first cause in ``by_code.txt`` whose conditions hold: why nothing was produced.
+
+    For code that Python cannot parse, only the last row of a situation (``always``) matches.
+
+    :param situation: such as ``idle``; its rows name conditions that must all hold: a name that
+        the code uses, ``name()`` if the code calls it, or a fact of :data:`_FACTS`; ``!`` negates
+    :param names: values for the names in braces
+    """
+    code = Code(run.files)
+    here = (row for row in rows_of('by_code.txt') if situation in row.more[0].split())
+    row = next(row for row in here if all(_holds(code, word) for word in row.when.split()))
+    return row.cause(**names)
+
+
+def _holds(code: Code, word: str) -> bool:
+    if word == 'always' or not code.names:
+        return word == 'always'
+    name = word.removeprefix('!')
+    if fact := _FACTS.get(name):
+        found = fact(code)
+    else:
+        found = name[:-2] in code.calls if name.endswith('()') else name in code.names
+    return found is (name == word)
+
+
+def _has_callbacks(code: Code) -> bool:
+    starts = ('create_timer', 'create_subscription', 'create_service', 'create_rate', 'on_')
+    return any('callback' in name or name.startswith(starts) for name in code.names)
+
+
+def _main_unused(code: Code) -> bool:
+    """Return whether neither the code nor an entry point in setup.py calls main()."""
+    unused = code.defines_unused('main') and not any(one.endswith(':main') for one in code.texts)
+    return unused or ('__name__' in code.names and '__main__' not in code.texts)
+
+
+def _destroyed_first(code: Code) -> bool:
+    """Return whether the code calls destroy_node() above spin()."""
+    first = {name: code.calls[name][0] for name in ('destroy_node', 'spin') if name in code.calls}
+    at = [(call.lineno, call.col_offset) for call in first.values()]
+    return len(at) == 2 and at[0] < at[1]
+
+
+def _creates_node(code: Code) -> bool:
+    made = (name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls)
+    return any(made)
+
+
+_FACTS: Mapping[str, Callable[[Code], bool]] = {
+    'catches_all': lambda code: any(find(one, 'catch_all') for one in code.programs),
+    'ends_itself': lambda code: code.ends_itself,
+    'loops': lambda code: code.loops,
+    'serves': lambda code: 'spin' in code.calls or code.loops,
+    'spins': lambda code: any(name.startswith('spin') for name in code.names),
+    'creates_executor': lambda code: any(name.endswith('Executor') for name in code.calls),
+    'overrides_activate': lambda code: (
+        'on_activate' in code.functions and 'on_activate' not in code.calls
+    ),
+    'creates_node': _creates_node,
+    'has_callbacks': _has_callbacks,
+    'main_unused': _main_unused,
+    'destroyed_first': _destroyed_first,
+}

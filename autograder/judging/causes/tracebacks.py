@@ -39,8 +39,7 @@ class Traceback:
     The exception that ended a program.
 
     :param error: type and message, one line
-    :param file: name of the student's file, empty if no frame is in one
-    :param line: line in this file, None if no frame is in one
+    :param line: line in the student's file, None if no frame is in one
     :param code: text of this line
     :param source: all Python code of the student
     :param spun: whether this line only spins, and the exception was raised in the executor below
@@ -49,7 +48,6 @@ class Traceback:
     """
 
     error: str
-    file: str
     line: int | None
     code: str = ''
     source: str = ''
@@ -87,25 +85,33 @@ class Traceback:
         return frozenset(re.findall(r'\b(?:class|def) (\w+)', self.bare))
 
 
-def traceback_of(run: Run) -> Traceback | None:
-    """Return the exception at the end of standard error, None if there is none."""
+def traceback_of(run: Run, said: str | None = None) -> Traceback | None:
+    """
+    Return the exception at the end of a text, None if there is none.
+
+    :param said: what the program printed, by default its standard error
+    """
+    said = str(run.recording.process.get('stderr', '')) if said is None else said
     source = '\n'.join(text for name, text in run.files.items() if name.endswith('.py'))
-    lines = _last_traceback(str(run.recording.process.get('stderr', '')).splitlines(), source)
+    lines = _last_traceback(said.splitlines(), source)
     error = _error_of(lines)
     if not error:
         return None
     error = _without_secrets(run, error)
     texts = {name.rpartition('/')[2]: text for name, text in run.files.items()}
-    frames = [(at, found) for at, line in enumerate(lines) if (found := _FRAME.match(line))]
     # The grader puts nodes from notebook cells into the folder with the package's name.
     names = [*run.files, *(f'{run.facts.get("package", "")}/{name}' for name in run.files)]
-    frames = [(at, found) for at, found in frames if _is_learners(found['path'], names)]
+    frames = [
+        (at, found)
+        for at, line in enumerate(lines)
+        if (found := _FRAME.match(line)) and _is_learners(found['path'], names)
+    ]
     spun = any(_EXECUTOR.match(line) for line in lines[frames[-1][0] if frames else 0 :])
     if not frames:
-        return Traceback(error, '', None, source=source, spun=spun, names=run.names)
+        return Traceback(error, None, source=source, spun=spun, names=run.names)
     file, number = frames[-1][1]['file'], int(frames[-1][1]['line'])
     code = ''.join(texts[file].splitlines()[number - 1 : number]).strip()[:LONGEST]
-    return Traceback(error, file, number, code, source, spun, run.names)
+    return Traceback(error, number, code, source, spun, run.names)
 
 
 def _is_learners(path: str, names: Iterable[str]) -> bool:

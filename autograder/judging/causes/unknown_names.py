@@ -13,9 +13,12 @@ import re
 import sys
 
 from autograder.exam.exam import Cause
+from autograder.exam.names import Names
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.layout import Layout
 
+NO_NAMES = Names()
 _NAME = re.compile(r"name '(\w{1,60})' is not defined")
 _MEANT = re.compile(r"Did you mean: '([\w.]{1,60})'")
 _FROM = re.compile(r"cannot import name '(?P<name>\w{1,60})' from .*?'(?P<module>[\w.]{1,80})'")
@@ -51,13 +54,20 @@ HOMES = {
 """Names from the lessons, of common messages and of everyday Python, by module."""
 
 
-def homes() -> Mapping[str, str]:
-    """Return the names in each module, joined by spaces, with the course's own messages."""
-    own: dict[str, str] = {}
+def homes(names: Names = NO_NAMES) -> Mapping[str, str]:
+    """
+    Return the module of each known name: of the exam, the lessons and the course's messages.
+
+    :param names: names of the exam
+    """
+    found: dict[str, str] = {}
+    for module, known in (*names.homes.items(), *HOMES.items()):
+        for name in known.split():
+            found.setdefault(name, module)
     for one in Layout.here().facts.messages:
         package, kind, name = one.split('/')
-        own[f'{package}.{kind}'] = f'{own.get(f"{package}.{kind}", "")} {name}'.strip()
-    return {**HOMES, **own}
+        found.setdefault(name, f'{package}.{kind}')
+    return found
 
 
 IMPORTS = {
@@ -88,28 +98,27 @@ def import_cause(trace: Traceback) -> Cause | None:
         return _module_cause(trace, missing[1])
     found = _FROM.search(trace.error) or _BEHIND.search(trace.error)
     name, module = found.group('name', 'module') if found else ('', '')
-    home = _home(name, trace.names.homes, homes())
+    home = homes(trace.names).get(name)
     if not home and trace.kind != 'ImportError':
         return None
     if not found:
-        advice = 'Check the spelling of the package and of the name.'
-        return Cause('import', f'An import fails: {trace.error}', advice)
-    if home:
+        return cause_of('import_fails', error=trace.error)
+    if home == module:
+        advice = 'Build your own message first: build_messages().'
+    elif home:
         advice = f'Write: from {home} import {name}, and use {name} alone.'
-        if home == module:
-            advice = 'Build your own message first: build_messages().'
     elif _PACKAGE.fullmatch(module):
         advice = f'Message classes are in the submodule msg: from {module}.msg import {name}'
     elif meant := _MEANT.search(trace.error):
         advice = f'Did you mean {meant[1]}? Upper and lower case matter.'
     else:
         advice = f'Check the spelling of the name; help({module}) lists what it has.'
-    return Cause('import', f'{module} has no {name}, which your code uses.', advice)
+    return cause_of('not_in_module', module=module, missing=name, advice=advice)
 
 
 def _module_cause(trace: Traceback, module: str) -> Cause:
     """Explain a module or package that does not exist."""
-    known = {*trace.names.homes, *homes()}
+    known = set(homes(trace.names).values())
     packages = (*known, *(home.partition('.')[0] for home in known), 'builtin_interfaces.msg')
     near = difflib.get_close_matches(module, packages, 1, 0.8)
     messages = _MESSAGES.fullmatch(module)
@@ -117,17 +126,11 @@ def _module_cause(trace: Traceback, module: str) -> Cause:
         alike = [one for one in INSTALLED if one[0] == module[0]]
         near = difflib.get_close_matches(module, alike, 1, 0.75)
     if messages and near in ([], [module]):
-        return Cause(
-            'message_not_built',
-            f'There is no message package of that name: {trace.error}',
-            'Is the package spelled as in the table? Build your own package first with '
-            'build_messages(). Packages of others are installed if environment/messages.txt '
-            'names them.',
-        )
+        return cause_of('message_not_built', error=trace.error)
     advice = 'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.'
     if near and near[0] != module:
         advice = f'Did you mean {near[0]}? Check the spelling.'
-    return Cause('import', f'Your code imports {module}, but there is no such module.', advice)
+    return cause_of('no_module', module=module, advice=advice)
 
 
 def name_cause(trace: Traceback) -> Cause | None:
@@ -137,28 +140,20 @@ def name_cause(trace: Traceback) -> Cause | None:
         return None
     name = found[1]
     if line := _import_line(name, trace):
-        text = f'Your code uses the name {name} and never imports it.'
-        return Cause('missing_import', text, f'{ALONE} Write at the top: {line}')
-    text = f'Your code uses the name {name}, which is not defined.'
-    return Cause('unknown_name', text, _how_to_define(name, trace))
+        return cause_of('never_imported', unknown=name, alone=ALONE, import_line=line)
+    return cause_of('unknown_name', unknown=name, advice=_how_to_define(name, trace))
 
 
 def _import_line(name: str, trace: Traceback) -> str:
     """Return the import line for a name, empty if no module is known for it."""
     if name in IMPORTS:
         return IMPORTS[name]
-    if home := _home(name, trace.names.homes, homes()):
+    if home := homes(trace.names).get(name):
         return f'from {home} import {name}'
     # Many modules have names that variables have too, such as code or string, so require a use as
     # a module.
     used = name in sys.stdlib_module_names and re.search(rf'\b{name}\.\w', trace.bare_code)
     return f'import {name}' if used else ''
-
-
-def _home(name: str, *tables: Mapping[str, str]) -> str:
-    """Return the module that defines a name, empty if unknown."""
-    pairs = (pair for homes in tables for pair in homes.items())
-    return next((home for home, names in pairs if name in names.split()), '')
 
 
 def _how_to_define(name: str, trace: Traceback) -> str:
@@ -184,10 +179,4 @@ def init_cause(trace: Traceback) -> Cause | None:
     found = _PARENTS.search(trace.error)
     if _NO_INIT.search(trace.error) and 'def __init__(' not in trace.bare:
         found = _INIT.search(trace.bare)
-    if found is None:
-        return None
-    return Cause(
-        'init_name',
-        f'Your code has {found[1]}(), but Python calls only __init__().',
-        'Write __init__ everywhere: small letters between two underscores on each side.',
-    )
+    return cause_of('init_name', method=found[1]) if found else None
