@@ -88,24 +88,32 @@ CUTS: tuple[Callable[[float], float], ...] = (
 """Ways to truncate or round the decimals of a value."""
 
 
-def _whole(cut: Callable[[float], float]) -> Compare:
-    return lambda value, limit: math.isfinite(value) and cut(value) > limit
-
-
-def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:
+def warning_slips(
+    rule: Callable[[Compare], Rule], limit: str, burst: int = 0, more: Sequence[Slip] = ()
+) -> tuple[Slip, ...]:
     """
-    Return the slips of a comparison that requires a warning strictly above a limit.
+    Return the slips of a program that warns about each value strictly above a limit.
 
     :param rule: builds the rule with the given comparison; its answers count warnings
     :param limit: as in the learner's code, ``30.0`` or ``self.limit``
+    :param burst: number of inputs at the end that are sent at once
+    :param more: slips of the exercise, which are less likely than a wrong comparison
     """
-    strictly = f'Above means strictly greater: value > {limit}, not >=.'
+    due = rule(operator.gt)
+    return (*_comparisons(rule, limit), *more, *_memories(due), *_in_a_burst(due, burst))
+
+
+def _comparisons(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:
     each_itself = f'Compare each received value unchanged: value > {limit}'
+
+    def cutting(cut: Callable[[float], float]) -> Rule:
+        return rule(lambda value, limit: math.isfinite(value) and cut(value) > limit)
+
     return (
         Slip(
             'warns_at_threshold',
             'The comparison includes the limit itself.',
-            strictly,
+            f'Above means strictly greater: value > {limit}, not >=.',
             rule(operator.ge),
         ),
         Slip(
@@ -132,29 +140,21 @@ def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]
             'Your node does not warn about a value just above the limit: it rounds the value or '
             'cuts its decimals off, or it uses a different limit.',
             f'{each_itself}, without int(), // and round().',
-            *(rule(_whole(cut)) for cut in CUTS),
+            *map(cutting, CUTS),
+        ),
+        Slip(
+            'nan',
+            'Your node logs a WARN line for NaN, which is not above the limit: every comparison '
+            'with NaN is false.',
+            f'Ask value > {limit}, not not (value <= {limit}). In a branch for math.isnan(value), '
+            'log no warning.',
+            rule(lambda value, limit: math.isnan(value) or value > limit),
         ),
     )
 
 
-def of_nan(rule: Callable[[Compare], Rule], limit: str) -> Slip:
-    """Return the slip that warns about NaN; for the parameters see :func:`above_limit`."""
-    return Slip(
-        'nan',
-        'Your node logs a WARN line for NaN, which is not above the limit: every comparison with '
-        'NaN is false.',
-        f'Ask value > {limit}, not not (value <= {limit}). In a branch for math.isnan(value), log '
-        'no warning.',
-        rule(lambda value, limit: math.isnan(value) or value > limit),
-    )
-
-
-def with_memory(rule: Rule) -> tuple[Slip, ...]:
-    """
-    Return the slips of a program that remembers earlier inputs although each one is independent.
-
-    :param rule: the correct rule; its answers count warnings
-    """
+def _memories(rule: Rule) -> tuple[Slip, ...]:
+    """Return the slips of a program that remembers inputs although each one is independent."""
 
     def changed(change: Callable[[Sequence[Any]], Sequence[Any]]) -> Rule:
         return lambda inputs: change(rule(inputs))
@@ -197,13 +197,8 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
     )
 
 
-def in_quick_succession(rule: Rule, burst: int) -> tuple[Slip, ...]:
-    """
-    Return the slip of a program that does not log each of several warnings at once.
-
-    :param rule: the correct rule; its answers count warnings
-    :param burst: number of inputs at the end that are sent at once, 0 for no slip
-    """
+def _in_a_burst(rule: Rule, burst: int) -> tuple[Slip, ...]:
+    """Return the slip of a program that does not log each of several warnings at once."""
 
     def one_of_them(inputs: Sequence[Any]) -> list[int]:
         return [*rule(inputs)[:-burst], 1, *[0] * (burst - 1)]
@@ -289,32 +284,25 @@ def leaving_out(
         return slipped
 
     each_one = f'{do} for each message, and do not check'
-    kinds = (
-        ('skips_negative', 'a number below zero', lambda one, before: one < 0),
-        ('skips_not_positive', 'zero and numbers below zero', lambda one, before: one <= 0),
-    )
+    kinds: tuple[tuple[str, str, str, Callable[[Any, Sequence[Any]], bool]], ...] = (
+        ('equal', 'a message that equals the previous one', 'the last one',
+         lambda one, before: one in before[-1:]),
+        ('known', 'a message that equals an earlier one', 'earlier ones',
+         lambda one, before: one in before),
+        ('empty', 'an empty string or a zero, but they are ordinary messages', 'what is in it',
+         lambda one, before: not one),
+        ('negative', 'a number below zero', 'what is in it', lambda one, before: one < 0),
+        ('not_positive', 'zero and numbers below zero', 'what is in it',
+         lambda one, before: one <= 0),
+    )  # fmt: skip
     return (
         Slip.of(NO_ANSWER, unless(lambda one, before: True)),
-        Slip(
-            'skips_equal',
-            'Your node does not answer a message that equals the previous one.',
-            f'{each_one} the last one.',
-            unless(lambda one, before: one in before[-1:]),
-        ),
-        Slip(
-            'skips_known',
-            'Your node does not answer a message that equals an earlier one.',
-            f'{each_one} earlier ones.',
-            unless(lambda one, before: one in before),
-        ),
-        Slip(
-            'skips_empty',
-            'Your node does not answer an empty string or a zero, but they are ordinary messages.',
-            f'{each_one} what is in it.',
-            unless(lambda one, before: not one),
-        ),
         *(
-            Slip(name, f'Your node does not answer {which}.', f'{each_one} what is in it.', skip)
-            for name, which, skip in ((*kind[:2], unless(kind[2])) for kind in kinds if numbers)
+            Slip(
+                f'skips_{kind}', f'Your node does not answer {which}.', f'{each_one} {what}.', out
+            )
+            for kind, which, what, out in (
+                (*words, unless(skips)) for *words, skips in kinds[: 5 if numbers else 3]
+            )
         ),
     )

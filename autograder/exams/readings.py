@@ -14,7 +14,7 @@ import operator
 from typing import Any
 
 from autograder.exam.exam import Cause
-from autograder.exam.slips import above_limit, Compare, NO_WARNING, of_nan, with_memory
+from autograder.exam.slips import Compare, NO_WARNING, warning_slips
 from autograder.exam.specification import each, Rule, Slip
 from autograder.judging.numbers import shows
 
@@ -188,9 +188,7 @@ KEEPS_UNIT = Cause(
     'Look at msg.unit of each reading: one sensor may send readings in both units.',
     act='setdefault() | kept_first',
 )
-SLIPS = (
-    *above_limit(warns, str(THRESHOLD_C)),
-    of_nan(warns, str(THRESHOLD_C)),
+UNIT_SLIPS = (
     Slip(
         'ignores_unit',
         'The number is compared without conversion, or the conversion gives another number.',
@@ -236,6 +234,10 @@ SLIPS = (
         UNKNOWN_UNIT,
         warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),
     ),
-    *with_memory(warns()),
-    Slip.of(NO_WARNING, each(lambda one: 0)),
 )
+
+
+def slips(burst: int = 0) -> tuple[Slip, ...]:
+    """Return the slips of a monitor, with ``burst`` readings at the end that are sent at once."""
+    found = warning_slips(warns, str(THRESHOLD_C), burst, UNIT_SLIPS)
+    return (*found, Slip.of(NO_WARNING, each(lambda one: 0)))

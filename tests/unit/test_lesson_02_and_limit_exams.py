@@ -10,9 +10,8 @@ from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
 from autograder.exam.latest import BEGINS_EARLY, joining, Told
 from autograder.exam.specification import Specification
-from autograder.exams import limit_changes
-from autograder.exams.limit_changes import LIMIT, Reading
-from autograder.exams.visible import inspector, pilot
+from autograder.exams.visible import inspector, limit_keeper, pilot
+from autograder.exams.visible.limit_keeper import LIMIT, Reading
 from autograder.recording import Recording
 
 SECRETS = [str(number) for number in range(10)]
@@ -141,11 +140,11 @@ class TestLimits:
         """A node that accepts NaN warns of nothing after that, and loses those points once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
         sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
-        rule = limit_changes.warning()
+        rule = limit_keeper.warning()
         asked = Specification(sent, rule)
 
         def due(*accepted):
-            return limit_changes.in_force(asked, changes, accepted).answers
+            return limit_keeper.in_force(asked, changes, accepted).answers
 
         assert due(True, False, True) == [1, 1, 1, 1]
         assert due(True, True, True) == [1, 1, 0, 0]

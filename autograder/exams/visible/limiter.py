@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
-from autograder.exam.scenario import Call, feeds, Scenario, set_parameter
+from autograder.exam.scenario import Call, feeds, Scenario, set_parameters
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
 from autograder.judging.causes.ended import why_silent
@@ -162,7 +162,7 @@ def build(
     steps = (
         Call(name, 'get_parameters', 'rcl_interfaces/srv/GetParameters', request),
         *feeds(source, [{'data': speed} for speed in before], 0),
-        set_parameter(name, 'max_speed', most),
+        set_parameters(name, {'max_speed': most}),
         *feeds(source, [{'data': speed} for speed in after], burst),
     )
     wanted = [Wanted(one, IN_FILE) for one in before] + [Wanted(one, most) for one in after]

@@ -24,18 +24,11 @@ from autograder.exam.scenario import (
     Mark,
     Qos,
     Scenario,
-    set_parameter,
+    set_parameters,
     state,
     transition,
 )
-from autograder.exam.slips import (
-    above_limit,
-    Compare,
-    CUTS,
-    in_quick_succession,
-    of_nan,
-    with_memory,
-)
+from autograder.exam.slips import Compare, CUTS, warning_slips
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
@@ -182,10 +175,7 @@ SLIPS = (
         "Use it unchanged: self.limit = self.get_parameter('limit').value.",
         *(warns(limit=cutting(cut)) for cut in CUTS[:3]),
     ),
-    *above_limit(warns, 'self.limit'),
-    of_nan(warns, 'self.limit'),
-    *with_memory(warns()),
-    *in_quick_succession(warns(), BURST),
+    *warning_slips(warns, 'self.limit', BURST),
 )
 
 
@@ -350,7 +340,7 @@ def build(
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
     first, second, third, nan, *others = (
-        set_parameter(NODE, 'limit', one) for one in (*limits, highest, math.nan, *refused[1:])
+        set_parameters(NODE, {'limit': one}) for one in (*limits, highest, math.nan, *refused[1:])
     )
     sent = {
         phase: feeds(

@@ -15,7 +15,7 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import feeds, Scenario
-from autograder.exam.slips import in_quick_succession, NO_WARNING, REPEATED, SKIPS_EQUAL
+from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exams import readings as monitor
 from autograder.exams.readings import Reading
@@ -293,7 +293,6 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
         hot; at most five, the depth of the sensor-data profile
     """
     messages = [reading.message(number) for number, reading in enumerate(readings)]
-    slips = (*monitor.SLIPS, *in_quick_succession(monitor.warns(), burst))
     exam = Exam(
         'temperature_subscriber',
         title='The temperature subscriber',
@@ -306,7 +305,7 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
         ),
         read='Part 3: The subscriber',
         asks={
-            'warnings': Specification(readings, monitor.warns(), slips, burst),
+            'warnings': Specification(readings, monitor.warns(), monitor.slips(burst), burst),
             'shown': shown([one for one in readings if not one.odd], lambda one: one.numbers),
         },
     )

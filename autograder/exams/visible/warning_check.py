@@ -23,8 +23,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exams.monitor_runs import celsius, fahrenheit, made_run, MadeRun, NAN
-from autograder.exams.readings import Reading, warns
-from autograder.exams.readings import SLIPS as OF_A_MONITOR
+from autograder.exams.readings import Reading, slips, warns
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
@@ -38,6 +37,7 @@ EXERCISE = 'Exercise 11: the check'
 
 DUE = warns()
 """The rule of a correct monitor."""
+OF_A_MONITOR = slips()
 LATE = Slip(
     'one_late',
     'The warning comes with the next reading, and not with the one that is too warm.',
