@@ -8,10 +8,10 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
-from autograder.exam.latest import BEGINS_EARLY, joining, Told
 from autograder.exam.specification import Specification
 from autograder.exams.visible import inspector, limit_keeper, pilot
 from autograder.exams.visible.limit_keeper import LIMIT, Reading
+from autograder.exams.visible.pilot import BEGINS_EARLY, joining, Told
 from autograder.recording import Recording
 
 SECRETS = [str(number) for number in range(10)]
@@ -36,7 +36,7 @@ def run_of(exam, *events):
 class TestJoining:
     """The latest of several topics."""
 
-    rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
+    rule = staticmethod(joining())
 
     def test_nothing_is_due_before_all_have_come(self):
         """One topic is not enough."""

@@ -5,18 +5,24 @@ Specification from the lesson: node ``pilot`` subscribes to ``std_msgs/msg/Float
 and ``turn``, and publishes ``geometry_msgs/msg/Twist`` on ``cmd_vel``: nothing until both topics
 have had a message; then, every 0.5 s, the latest speed as ``linear.x`` and the latest turn as
 ``angular.z``; zeros in both while the latest speed or the latest turn is older than 2 s.
+
+The rules return the commands after each input.  Repetitions of a command are merged, because their
+number depends on when the node created its timer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from itertools import groupby
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
-from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.latest import BEGINS_EARLY, joining, joining_slips, Told
+from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.ranges import within
 from autograder.exam.scenario import Advance, Feed, Scenario
-from autograder.exam.specification import Specification
+from autograder.exam.slips import Change, changing
+from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers
 from autograder.judging.rhythm import require_period, seconds_between
@@ -26,12 +32,250 @@ FLOAT, TWIST = 'std_msgs/msg/Float64', 'geometry_msgs/msg/Twist'
 SOURCES, TARGET = ('/speed', '/turn'), '/cmd_vel'
 PERIOD_S, OLD_S = 0.5, 2.0
 STOP = (0.0, 0.0)
+BOTH = range(len(SOURCES))
+TICK_S = 0.1  # time step at which a rule evaluates the timer after an input [s]
 QUIET_S = 0.9  # at the start, without an input [s]
 # No interval between two inputs is a multiple of the period.  So a timer created when an input
 # arrives never ticks exactly when another one arrives.
 SHORT_S, MIDDLE_S, LONG_S = 0.91, 1.66, 4.34
+BEGINS_EARLY = Cause(
+    'begins_early',
+    'A message is published although not all of the inputs have come.',
+    'Begin with None in each attribute, and return from the callback of the timer while one of '
+    'them is None.',
+)
+Heard = Sequence[Sequence[float]]
+"""The values received so far on each topic, in order of arrival."""
 
-right = joining(len(SOURCES), old=lambda ages: max(ages) > OLD_S)
+
+class Told(NamedTuple):
+    """
+    One input.
+
+    :param topic: index of its topic, from 0
+    :param lasts_s: time to the next input [s]
+    """
+
+    topic: int
+    value: float
+    lasts_s: float
+
+
+def latest(heard: Heard) -> tuple[float, ...]:
+    """Return the latest value of each topic, 0.0 for a topic without a message."""
+    return tuple(one[-1] if one else 0.0 for one in heard)
+
+
+def joining(
+    old: Callable[[Sequence[float]], bool] = lambda ages: max(ages) > OLD_S,
+    ready: Callable[[Heard], bool] = all,
+    value: Callable[[Heard], tuple[float, ...]] = latest,
+    stop: Callable[[Sequence[float], Sequence[float]], Any] = lambda now, ages: STOP,
+    for_good: bool = False,
+    timer: bool = True,
+    same_is_old: Collection[int] = (),
+    keeps: Callable[[list[float]], list[float]] = list,
+) -> Rule:
+    """
+    Return the rule of a node that combines topics; with the default values, the correct one.
+
+    :param old: returns whether to stop, given the ages of the latest values [s]
+    :param ready: returns whether to publish, given the values received so far
+    :param value: returns the command to publish, given the values received so far
+    :param stop: returns the command that replaces it, given the latest values and their ages [s];
+        None publishes nothing
+    :param for_good: whether the node stays stopped after its first stop
+    :param timer: whether the node publishes from a timer; otherwise it publishes once per input
+    :param same_is_old: the topics on which a value that equals the one before does not renew the
+        age
+    :param keeps: returns what remains of the values of each topic when the node stops
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        heard: list[list[float]] = [[] for _ in BOTH]
+        came_s, now_s, stopped = [0.0, 0.0], 0.0, False
+        found = []
+        for topic, number, lasts_s in inputs:
+            if topic not in same_is_old or heard[topic][-1:] != [number]:
+                came_s[topic] = now_s
+            heard[topic].append(number)
+            row = []
+            for tick in range(round(lasts_s / TICK_S) if timer else 1):
+                ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
+                if ready(heard):
+                    stopped = old(ages) or (for_good and stopped)
+                    row.append(stop(latest(heard), ages) if stopped else value(heard))
+                if stopped:
+                    heard = [keeps(one) for one in heard]
+                    stopped = all(heard)
+            now_s += lasts_s
+            found.append(tuple(one for one, _ in groupby(row) if one is not None))
+        return found
+
+    return rule
+
+
+def queueing(begins_s: float) -> Rule:
+    """
+    Return the rule of a node that keeps values in queues, and takes one of each per tick.
+
+    :param begins_s: time from the first input to the next tick [s]
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        waiting: list[list[float]] = [[] for _ in BOTH]
+        came_s, now_s, ticks, found = [0.0, 0.0], 0.0, 0, []
+        for topic, number, lasts_s in inputs:
+            waiting[topic].append(number)
+            came_s[topic] = now_s
+            now_s += lasts_s
+            row = []
+            while (tick_s := begins_s + ticks * PERIOD_S) < now_s:
+                ticks += 1
+                if all(waiting):
+                    taken = tuple(one.pop(0) if len(one) > 1 else one[0] for one in waiting)
+                    fresh = tick_s - min(came_s) <= OLD_S
+                    row.append(taken if fresh else STOP)
+            found.append(tuple(one for one, _ in groupby(row)))
+        return found
+
+    return rule
+
+
+def changed(change: Change, *which: int) -> Rule:
+    """Return the rule of a node that changes the values of some topics."""
+    return joining(
+        value=lambda heard: tuple(
+            change(one) if place in which else one for place, one in enumerate(latest(heard))
+        )
+    )
+
+
+_TIMES = 'Keep the time of the latest message of each topic, and compare each age'
+_MOMENTS_S = [(place + 0.5) / 100 for place in range(round(100 * PERIOD_S))]
+SLIPS = (
+    Slip.of(BEGINS_EARLY, joining(ready=any)),
+    Slip(
+        'never_old',
+        'An old value is used like a new one.',
+        f'{_TIMES} with {OLD_S:g} s when the timer ticks.',
+        joining(old=lambda ages: False),
+    ),
+    Slip(
+        'one_age_for_all',
+        'A new value on one topic hides that the value of another one is old.',
+        f'{_TIMES} with {OLD_S:g} s.',
+        joining(old=lambda ages: min(ages) > OLD_S),
+    ),
+    Slip(
+        'one_age_only',
+        'The age of one topic counts, and the age of another one does not.',
+        f'{_TIMES} with {OLD_S:g} s.',
+        *(joining(old=lambda ages, which=which: ages[which] > OLD_S) for which in BOTH),
+    ),
+    Slip(
+        'half_a_stop',
+        'If a value is old, one field becomes 0.0, and the other still has its value.',
+        'If one value is old, publish 0.0 in all fields: an empty message.',
+        joining(
+            stop=lambda now, ages: tuple(
+                0.0 if age > OLD_S else one for one, age in zip(now, ages)
+            )
+        ),
+        joining(stop=lambda now, ages: (0.0, now[1])),
+        joining(stop=lambda now, ages: (now[0], 0.0)),
+    ),
+    Slip(
+        'forgets_values',
+        'After a stop, your node waits until all inputs have come again.',
+        'Keep the values when one of them is old: the timer publishes 0.0 until it is fresh.',
+        joining(keeps=lambda values: []),
+    ),
+    Slip(
+        'stop_overwrites',
+        'A stop overwrites the kept values: a value that is still fresh is lost.',
+        'Keep the values, and publish 0.0 in their place: set the fields of the message only.',
+        joining(keeps=lambda values: [0.0]),
+        act='reset',
+    ),
+    Slip(
+        'silent_when_old',
+        'Nothing is published while a value is old.',
+        'If one value is old, publish a message with 0.0 in all fields.',
+        joining(stop=lambda now, ages: None),
+    ),
+    Slip(
+        'stops_for_good',
+        'After the first stop, fresh values are not used any more.',
+        'Decide by the ages each time the timer ticks, without a flag that stays set.',
+        joining(for_good=True),
+    ),
+    Slip(
+        'other_age',
+        f'A value counts as old at a greater age than {OLD_S:g} s.',
+        f'Compare each age with {OLD_S:g} s: one second has 1_000_000_000 nanoseconds.',
+        joining(old=lambda ages: max(ages) > 2 * OLD_S),
+    ),
+    Slip(
+        'whole_seconds',
+        f'The age is cut to whole seconds: a value counts as old from {OLD_S + 1:g} s on.',
+        f'Compare each age with {OLD_S:g} s unchanged, without // and int().',
+        joining(old=lambda ages: math.floor(max(ages)) > OLD_S),
+    ),
+    Slip(
+        'same_is_old',
+        'A message with the same value as the one before does not count as a new one.',
+        'Store the time of each message, whatever its value.',
+        joining(same_is_old=BOTH),
+        *(joining(same_is_old=[which]) for which in BOTH),
+    ),
+    Slip(
+        'swapped',
+        'The values have changed places.',
+        'Which topic belongs to which field? Look at the table of the exercise.',
+        joining(value=lambda heard: latest(heard)[::-1]),
+    ),
+    Slip(
+        'first_value',
+        'The first values are kept, and later ones are ignored.',
+        'Store the value of each message, whatever was there before.',
+        joining(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard)),
+    ),
+    Slip(
+        'zero_is_nothing',
+        'A value of 0.0 is taken for one that has not come.',
+        'Compare with None: if self.NAME is None.',
+        joining(ready=lambda heard: all(one and one[-1] for one in heard)),
+        *(
+            joining(ready=lambda heard, which=which: all(heard) and bool(heard[which][-1]))
+            for which in BOTH
+        ),
+    ),
+    Slip(
+        'limited',
+        'Your node limits a value, but should publish each value unchanged.',
+        'Store and publish message.data as it is, without min() and max().',
+        *(changed(partial(within, most=1.0), *some) for some in (BOTH, *zip(BOTH))),
+        act='min() max() clip()',
+    ),
+    Slip(
+        'answers_inputs',
+        'A message is published when an input comes, and not by a timer.',
+        'Only store values in the callbacks of the subscriptions. Publish in the callback of '
+        'the timer.',
+        joining(timer=False),
+    ),
+    Slip(
+        'oldest_first',
+        'The first message after a new value still has the value before it.',
+        'Keep only the latest value of each topic, in an attribute, and no queue.',
+        *(queueing(moment_s) for moment_s in _MOMENTS_S),
+    ),
+    *changing(
+        lambda change: changed(change, *BOTH),
+        *(lambda change, which=which: changed(change, which) for which in BOTH),
+    ),
+)
 
 
 def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
@@ -43,7 +287,7 @@ def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
 
 
 def first_complete(asked: Specification) -> int:
-    """Return the index of the first input after which both topics have had a message."""
+    """Return the index of the first input, above 0, after which both topics had a message."""
     return next(place for place, due in enumerate(asked.answers) if due)
 
 
@@ -63,11 +307,8 @@ def keeps_its_rhythm(run: Run) -> None:
     """Once both have come, a command comes every 0.5 s."""
     asked, came = commands(run)
     begins = first_complete(asked)
-    found = [
-        one
-        for one in run.recording.messages(TARGET)
-        if one['after_input'] is not None and one['after_input'] >= begins
-    ]
+    messages = run.recording.messages(TARGET)
+    found = [one for one in messages if (one['after_input'] or 0) >= begins]
     during_s = sum(one.lasts_s for one in asked.inputs[begins:])
     waited_s = seconds_between(run.recording.of('input')[begins:], found)
     require_period(
@@ -118,9 +359,7 @@ def build(inputs: Sequence[Told]) -> Exam:
             steps=(Advance(QUIET_S), *feeds),
         ),
         read='Exercise 2: the latest of two',
-        asks={
-            'commands': Specification(inputs, right, joining_slips(len(SOURCES), OLD_S, PERIOD_S))
-        },
+        asks={'commands': Specification(inputs, joining(), SLIPS)},
     )
     exam.check(points=1)(node('/pilot'))
     for source in SOURCES:
