@@ -82,11 +82,8 @@ def made_run(
     """
     Return the run of a monitor.
 
-    :param kind: description of the readings that feedback may show
-    :param due: rule of a correct monitor
-    :param slip: the monitor's mistake, None for a correct monitor
-    :param words: index of the monitor's log texts in :data:`WORDS`
-    :param steps_s: time before each reading [s], by default 1 s
+    :param due: rule of a correct monitor; for the other parameters see :class:`MadeRun`
+    :param steps_s: by default 1 s
     :raises ExamInvalid: if the readings do not reveal the mistake
     """
     right = list(due(readings))

@@ -130,7 +130,7 @@ def _in_tables() -> Iterator[Written]:
             yield Written(head.partition('|')[0], text, try_this, name)
     for mistake in builds.MISTAKES:
         yield Written(mistake.cause, mistake.error, mistake.advice, 'builds')
-    for name, (text, try_this) in questions.CAUSES.items():
+    for name, (_, text, try_this) in questions.CAUSES.items():
         yield Written(name, text, try_this, 'check_your_understanding')
 
 

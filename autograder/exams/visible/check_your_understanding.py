@@ -20,51 +20,54 @@ NOT_ANSWERED = Cause(
     "Write 'a', 'b', 'c' or 'd' in place of None, and run the cell.",
 )
 CAUSES = {
-    'no_quotes': ('The letter has no quotes.', 'Put the letter in quotes.'),
+    'no_quotes': ('', 'The letter has no quotes.', 'Put the letter in quotes.'),
     'no_literal': (
+        '',
         'The answer cannot be read as a letter.',
         'Write one letter in quotes, and nothing that has to be calculated.',
     ),
-    'no_letter': ('The answer is not one of the four letters.', 'Write one letter in quotes.'),
+    'no_letter': ('', 'The answer is not one of the four letters.', 'Write one letter in quotes.'),
     'too_long': (
+        '',
         'The answer cannot be read as a letter.',
         'Write one letter in quotes. Keep long notes in a text cell of your own.',
     ),
     'curly_quotes': (
+        r'[‘’“”„«»`´].*',
         'Python does not accept curly quotes, which word processors insert, or backticks.',
         "Type the straight quote of the keyboard: '",
     ),
     'assigned': (
+        r"""\(?\s*[A-Za-z_]\w{0,40}\s*:?=\s*['"]?[a-d]['"]?\s*\)?""",
         'Your cell assigns the letter to a variable.',
         'Write only the letter, without a variable and =.',
     ),
     'open_quote': (
+        r"""['"]{0,2}[a-d]['"]{0,2}""",
         'The quotes before and after the letter do not match.',
         'Write the same quote before and after the letter.',
     ),
     'several_letters': (
+        r"""(?![bf]['"])[\[({]?['"]?[a-d](?:['"]?(?:\s|,|/|\+|or|and|oder|y|o)*['"]?[a-d])+['"]?[\])}]?""",
         'There is more than one letter.',
         'Choose one letter; write other thoughts after a #.',
     ),
-    'number': ('The options are letters, not numbers.', 'Write the letter: a for the first.'),
+    'number': (
+        r"""['"]?[0-9]['"]?""",
+        'The options are letters, not numbers.',
+        'Write the letter: a for the first.',
+    ),
     'other_alphabet': (
+        r"""['"]\s*[^\W\d_a-zA-Z]\s*['"]""",
         'This letter belongs to a different alphabet and only looks like one of the four.',
         'Type it again on a keyboard with Latin letters.',
     ),
 }
-"""Text and advice for each kind of answer that is not a letter."""
-_SHAPES = (
-    ('curly_quotes', r'[‘’“”„«»`´].*'),
-    ('assigned', r"""\(?\s*[A-Za-z_]\w{0,40}\s*:?=\s*['"]?[a-d]['"]?\s*\)?"""),
-    ('open_quote', r"""['"]{0,2}[a-d]['"]{0,2}"""),
-    (
-        'several_letters',
-        r"""(?![bf]['"])[\[({]?['"]?[a-d](?:['"]?(?:\s|,|/|\+|or|and|oder|y|o)*['"]?[a-d])+['"]?[\])}]?""",
-    ),
-    ('number', r"""['"]?[0-9]['"]?"""),
-    ('other_alphabet', r"""['"]\s*[^\W\d_a-zA-Z]\s*['"]"""),
-)
-"""Patterns for complete answers that are not a letter; the first match is used."""
+"""
+Pattern, text and advice for each kind of answer that is not a letter.
+
+If a complete answer matches a pattern, the first one counts; otherwise, the reader's reason does.
+"""
 LONGEST, LONGEST_LINE = 400, 60
 """Maximum length of an answer and of its line when its form is examined [characters]."""
 
@@ -100,7 +103,7 @@ def letter_of(run: Run, question: str) -> str:
         letter = chosen_letter(text)
     except NotALetterError as error:
         name = _shape_of(text) or error.reason
-        why = Cause(name, *CAUSES[name])
+        why = Cause(name, *CAUSES[name][1:])
         raise Failed(expected=expected, observed=f'{question}: {error.text}', why=why) from None
     if letter is None:
         raise Failed(expected=expected, observed=f'{question}: no answer yet', why=NOT_ANSWERED)
@@ -108,15 +111,14 @@ def letter_of(run: Run, question: str) -> str:
 
 
 def _shape_of(text: str) -> str:
-    """Return the name of the first pattern in :data:`_SHAPES` that matches, empty for none."""
+    """Return the name of the first pattern in :data:`CAUSES` that matches, empty for none."""
     lines = [line.partition('#')[0].strip() for line in text[:LONGEST].splitlines()]
     written = [line for line in lines if line]
     if len(written) != 1 or len(written[0]) > LONGEST_LINE or written[0].lower() in LETTERS:
         return ''
-    for name, pattern in _SHAPES:
-        if re.fullmatch(pattern, written[0], re.IGNORECASE):
-            return name
-    return ''
+    shapes = ((name, shape) for name, (shape, *_) in CAUSES.items() if shape)
+    found = (one for one, shape in shapes if re.fullmatch(shape, written[0], re.IGNORECASE))
+    return next(found, '')
 
 
 exam = build()

@@ -166,25 +166,16 @@ def _why_late(run: Run, late_s: float) -> Cause:
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
-        slip = (
+        text = (
             'Your node ended when a subscription had connected, perhaps before its message came.'
         )
-        return _why_gone(run, slip)
-    if parcels(run, 'first'):
-        return WAITS_FOR_TWO if _came_with_the_second(run) else LATE
-    return why_silent(run) or _why_nothing(run)
-
-
-def _came_with_the_second(run: Run) -> bool:
-    """Return whether the first subscription received nothing until the second one joined."""
-    second = run.recording.of('joined', listener='second')
-    found = parcels(run, 'first')
-    waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if found and second else -1
-    return 0 <= waited_ns <= LATEST_S * SECOND
-
-
-def _why_nothing(run: Run) -> Cause:
-    """Explain why a running courier publishes nothing to a connected subscription."""
+        return _why_gone(run, text)
+    if found := parcels(run, 'first'):
+        second = run.recording.of('joined', listener='second')
+        waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if second else -1
+        return WAITS_FOR_TWO if 0 <= waited_ns <= LATEST_S * SECOND else LATE
+    if why := why_silent(run):
+        return why
     code = Code(run.files)
     if 'publish' not in code.calls:
         return why_no_message(run)

@@ -14,7 +14,7 @@ from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, why_other_namespace
 from autograder.judging.rhythm import require_period, seconds_between
-from autograder.recording import Event, INFO
+from autograder.recording import INFO
 
 NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
@@ -95,42 +95,28 @@ def both_are_served(run: Run) -> None:
 
 def lookout_reports_every_second(run: Run) -> None:
     """The lookout logs one INFO line a second."""
-    require_reports(run, LOOKOUT, 1)
+    _require_reports(run, LOOKOUT, 1)
 
 
 def keeper_reports_every_two_seconds(run: Run) -> None:
     """The keeper logs one INFO line every two seconds."""
-    require_reports(run, KEEPER, 2)
+    _require_reports(run, KEEPER, 2)
 
 
-def watched_lines(run: Run, node: str, level: int | None = None) -> list[Event]:
-    """
-    Return the lines of a node's own logger in the phase that is judged, in order.
-
-    :param node: full name
-    :param level: None for all levels
-    """
-    return own_logs(run.during(WATCH), node, level)
-
-
-def require_reports(run: Run, node: str, period_s: int) -> None:
-    """
-    Fail unless a node logs one INFO line per period.
-
-    :param node: full name
-    """
-    lines, seconds = watched_lines(run, node, INFO), run.facts['seconds']
+def _require_reports(run: Run, node: str, period_s: int) -> None:
+    """Fail unless a node logs one INFO line per period."""
+    watch, seconds = run.during(WATCH), run.facts['seconds']
+    lines = own_logs(watch, node, INFO)
     # The first line may precede the phase.
     waited_s = seconds_between(run.recording.of('seen'), own_logs(run, node, INFO))
 
     def explain() -> Cause | None:
-        counts = [len(watched_lines(run, one, INFO)) for one in (LOOKOUT, KEEPER)]
+        counts = [len(own_logs(watch, one, INFO)) for one in (LOOKOUT, KEEPER)]
         if 0 in counts and abs(sum(counts) - BOTH * seconds) <= 2:
             return OTHER_NODE_LOGS
         if not lines:
-            others = watched_lines(run, node)
             return (
-                why_not_logged(run, others, INFO)
+                why_not_logged(run, own_logs(watch, node), INFO)
                 or why_left_out(run, INFO, own_logs(run, node, INFO))
                 or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )

@@ -9,7 +9,7 @@ it publishes each ``std_msgs/msg/Float64`` of ``wanted_speed`` on ``speed``, lim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -61,16 +61,14 @@ def limited(cut: Limit = within) -> Rule:
     return lambda inputs: [() if one is None else (one,) for one in found(inputs)]
 
 
-def _limited_to(most: Callable[[Wanted], float]) -> Rule:
-    return each(lambda one: (within(one.speed, most(one)),))
-
-
 SLIPS = (
     *leaving_out(limited(), lambda one: one.speed),
     *limiting_slips(limited, 'speed', 'most'),
     *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
     # Each value of the parameter is accepted, so no refused one can be kept.
-    *in_force_slips(_limited_to, 'max_speed', DEFAULT)[:2],
+    *in_force_slips(
+        lambda most: each(lambda one: (within(one.speed, most(one)),)), 'max_speed', DEFAULT
+    )[:2],
 )
 
 

@@ -109,29 +109,19 @@ TOO_LATE = Cause(
 EXERCISE = 'Exercise 1: a managed beacon'
 
 
-def node_of(run: Run) -> str:
-    """Return the full name of the node, in the namespace in which it was started."""
-    return f'{run.facts["namespace"]}/beacon'
-
-
-def topic_of(run: Run) -> str:
-    """Return the full name of the topic."""
-    return f'{run.facts["namespace"]}/beacon_signal'
-
-
 def publishers(run: Run, when: str) -> list[Event]:
     """
     Return the publishers on the topic in a graph of the recording.
 
     :param when: label of the graph, see :class:`autograder.exam.scenario.Look`
     """
-    return endpoints_at(run, when, 'publisher', topic_of(run))
+    return endpoints_at(run, when, 'publisher', run.facts['topic'])
 
 
 def is_managed(run: Run) -> None:
     """It is a lifecycle node, and it waits unconfigured."""
     wanted = {'current_state.label': 'unconfigured'}
-    service, what = f'{node_of(run)}/get_state', 'the request for its state'
+    service, what = f'{run.facts["node"]}/get_state', 'the request for its state'
     require_answers(run, service, [wanted], what, explain=lambda place: ACTS_ALONE)
 
 
@@ -139,7 +129,7 @@ def creates_its_publisher(run: Run) -> None:
     """Configuring it creates the publisher on beacon_signal, and nothing creates it before."""
     if not publishers(run, 'configured'):
         _require_transitions(run, 1)
-    require_partner(require_endpoint(run, 'publisher', topic_of(run), TYPE))
+    require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
     if publishers(run, 'fresh'):
         raise Failed(
             expected='no publisher on beacon_signal before it is configured',
@@ -168,7 +158,7 @@ def _require_transitions(run: Run, count: int) -> None:
     asked = (*ASKED, *UNUSED)
     require_answers(
         run,
-        f'{node_of(run)}/change_state',
+        f'{run.facts["node"]}/change_state',
         [{'success': True}] * count,
         'the transitions configure, activate, deactivate and cleanup',
         explain=lambda place: why_refused(run, asked[place], again=asked[place] in asked[:place]),
@@ -190,9 +180,9 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     :param why_more: cause if there are too many messages; None to find it in their rhythm
     """
     part, active_s = run.recording.phase(phase), run.facts['active_s']
-    found = part.messages(topic_of(run))
+    found = part.messages(run.facts['topic'])
     if not found:
-        require_endpoint(run, 'publisher', topic_of(run), TYPE)
+        require_endpoint(run, 'publisher', run.facts['topic'], TYPE)
         raise Failed(
             expected=f'messages on beacon_signal while it is {phase}',
             observed='none',
@@ -210,14 +200,14 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
 def is_silent_otherwise(run: Run) -> None:
     """In any other state it publishes nothing."""
     for phase in SILENT:
-        found = run.recording.phase(phase).messages(topic_of(run))
+        found = run.recording.phase(phase).messages(run.facts['topic'])
         if found:
             raise Failed(
                 expected='no message while it is not active',
                 observed=f'{len(found)} while it was {phase}',
                 why=STAYS_ON if phase == 'paused' else NOT_MANAGED,
             )
-    kept = run.recording.messages(topic_of(run), 'latecomer')
+    kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:
         raise Failed(
             expected='no message for a subscription that connects while the node is inactive',
@@ -230,8 +220,11 @@ def cleans_up(run: Run) -> None:
     """Cleanup destroys the publisher, and the next configuration creates a new one."""
     left = len(publishers(run, 'cleaned'))
     if left:
-        expected = 'no publisher on beacon_signal after cleanup'
-        raise Failed(expected=expected, observed=str(left), why=NOT_CLEANED)
+        raise Failed(
+            expected='no publisher on beacon_signal after cleanup',
+            observed=str(left),
+            why=NOT_CLEANED,
+        )
     again = len(publishers(run, 'configured again'))
     if again != 1:
         raise Failed(
@@ -282,7 +275,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
             steps=steps,
         ),
         read='Part 2: A publisher with a switch',
-        facts={'namespace': namespace, 'active_s': seconds},
+        facts={'node': name, 'topic': topic, 'active_s': seconds},
     )
     named = 'Your program starts a node called beacon, in the namespace it is given.'
     exam.check(points=1, read=EXERCISE)(node(name, sentence=named, only_named=True))

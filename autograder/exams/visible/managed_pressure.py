@@ -98,11 +98,6 @@ def warns(
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
 
 
-def cutting(cut: Callable[[float], float]) -> Callable[[Pressure], float]:
-    """Return the limit that a node uses which changes its decimals."""
-    return lambda one: cut(one.limit)
-
-
 NOT_MANAGED = Cause(
     'subscription_not_managed',
     'A subscription receives messages in every state; rclpy manages only publishers.',
@@ -173,7 +168,7 @@ SLIPS = (
         'limit_cut',
         'Your node does not use the exact limit: it cuts off or rounds the decimals.',
         "Use it unchanged: self.limit = self.get_parameter('limit').value.",
-        *(warns(limit=cutting(cut)) for cut in CUTS[:3]),
+        *(warns(limit=lambda one, cut=cut: cut(one.limit)) for cut in CUTS[:3]),
     ),
     *warning_slips(warns, 'self.limit', BURST),
 )

@@ -141,11 +141,6 @@ def texts_of(events: Sequence[Event]) -> Maps:
     return tuple(str(event['data']['data']) for event in events if 'data' in event)
 
 
-def maps_of(run: Run, listener: str) -> Maps:
-    """Return the maps that one subscription received, in order."""
-    return texts_of(run.recording.messages('/map', listener))
-
-
 def new_maps(run: Run) -> list[Maps | None]:
     """
     Return the maps received after each survey, without the first map.
@@ -172,7 +167,7 @@ def compared(run: Run) -> list[Maps | None]:
 
 def has_a_map_from_the_start(run: Run) -> None:
     """A subscription before the first survey gets the map unknown, once and at once."""
-    found = maps_of(run, 'early')
+    found = texts_of(run.recording.messages('/map', 'early'))
     before = [text for text in found if text not in run.asked('maps').inputs]
     if found[:1] != (FIRST,) or found.count(FIRST) != 1:
         raise Failed(
@@ -240,12 +235,12 @@ def publishes_each_survey(run: Run) -> None:
             expected='a map for each survey, in their order'
             if run.secret
             else f'the maps {_shown(run, asked.inputs)} after the surveys of the same texts',
-            observed=_shown(run, _in_order(run)),
+            observed=_shown(run, _all_new(run)),
             why=_why_other_maps(run),
         )
 
 
-def _in_order(run: Run) -> list[str]:
+def _all_new(run: Run) -> list[str]:
     """Return all new maps as one list."""
     return [text for row in new_maps(run) for text in row or ()]
 
@@ -258,8 +253,9 @@ def _why_other_maps(run: Run) -> Cause | None:
         return REPLACES_EMPTY
     if slip := asked.cause(found):
         return slip
-    others = [text for text in _in_order(run) if text not in asked.inputs]
-    if others and _bare(others[0]) in map(_bare, asked.inputs):
+    others = [text for text in _all_new(run) if text not in asked.inputs]
+    bare = [''.join(text.split()).lower() for text in (*others[:1], *asked.inputs)]
+    if others and bare[0] in bare[1:]:
         return TEXT_CHANGED
     if others:
         said = own_words(run, others[0][:40], 'What is published')
@@ -271,11 +267,6 @@ def _why_other_maps(run: Run) -> Cause | None:
         return REPEATS_FOR_NEW
     late_s, wrong = delays(run, 'maps', '/map'), asked.wrong(found)
     return why_other_answer(asked, found, wrong[0], late_s) if wrong else None
-
-
-def _bare(text: str) -> str:
-    """Return a text without spaces and in lower case."""
-    return ''.join(text.split()).lower()
 
 
 def _why_unconnected(run: Run, answered: bool) -> Cause | None:
@@ -297,11 +288,14 @@ def keeps_only_the_newest(run: Run) -> None:
             why=LIFESPAN,
         )
     # Look only at the student's own maps; a different check tests their text.
-    surveys, own = run.asked('maps').inputs, _in_order(run)
+    surveys, own = run.asked('maps').inputs, _all_new(run)
     newest = [*surveys, *own][-1]
     # The stored maps of several publishers arrive in any order.
     order = {text: place for place, text in enumerate((FIRST, *surveys))}
-    found = sorted(maps_of(run, 'late'), key=lambda text: (order.get(text, len(order)), text))
+    found = sorted(
+        texts_of(run.recording.messages('/map', 'late')),
+        key=lambda text: (order.get(text, len(order)), text),
+    )
     if set(found) != {newest}:
         raise Failed(
             expected=f'the newest map, {_named(run, newest)}, and nothing else, for a late '

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
-from autograder.exams.visible.harbour import WATCH, watched_lines
+from autograder.exams.visible.harbour import WATCH
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, SECOND
 from autograder.judging.claims import node
@@ -137,23 +137,16 @@ WRONG_LEVEL = Cause(
 )
 
 
-def node_of(run: Run) -> str:
-    """Return the full name of the node in this run."""
-    return f'{run.facts["namespace"]}/night_watch'
-
-
 def reports(run: Run) -> list[Event]:
     """Return the lines of the node's own logger, at any level, in the phase that is judged."""
-    return watched_lines(run, node_of(run))
+    return own_logs(run.during(WATCH), run.facts['node'])
 
 
 def watches(run: Run) -> list[Event]:
     """Return the lines from watch 1 on; the first lines may precede the phase that is judged."""
-    said, found = own_logs(run, node_of(run)), reports(run)
+    said, found = own_logs(run, run.facts['node']), reports(run)
     until_first = said[: len(said) - len(found) + 1]
-    ones = [
-        place for place, entry in enumerate(until_first) if 1 in whole_numbers_in(entry['text'])
-    ]
+    ones = [n for n, entry in enumerate(until_first) if 1 in whole_numbers_in(entry['text'])]
     return said[ones[-1] :] if ones else found
 
 
@@ -171,16 +164,9 @@ def levels_by_second(found: Sequence[Event]) -> list[Levels]:
 def reports_every_second(run: Run) -> None:
     """It logs one line a second, with its own logger."""
     found = reports(run)
-    waited_s = seconds_between(run.recording.of('seen'), own_logs(run, node_of(run)))
-    require_period(
-        run,
-        found,
-        1.0,
-        run.facts['seconds'],
-        'line',
-        lambda: _why_not_every_second(run, found),
-        waited_s=waited_s,
-    )
+    waited_s = seconds_between(run.recording.of('seen'), own_logs(run, run.facts['node']))
+    why, seconds = lambda: _why_not_every_second(run, found), run.facts['seconds']
+    require_period(run, found, 1.0, seconds, 'line', why, waited_s=waited_s)
 
 
 def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
@@ -200,12 +186,11 @@ def _why_other_lines(run: Run) -> Cause | None:
     if slip is ONLY_FIFTHS:
         return why_not_logged(run, [], INFO, _has_another) or slip
     if slip is FIFTH_MISSING:
-        return why_not_logged(run, [], WARN, _has_a_fifth) or slip
+        why = why_not_logged(
+            run, [], WARN, lambda text: any(n and n % EVERY == 0 for n in whole_numbers_in(text))
+        )
+        return why or slip
     return slip
-
-
-def _has_a_fifth(text: str) -> bool:
-    return any(number and number % EVERY == 0 for number in whole_numbers_in(text))
 
 
 def _has_another(text: str) -> bool:
@@ -283,6 +268,7 @@ def build(seconds: int, namespace: str) -> Exam:
     :param seconds: duration of the phase that is judged [s], >= 4 * EVERY
     :param namespace: set on the command line, such as ``/harbour``
     """
+    name = f'{namespace}/night_watch'
     exam = Exam(
         'night_watch',
         title='The night watch',
@@ -294,13 +280,13 @@ def build(seconds: int, namespace: str) -> Exam:
             steps=(Mark(WATCH), Advance(seconds)),
         ),
         read='Part 4: Logging',
-        facts={'seconds': seconds, 'namespace': namespace},
+        facts={'seconds': seconds, 'node': name},
         asks={'levels': Specification(range(1, seconds + 1), fifths(), SLIPS)},
     )
     needs = ['starts_in_the_namespace']
     exam.check(points=2, read='Part 3: Names and worlds')(
         node(
-            f'{namespace}/night_watch',
+            name,
             'starts_in_the_namespace',
             'Your node is called night_watch, and its namespace is the one chosen at its start.',
             only_named=True,

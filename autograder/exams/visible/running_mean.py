@@ -9,14 +9,14 @@ numbers so far.  It ignores NaN: no answer, no effect on later means.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial, reduce
-from itertools import accumulate
+from functools import reduce
+from itertools import accumulate, pairwise
 import math
 from statistics import fmean
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
-from autograder.exam.slips import Change, changing
+from autograder.exam.slips import Change, changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes
@@ -61,9 +61,15 @@ def stops(numbers: Sequence[float]) -> list[Means]:
     return [*DUE(numbers[:first]), *(() for _ in numbers[first:])]
 
 
-def starts_over(place: int) -> Rule:
-    """Return the rule of a program that starts a new mean at an index."""
-    return lambda numbers: [*DUE(numbers[:place]), *DUE(numbers[place:])]
+def starts_over(numbers: Sequence[float], *places: int) -> list[Means]:
+    """Return the answers of a program that starts a new mean at some indices."""
+    parts = pairwise((0, *places, len(numbers)))
+    return [mean for begin, end in parts for mean in DUE(numbers[begin:end])]
+
+
+def forgets(numbers: Sequence[float]) -> list[Means]:
+    """Return the answers of a program that starts a new mean after each NaN."""
+    return starts_over(numbers, *(n for n, one in enumerate(numbers) if math.isnan(one)))
 
 
 def changes_only(numbers: Sequence[float]) -> list[Means]:
@@ -73,16 +79,6 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
     for mean in DUE(numbers):
         found.append(() if mean == last else mean)
         last = mean or last
-    return found
-
-
-def forgets(numbers: Sequence[float]) -> list[Means]:
-    """Return the answers of a program that starts a new mean after each NaN."""
-    found: list[Means] = []
-    seen: list[float] = []
-    for number in numbers:
-        seen = [] if math.isnan(number) else [*seen, number]
-        found.append((fmean(seen),) if seen else ())
     return found
 
 
@@ -98,11 +94,6 @@ def dividing(add: Callable[[float], float]) -> Rule:
         return [() if math.isnan(one) else (sum_ / n,) for one, (n, sum_) in zip(numbers, totals)]
 
     return rule
-
-
-def forms(answer: Callable[[int, list[float]], float], *numbers: int) -> list[Rule]:
-    """Return one rule per number for a mistake with a parameter, such as a number of digits."""
-    return [averaging(partial(answer, number)) for number in numbers]
 
 
 def kept(change: Change) -> Rule:
@@ -175,7 +166,7 @@ SLIPS = (
         'last_few',
         'Your node publishes the mean of only the last numbers.',
         'Keep the sum and the count of all numbers.',
-        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50),
+        *(averaging(lambda seen, few=few: fmean(seen[-few:])) for few in (2, 3, 5, 10, 20, 50)),
     ),
     Slip(
         'each_once',
@@ -189,12 +180,7 @@ SLIPS = (
         'Publish for each number that is not NaN, whatever the mean was before.',
         changes_only,
     ),
-    Slip(
-        'skips_equal',
-        'Your node ignores a number that equals the previous one.',
-        'Count each number that is not NaN, whatever came before.',
-        averaging(counts=lambda one, last: not math.isnan(one) and one != last),
-    ),
+    Slip.of(SKIPS_EQUAL, averaging(counts=lambda one, last: not math.isnan(one) and one != last)),
     Slip(
         'stops_at_nan',
         'Your node stops answering after the first NaN.',
@@ -244,15 +230,13 @@ def ignores_nan(run: Run) -> None:
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
     how_many = f'{count or "no"} means' + (', not all of them right' if count == due else '')
+    why = why_silent(run)
+    if wrong and not why:
+        why = why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))
     raise Failed(
         expected=f'{due} right means after the first NaN',
         observed=how_many if found[-1] is not None else 'a node that stops answering',
-        why=why_silent(run)
-        or (
-            why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))
-            if wrong
-            else None
-        ),
+        why=why,
     )
 
 
@@ -269,7 +253,8 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     sent = [{'data': one} for one in numbers]
     begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []
     rest = feeds(SOURCE, sent[pause:], burst, every_s=EVERY_S)
-    slips = (*SLIPS, Slip.of(STARTS_OVER, starts_over(pause))) if pause else SLIPS
+    after_pause = Slip.of(STARTS_OVER, lambda numbers: starts_over(numbers, pause))
+    slips = (*SLIPS, after_pause) if pause else SLIPS
     exam = Exam(
         'running_mean',
         title='The running mean',

@@ -159,28 +159,27 @@ def logs_each_distance(run: Run) -> None:
         due = distances.count(distance)
         if len(found) != due and len(at_once) != 1:
             shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
-            missing = why_silent(run) or _why_left_out(run, index)
-            missing = missing or (None if found else _why_not_shown(run, index))
             raise Failed(
                 expected=f'one INFO line with {shown}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
-                why=TWICE if len(found) > due else missing,
+                why=TWICE if len(found) > due else _why_not_shown(run, index, bool(found)),
             )
 
 
-def _why_left_out(run: Run, index: int) -> Cause | None:
-    """Explain a distance without a line by the distances before it."""
+def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
+    """
+    Explain a distance without a line of its own.
+
+    :param later: whether a line shows the same number at another moment
+    """
     asked = run.asked('distances')
-    found = rows(run, 'distances', own_logs(run, NODE, INFO))
     came = [
         tuple(one for line in row or () if one in numbers_in(str(line['text'])))
-        for one, row in zip(asked.inputs, found)
+        for one, row in zip(asked.inputs, rows(run, 'distances', own_logs(run, NODE, INFO)))
     ]
-    return asked.cause(came, index)
-
-
-def _why_not_shown(run: Run, index: int) -> Cause | None:
-    if why := _why_unheard(run):
+    if why := why_silent(run) or asked.cause(came, index):
+        return why
+    if later or (why := _why_unheard(run)):
         return why
     then = [line for line in own_logs(run, NODE) if line['after_input'] == index]
     other = next((str(line['text']) for line in then if line['level'] == INFO), '')
@@ -191,7 +190,7 @@ def _why_not_shown(run: Run, index: int) -> Cause | None:
             "Log the number as it came: self.get_logger().info(f'{message.data} m').",
             about=[other],
         )
-    distance = run.asked('distances').inputs[index]
+    distance = asked.inputs[index]
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
     # line.
     return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or NOT_LOGGED
@@ -229,7 +228,7 @@ def warns_of_silence(run: Run) -> None:
         raise Failed(
             expected=f'one WARN line for each deadline missed in {SILENCE_S:g} s of silence',
             observed=lines(found, WARN),
-            why=_why_other_count(run, found, due) if found else _why_no_warning(run, silence),
+            why=_why_other_count(run, silence, due),
         )
 
 
@@ -244,26 +243,24 @@ def _why_early(run: Run, early: Sequence[Event]) -> Cause:
     return OWN_WATCHDOG if first and alone and same else NOT_A_MISS
 
 
-def _why_other_count(run: Run, found: int, due: int) -> Cause:
-    if found < due:
-        return _why_unheard(run) or WARNS_ONCE
-    return WARNS_TWICE if due else NOT_A_MISS
-
-
 def _why_default(lines: Sequence[Event]) -> Cause | None:
     """Explain a WARN line from rclpy's default callback."""
     by_rclpy = any(str(line['text']).startswith(BY_RCLPY) for line in lines)
     return DEFAULT_CALLBACK if by_rclpy else None
 
 
-def _why_no_warning(run: Run, silence: Sequence[Event]) -> Cause | None:
-    if why := _why_unheard(run):
+def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | None:
+    """Explain too many or too few WARN lines in the silence."""
+    found = sum(line['level'] == WARN for line in silence)
+    if found >= max(due, 1):
+        return WARNS_TWICE if due else NOT_A_MISS
+    if why := _why_unheard(run) or (WARNS_ONCE if found else None):
         return why
     asked = [one for one in deadlines_ns(run) if one]
     if len(asked) < len(deadlines_ns(run)):
         slip = 'Your subscription requests no deadline, so none can be missed.'
         return Cause('no_deadline', slip, DEADLINE)
-    if not missed_deadlines(run):
+    if not due:
         return Cause(
             'long_deadline',
             f'Your subscription requests a deadline of {min(asked) / SECOND:g} s, and the '

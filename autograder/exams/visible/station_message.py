@@ -61,7 +61,12 @@ def names_the_states(run: Run) -> None:
     """It has the constants OK, STALE and BROKEN of type uint8 with the values 0, 1 and 2."""
     text = run.files.get(MSG, '')
     found = constants_of(text)
-    wrong = [name for name, value in CONSTANTS.items() if not _is(found, name, value)]
+    right = {
+        name
+        for name, (kind, value) in found.items()
+        if kind == 'uint8' and whole(value) == CONSTANTS.get(name)
+    }
+    wrong = [name for name in CONSTANTS if name not in right]
     others = [name for name in found if name not in CONSTANTS]
     if wrong or others:
         raise Failed(
@@ -72,11 +77,6 @@ def names_the_states(run: Run) -> None:
             or 'no constant',
             why=_why_constant(wrong[0], found, text) if wrong else _why_other(others[0]),
         )
-
-
-def _is(found: Mapping[str, tuple[str, str]], name: str, value: int) -> bool:
-    kind, text = found.get(name, ('', ''))
-    return kind == 'uint8' and whole(text) == value
 
 
 def whole(text: str) -> int | None:

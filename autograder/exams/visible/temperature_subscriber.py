@@ -277,11 +277,8 @@ def _goes_on(run: Run) -> None:
 def _why_deaf(run: Run) -> Cause | None:
     """Explain why a node does not log the readings that it receives."""
     proper = [one for one in run.asked('warnings').inputs if not one.odd]
-
-    def shows_one(text: str) -> bool:
-        return any(one.is_in(text) for one in proper)
-
-    return why_not_logged(run, [], INFO, shows_one) or monitor.NOT_LOGGED
+    why = why_not_logged(run, [], INFO, lambda text: any(one.is_in(text) for one in proper))
+    return why or monitor.NOT_LOGGED
 
 
 def build(readings: Sequence[Reading], burst: int = 0) -> Exam:

@@ -120,16 +120,13 @@ def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) ->
     return each(lambda run: not run.lag_s and all(map(like, run.answers, due(run.readings))))
 
 
-def _moments(counts: Sequence[int]) -> list[int]:
-    """Return the index of the reading for each warning."""
-    return [place for place, count in enumerate(counts) for _ in range(count)]
-
-
 def compares_first(run: MadeRun) -> bool:
     """Return the answer of a check that compares only as many warnings as are due."""
-    return not run.lag_s and all(
-        map(operator.eq, _moments(run.answers), _moments(DUE(run.readings)))
+    warned, due = (
+        [place for place, count in enumerate(counts) for _ in range(count)]
+        for counts in (run.answers, DUE(run.readings))
     )
+    return not run.lag_s and all(map(operator.eq, warned, due))
 
 
 def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
@@ -213,13 +210,11 @@ def answers_of(run: Run) -> list[bool | str]:
     """Return the answer to each run; answers other than True and False as a string."""
     rows = published(run, 'answers', ANSWERS)
     truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
-    words = [', '.join(_word(str(one)) for one in row or ()) for row in rows]
-    return [truth.get(one, one) for one in words]
-
-
-def _word(answer: str) -> str:
-    """Return an answer, replaced if it might contain parts of a hidden run."""
-    return answer if answer.isidentifier() else 'another text'
+    # Any other text might contain parts of a hidden run.
+    words = [
+        [one if str(one).isidentifier() else 'another text' for one in row or ()] for row in rows
+    ]
+    return [truth.get(one, one) for one in map(', '.join, words)]
 
 
 def returns_true_or_false(run: Run) -> None:
