@@ -11,7 +11,7 @@ from autograder.exam.exam import Failed, Run
 from autograder.exam.specification import Specification
 from autograder.exams.visible import inspector, limit_keeper, pilot
 from autograder.exams.visible.limit_keeper import LIMIT, Reading
-from autograder.exams.visible.pilot import BEGINS_EARLY, joining, Told
+from autograder.exams.visible.pilot import joining, Told
 from autograder.recording import Recording
 
 SECRETS = [str(number) for number in range(10)]
@@ -105,7 +105,7 @@ def test_command_before_both_have_come_is_told():
 
     with pytest.raises(Failed) as failed:
         pilot.waits_for_both(run_of(pilot.exam, early, graph))
-    assert failed.value.why == BEGINS_EARLY
+    assert failed.value.why == pilot.WHY['begins_early']
 
 
 class TestHeartbeat:
@@ -117,7 +117,7 @@ class TestHeartbeat:
         """Heartbeats come before the first picture and after the result."""
         run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
 
-        assert inspector.why_starved(run) == inspector.STARVED
+        assert inspector.why_starved(run) == inspector.WHY['starved']
 
     @pytest.mark.parametrize(
         'events',

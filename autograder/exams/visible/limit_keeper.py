@@ -14,11 +14,12 @@ from dataclasses import replace
 import math
 from typing import NamedTuple
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import Accepts, in_force_slips, range_slips
 from autograder.exam.scenario import feeds, Scenario, set_parameters, Step
 from autograder.exam.slips import warning_slips
-from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import answers, hears, node
 from autograder.judging.lines import require_warnings
@@ -37,12 +38,9 @@ Change = tuple[str, float | int | str]
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
-LOOKS_AT_ONE = Cause(
-    'looks_at_one',
-    f'Your node accepts a limit that makes no sense if {PLACE} changes in the same call.',
-    'The callback gets a list: test each parameter in it, and return after the loop.',
-)
-RETURN = 'SetParametersResult(successful=False, reason=...)'
+
+
+WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE)
 
 
 class Reading(NamedTuple):
@@ -148,30 +146,10 @@ def in_force(
 
 DECISIONS = (
     *range_slips(deciding, LOWEST_C, HIGHEST_C),
-    Slip(
-        'other_parameter_refused',
-        f'A new text for {PLACE} is refused.',
-        f'Declare {PLACE}, and test only the parameter whose name is {LIMIT}.',
-        deciding(other=lambda text: False),
-    ),
-    Slip(
-        'empty_refused',
-        f'An empty text for {PLACE} is refused.',
-        f'Accept any text for {PLACE}, even an empty one: test only {LIMIT}.',
-        deciding(other=bool),
-    ),
-    Slip(
-        'takes_other_types',
-        'A whole number is accepted, and a limit is a float.',
-        f'Declare {LIMIT} with 30.0 and without dynamic_typing: then rclpy refuses other types.',
-        deciding(kinds=(int, float)),
-    ),
-    Slip(
-        'declared_as_integer',
-        'Only whole numbers are accepted.',
-        f"Declare the limit as a float: self.declare_parameter('{LIMIT}', 30.0).",
-        deciding(kinds=(int,)),
-    ),
+    WHY.slip('other_parameter_refused', deciding(other=lambda text: False)),
+    WHY.slip('empty_refused', deciding(other=bool)),
+    WHY.slip('takes_other_types', deciding(kinds=(int, float))),
+    WHY.slip('declared_as_integer', deciding(kinds=(int,))),
 )
 
 
@@ -212,17 +190,18 @@ def gives_a_reason(run: Run) -> None:
     refused = [(one, value) for one, (_, value) in pairs if field_of(one, ACCEPTED) is False]
     for one, value in refused:
         if not str(field_of(one, 'results.0.reason')).strip():
-            text = f'Your callback refuses {kind_of(value)} without a reason.'
             raise Failed(
                 expected='a reason in each refusal',
                 observed='an empty text',
-                why=Cause('no_reason', text, f'{RETURN}, with a text that says what is allowed.'),
+                why=WHY.of('no_reason', value=kind_of(value)),
             )
     if not refused:
         raise Failed(expected='a reason in each refusal', observed='no refusal')
     both = {RESULT: False}
     what = f'a call that sets {PLACE} and a limit that makes no sense'
-    require_answers(run, f'{NODE}/{ATOMIC}', [both], what, explain=lambda place: LOOKS_AT_ONE)
+    require_answers(
+        run, f'{NODE}/{ATOMIC}', [both], what, explain=lambda place: WHY['looks_at_one']
+    )
 
 
 def build(start: float, changes: Sequence[Change]) -> Exam:

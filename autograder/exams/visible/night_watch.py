@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
-from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.exams.visible.harbour import WATCH
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, SECOND
@@ -24,10 +25,11 @@ from autograder.results import shortened
 
 EVERY = 5
 EXERCISE = 'Exercise 2: the night watch'
-WARN_IF = 'Warn if number % 5 == 0'
-COUNT_FIRST = 'Increase the number first, then check it.'
 Levels = tuple[int, ...]
 """Levels of the lines of one watch; one line is expected."""
+
+
+WHY = Causes(__file__, EVERY=EVERY)
 
 
 def fifths(
@@ -48,92 +50,20 @@ def late(numbers: Sequence[int]) -> list[Levels]:
     return [(WARN,) if number % EVERY == 1 < number else (INFO,) for number in numbers]
 
 
-ONLY_FIFTHS = Slip(
-    'only_fifths',
-    'Your node logs every fifth watch, but not the others.',
-    'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
-    # Seconds are counted from the first line, so the lines are in seconds 1, 6, 11 and so on.
-    fifths(rest=1, other=()),
-)
-FIFTH_MISSING = Slip(
-    'fifth_missing',
-    'Your node does not log every fifth watch.',
-    'Use if and else: one line per watch, including every fifth.',
-    fifths(warned=()),
-)
+ONLY_FIFTHS = WHY.slip('only_fifths', fifths(rest=1, other=()))
+FIFTH_MISSING = WHY.slip('fifth_missing', fifths(warned=()))
 SLIPS = (
     ONLY_FIFTHS,
     FIFTH_MISSING,
-    Slip(
-        'both_levels',
-        'Your node logs every fifth watch twice.',
-        'Use if and else: one line per watch, either INFO or WARN.',
-        fifths(warned=(INFO, WARN)),
-    ),
-    Slip(
-        'no_warning',
-        'Your node logs every fifth watch at the same level as the others.',
-        'If number % 5 == 0, use self.get_logger().warning(...).',
-        fifths(warned=(INFO,)),
-    ),
-    Slip(
-        'inverted',
-        'INFO and WARN are swapped: number % 5 is 0 for every fifth watch, and 0 counts as false.',
-        f'{WARN_IF}.',
-        fifths(warned=(INFO,), other=(WARN,)),
-    ),
-    Slip(
-        'warns_one_early',
-        'The warning is one watch early: your code checks the number before it increases it, or '
-        'adds one only in the text.',
-        COUNT_FIRST,
-        fifths(rest=EVERY - 1),
-    ),
-    Slip(
-        'warns_one_late',
-        'The warning is one watch late: number % 5 uses the number before it is increased.',
-        COUNT_FIRST,
-        fifths(rest=1),
-        late,
-    ),
-    Slip(
-        'warns_once',
-        'Your node warns at watch 5, but not at watch 10.',
-        f'{WARN_IF}: that holds for 5, 10, 15 and so on.',
-        each(lambda number: (WARN,) if number == EVERY else (INFO,)),
-    ),
-    *(
-        Slip(
-            'warns_otherwise',
-            f'Your node warns at watch {every} and at each multiple of it.'
-            if every > 1
-            else 'Your node logs every watch as a warning.',
-            f'{WARN_IF}, and log an INFO line below else.',
-            fifths(every),
-        )
-        for every in (1, 2, 3, 4, 6, 10)
-    ),
-    Slip(
-        'ends_in_five',
-        'Your node warns at 5 and 15, but not at 10 and 20: it compares the last digit.',
-        f'{WARN_IF}: that holds for 5, 10, 15 and so on.',
-        fifths(10, rest=5),
-    ),
-)
-WARNINGS_STOP = Cause(
-    'warnings_stop',
-    'The first warnings are right, but a later one is missing.',
-    f'{WARN_IF}, and do not list the numbers.',
-)
-FOLLOWS_NUMBER = Cause(
-    'follows_number',
-    'The level fits the number in the line, but the number is not that of the watch.',
-    'Fix the count first.',
-)
-WRONG_LEVEL = Cause(
-    'wrong_level',
-    'Your node logs a watch at a level other than INFO or WARN.',
-    'Use self.get_logger().warning(...) for every fifth, info(...) for the others.',
+    WHY.slip('both_levels', fifths(warned=(INFO, WARN))),
+    WHY.slip('no_warning', fifths(warned=(INFO,))),
+    WHY.slip('inverted', fifths(warned=(INFO,), other=(WARN,))),
+    WHY.slip('warns_one_early', fifths(rest=EVERY - 1)),
+    WHY.slip('warns_one_late', fifths(rest=1), late),
+    WHY.slip('warns_once', each(lambda number: (WARN,) if number == EVERY else (INFO,))),
+    WHY.slip('all_warnings', fifths(1)),
+    *(WHY.slip('warns_otherwise', fifths(every), every=every) for every in (2, 3, 4, 6, 10)),
+    WHY.slip('ends_in_five', fifths(10, rest=5)),
 )
 
 
@@ -239,18 +169,14 @@ def _why_level(
         (entry['level'] == WARN) == any(number % EVERY == 0 for number in seen)
         for entry, seen in zip(found, numbers)
     ):
-        return FOLLOWS_NUMBER
+        return WHY['follows_number']
     if came[place][0] not in (INFO, WARN):
-        return WRONG_LEVEL
+        return WHY['wrong_level']
     if slip := asked.cause(came, place):
         return slip
     if came[place] == (INFO,):
-        return WARNINGS_STOP if (WARN,) in came[:place] else None
-    return Cause(
-        'warns_too_often',
-        f'{place + 1} is not divisible by {EVERY}, but watch {place + 1} is a warning.',
-        f'{WARN_IF}, with the number in the line.',
-    )
+        return WHY['warnings_stop'] if (WARN,) in came[:place] else None
+    return WHY.of('warns_too_often', watch=place + 1)
 
 
 def _enough(run: Run) -> list[Event]:

@@ -18,11 +18,12 @@ from itertools import groupby
 import math
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import within
 from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers
 from autograder.judging.rhythm import require_period, seconds_between
@@ -38,14 +39,11 @@ QUIET_S = 0.9  # at the start, without an input [s]
 # No interval between two inputs is a multiple of the period.  So a timer created when an input
 # arrives never ticks exactly when another one arrives.
 SHORT_S, MIDDLE_S, LONG_S = 0.91, 1.66, 4.34
-BEGINS_EARLY = Cause(
-    'begins_early',
-    'A message is published although not all of the inputs have come.',
-    'Begin with None in each attribute, and return from the callback of the timer while one of '
-    'them is None.',
-)
 Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
+
+
+WHY = Causes(__file__, OLD_S=OLD_S)
 
 
 class Told(NamedTuple):
@@ -151,32 +149,17 @@ def changed(change: Change, *which: int) -> Rule:
     )
 
 
-_TIMES = 'Keep the time of the latest message of each topic, and compare each age'
 _MOMENTS_S = [(place + 0.5) / 100 for place in range(round(100 * PERIOD_S))]
 SLIPS = (
-    Slip.of(BEGINS_EARLY, joining(ready=any)),
-    Slip(
-        'never_old',
-        'An old value is used like a new one.',
-        f'{_TIMES} with {OLD_S:g} s when the timer ticks.',
-        joining(old=lambda ages: False),
-    ),
-    Slip(
-        'one_age_for_all',
-        'A new value on one topic hides that the value of another one is old.',
-        f'{_TIMES} with {OLD_S:g} s.',
-        joining(old=lambda ages: min(ages) > OLD_S),
-    ),
-    Slip(
+    WHY.slip('begins_early', joining(ready=any)),
+    WHY.slip('never_old', joining(old=lambda ages: False)),
+    WHY.slip('one_age_for_all', joining(old=lambda ages: min(ages) > OLD_S)),
+    WHY.slip(
         'one_age_only',
-        'The age of one topic counts, and the age of another one does not.',
-        f'{_TIMES} with {OLD_S:g} s.',
         *(joining(old=lambda ages, which=which: ages[which] > OLD_S) for which in BOTH),
     ),
-    Slip(
+    WHY.slip(
         'half_a_stop',
-        'If a value is old, one field becomes 0.0, and the other still has its value.',
-        'If one value is old, publish 0.0 in all fields: an empty message.',
         joining(
             stop=lambda now, ages: tuple(
                 0.0 if age > OLD_S else one for one, age in zip(now, ages)
@@ -185,92 +168,37 @@ SLIPS = (
         joining(stop=lambda now, ages: (0.0, now[1])),
         joining(stop=lambda now, ages: (now[0], 0.0)),
     ),
-    Slip(
-        'forgets_values',
-        'After a stop, your node waits until all inputs have come again.',
-        'Keep the values when one of them is old: the timer publishes 0.0 until it is fresh.',
-        joining(keeps=lambda values: []),
-    ),
-    Slip(
-        'stop_overwrites',
-        'A stop overwrites the kept values: a value that is still fresh is lost.',
-        'Keep the values, and publish 0.0 in their place: set the fields of the message only.',
-        joining(keeps=lambda values: [0.0]),
-        act='reset',
-    ),
-    Slip(
-        'silent_when_old',
-        'Nothing is published while a value is old.',
-        'If one value is old, publish a message with 0.0 in all fields.',
-        joining(stop=lambda now, ages: None),
-    ),
-    Slip(
-        'stops_for_good',
-        'After the first stop, fresh values are not used any more.',
-        'Decide by the ages each time the timer ticks, without a flag that stays set.',
-        joining(for_good=True),
-    ),
-    Slip(
-        'other_age',
-        f'A value counts as old at a greater age than {OLD_S:g} s.',
-        f'Compare each age with {OLD_S:g} s: one second has 1_000_000_000 nanoseconds.',
-        joining(old=lambda ages: max(ages) > 2 * OLD_S),
-    ),
+    WHY.slip('forgets_values', joining(keeps=lambda values: [])),
+    WHY.slip('stop_overwrites', joining(keeps=lambda values: [0.0])),
+    WHY.slip('silent_when_old', joining(stop=lambda now, ages: None)),
+    WHY.slip('stops_for_good', joining(for_good=True)),
+    WHY.slip('other_age', joining(old=lambda ages: max(ages) > 2 * OLD_S)),
     Slip(
         'whole_seconds',
         f'The age is cut to whole seconds: a value counts as old from {OLD_S + 1:g} s on.',
         f'Compare each age with {OLD_S:g} s unchanged, without // and int().',
         joining(old=lambda ages: math.floor(max(ages)) > OLD_S),
     ),
-    Slip(
-        'same_is_old',
-        'A message with the same value as the one before does not count as a new one.',
-        'Store the time of each message, whatever its value.',
-        joining(same_is_old=BOTH),
-        *(joining(same_is_old=[which]) for which in BOTH),
+    WHY.slip(
+        'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
     ),
-    Slip(
-        'swapped',
-        'The values have changed places.',
-        'Which topic belongs to which field? Look at the table of the exercise.',
-        joining(value=lambda heard: latest(heard)[::-1]),
+    WHY.slip('swapped', joining(value=lambda heard: latest(heard)[::-1])),
+    WHY.slip(
+        'first_value', joining(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard))
     ),
-    Slip(
-        'first_value',
-        'The first values are kept, and later ones are ignored.',
-        'Store the value of each message, whatever was there before.',
-        joining(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard)),
-    ),
-    Slip(
+    WHY.slip(
         'zero_is_nothing',
-        'A value of 0.0 is taken for one that has not come.',
-        'Compare with None: if self.NAME is None.',
         joining(ready=lambda heard: all(one and one[-1] for one in heard)),
         *(
             joining(ready=lambda heard, which=which: all(heard) and bool(heard[which][-1]))
             for which in BOTH
         ),
     ),
-    Slip(
-        'limited',
-        'Your node limits a value, but should publish each value unchanged.',
-        'Store and publish message.data as it is, without min() and max().',
-        *(changed(partial(within, most=1.0), *some) for some in (BOTH, *zip(BOTH))),
-        act='min() max() clip()',
+    WHY.slip(
+        'limited', *(changed(partial(within, most=1.0), *some) for some in (BOTH, *zip(BOTH)))
     ),
-    Slip(
-        'answers_inputs',
-        'A message is published when an input comes, and not by a timer.',
-        'Only store values in the callbacks of the subscriptions. Publish in the callback of '
-        'the timer.',
-        joining(timer=False),
-    ),
-    Slip(
-        'oldest_first',
-        'The first message after a new value still has the value before it.',
-        'Keep only the latest value of each topic, in an attribute, and no queue.',
-        *(queueing(moment_s) for moment_s in _MOMENTS_S),
-    ),
+    WHY.slip('answers_inputs', joining(timer=False)),
+    WHY.slip('oldest_first', *(queueing(moment_s) for moment_s in _MOMENTS_S)),
     *changing(
         lambda change: changed(change, *BOTH),
         *(lambda change, which=which: changed(change, which) for which in BOTH),
@@ -299,7 +227,7 @@ def waits_for_both(run: Run) -> None:
         raise Failed(
             expected='no command before a speed and a turn have come',
             observed='a command before that',
-            why=BEGINS_EARLY,
+            why=WHY['begins_early'],
         )
 
 

@@ -14,10 +14,11 @@ from itertools import accumulate, pairwise
 import math
 from statistics import fmean
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
-from autograder.exam.slips import Change, changing, SKIPS_EQUAL
-from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.slips import Change, changing
+from autograder.exam.specification import Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rows import delays, published, why_other_answer
@@ -30,6 +31,9 @@ EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
 PAUSE_S = 60.0  # without a number [s]
 Means = tuple[float, ...]
 """The means published for one number: one or none."""
+
+
+WHY = Causes(__file__)
 
 
 def averaging(
@@ -107,39 +111,14 @@ def kept(change: Change) -> Rule:
     return averaging(answer)
 
 
-ANSWERS_NAN = Cause(
-    'answers_nan',
-    'Your node publishes a message for NaN, but should ignore NaN.',
-    'Begin the callback with: if math.isnan(message.data): return.',
-)
-STARTS_OVER = Cause(
-    'starts_over',
-    'After a minute without a number, your node begins a new mean.',
-    'Keep the sum and the count as long as the node exists, however late a number comes.',
-)
 SLIPS = (
-    Slip(
-        'passes_on',
-        'Your node publishes each number unchanged.',
-        'Keep a sum and a count.',
-        averaging(lambda seen: seen[-1]),
+    WHY.slip('passes_on', averaging(lambda seen: seen[-1])),
+    WHY.slip('sum', averaging(sum)),
+    WHY.slip(
+        'half_and_half', averaging(lambda seen: reduce(lambda mean, one: (mean + one) / 2, seen))
     ),
-    Slip(
-        'sum',
-        'Your node publishes the sum.',
-        'Divide the sum by the count of numbers.',
-        averaging(sum),
-    ),
-    Slip(
-        'half_and_half',
-        'The newest number has the same weight as all earlier numbers together.',
-        'Keep a sum and a count, and divide: (mean + number) / 2 is right for two numbers only.',
-        averaging(lambda seen: reduce(lambda mean, one: (mean + one) / 2, seen)),
-    ),
-    Slip(
+    WHY.slip(
         'one_behind',
-        'The newest number is missing in the mean.',
-        'Add it up first.',
         averaging(lambda seen: fmean(seen[:-1] or seen)),
         averaging(lambda seen: fmean(seen[:-1] or [0.0])),
     ),
@@ -148,69 +127,27 @@ SLIPS = (
         kept,
         digits=range(1, 6),
     ),
-    Slip(
+    WHY.slip(
         'wrong_count',
-        'Your code does not divide the sum by the count of numbers.',
-        'Begin with self.count = 0, and add 1 for each number, before you divide.',
         averaging(lambda seen: sum(seen) / (len(seen) + 1)),
         averaging(lambda seen: sum(seen) / (len(seen) - 1 or 1)),
         averaging(lambda seen: sum(seen) / (2 * len(seen))),
     ),
-    Slip(
-        'never_adds',
-        'The mean is 0.0 each time: nothing is added up.',
-        'Add each number to self.total before you divide.',
-        averaging(lambda seen: 0.0),
-    ),
-    Slip(
+    WHY.slip('never_adds', averaging(lambda seen: 0.0)),
+    WHY.slip(
         'last_few',
-        'Your node publishes the mean of only the last numbers.',
-        'Keep the sum and the count of all numbers.',
         *(averaging(lambda seen, few=few: fmean(seen[-few:])) for few in (2, 3, 5, 10, 20, 50)),
     ),
-    Slip(
-        'each_once',
-        'Your code counts a repeated number only once.',
-        'Keep a sum and a count instead of a set.',
-        averaging(lambda seen: fmean(set(seen))),
+    WHY.slip('each_once', averaging(lambda seen: fmean(set(seen)))),
+    WHY.slip('changes_only', changes_only),
+    WHY.slip(
+        'skips_equal', averaging(counts=lambda one, last: not math.isnan(one) and one != last)
     ),
-    Slip(
-        'changes_only',
-        'Your node publishes nothing if the mean has not changed.',
-        'Publish for each number that is not NaN, whatever the mean was before.',
-        changes_only,
-    ),
-    Slip.of(SKIPS_EQUAL, averaging(counts=lambda one, last: not math.isnan(one) and one != last)),
-    Slip(
-        'stops_at_nan',
-        'Your node stops answering after the first NaN.',
-        'Return from the callback if the number is NaN, and store nothing.',
-        stops,
-    ),
-    Slip(
-        'counts_nan',
-        'Your code does not add NaN but counts it, so it divides by too large a count.',
-        'Before you count, write: if math.isnan(message.data): return',
-        dividing(lambda one: 0.0 if math.isnan(one) else one),
-    ),
-    Slip(
-        'forgets_at_nan',
-        'After NaN the mean starts again, without the numbers before it.',
-        'Leave the sum and the count as they are when NaN comes.',
-        forgets,
-    ),
-    Slip(
-        'skips_zero',
-        'Your node ignores 0.0 like NaN, but 0.0 is an ordinary number.',
-        'Test with math.isnan(message.data): if not message.data is also true for 0.0.',
-        averaging(counts=lambda one, last: bool(one) and not math.isnan(one)),
-    ),
-    Slip(
-        'sum_spoiled',
-        'After one NaN, the sum is NaN forever.',
-        'Return before you add: if math.isnan(message.data).',
-        dividing(lambda one: one),
-    ),
+    WHY.slip('stops_at_nan', stops),
+    WHY.slip('counts_nan', dividing(lambda one: 0.0 if math.isnan(one) else one)),
+    WHY.slip('forgets_at_nan', forgets),
+    WHY.slip('skips_zero', averaging(counts=lambda one, last: bool(one) and not math.isnan(one))),
+    WHY.slip('sum_spoiled', dividing(lambda one: one)),
 )
 
 
@@ -226,7 +163,7 @@ def ignores_nan(run: Run) -> None:
     if not wrong and found[-1] is not None:
         return
     if any(found[place] for place in wrong if asked.answers[place] == ()):
-        raise Failed(expected='nothing after NaN', observed='a message', why=ANSWERS_NAN)
+        raise Failed(expected='nothing after NaN', observed='a message', why=WHY['answers_nan'])
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
     how_many = f'{count or "no"} means' + (', not all of them right' if count == due else '')
@@ -253,7 +190,7 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     sent = [{'data': one} for one in numbers]
     begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []
     rest = feeds(SOURCE, sent[pause:], burst, every_s=EVERY_S)
-    after_pause = Slip.of(STARTS_OVER, lambda numbers: starts_over(numbers, pause))
+    after_pause = WHY.slip('starts_over', lambda numbers: starts_over(numbers, pause))
     slips = (*SLIPS, after_pause) if pause else SLIPS
     exam = Exam(
         'running_mean',

@@ -22,6 +22,7 @@ from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.words import Causes
 from autograder.exams.monitor_runs import celsius, fahrenheit, made_run, MadeRun, NAN
 from autograder.exams.readings import Reading, slips, warns
 from autograder.judging.causes.ended import why_silent
@@ -38,18 +39,9 @@ EXERCISE = 'Exercise 11: the check'
 DUE = warns()
 """The rule of a correct monitor."""
 OF_A_MONITOR = slips()
-LATE = Slip(
-    'one_late',
-    'The warning comes with the next reading, and not with the one that is too warm.',
-    'Compare the reading of this message, not one that was kept.',
-    lambda readings: [0, *DUE(readings)[:-1]],
-)
-LAGS = Slip(
-    'warns_later',
-    'The warning comes some time after its reading.',
-    'Compare in the callback of the subscription, and log the warning there.',
-    DUE,
-)
+WHY = Causes(__file__)
+LATE = WHY.slip('one_late', lambda readings: [0, *DUE(readings)[:-1]])
+LAGS = WHY.slip('warns_later', DUE)
 MISSES = ('no_warning', 'warns_once', 'warns_of_changes', 'upper_bound', 'cut_off')
 UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
@@ -67,51 +59,10 @@ OWN = (
 """Names of slips that a check itself may contain when it computes the expected warnings."""
 
 BY_READING = 'For each reading, compare the warnings at its time with those that are due.'
-NO_FUNCTION = Cause(
-    'no_accepts',
-    'Your file does not define the function accepts.',
-    'Write def accepts(run): and below it, indented, the check.',
-)
-NO_RETURN = Cause(
-    'no_return',
-    'Your function ends without return, so its answer is None.',
-    'End each way through the function with return True, return False or return a comparison.',
-)
-NO_BOOLEAN = Cause(
-    'no_boolean',
-    'Your function returns something else than True or False.',
-    'Return a comparison, such as warned == due, or put bool(...) around the value.',
-)
-RAISES = Cause(
-    'raises',
-    'Your function raises an exception instead of returning an answer.',
-    'Return False for a wrong run. A run may have no warning, or a unit that nobody knows.',
-)
 UNHELPFUL = ('exception', 'assertion')
 """Causes whose text is about a node that ended with an exception."""
-REFUSES_RIGHT = Cause(
-    'refuses_right',
-    'The node of this run warns of each reading above 30.0 °C once, and of no other.',
-    'Work out by hand which of its readings are above 30.0 °C, and compare with what your check '
-    'takes for due. Ask for nothing but the WARN lines, in any words.',
-)
-ONE_SIDED = Cause(
-    'one_sided',
-    'Your check is wrong about most runs of the other kind, so this does not count yet.',
-    'First make it right for those runs.',
-)
-ACCEPTS_ALL = Slip(
-    'accepts_all',
-    'Your check accepts each run, so it finds no mistake.',
-    'Return False if the warnings of the run are not those that are due.',
-    each(lambda run: True),
-)
-REFUSES_ALL = Slip(
-    'refuses_all',
-    'Your check refuses each run, including those of right nodes.',
-    "Print both lists for a right run. Is the level 'WARN'?",
-    each(lambda run: False),
-)
+ACCEPTS_ALL = WHY.slip('accepts_all', each(lambda run: True))
+REFUSES_ALL = WHY.slip('refuses_all', each(lambda run: False))
 OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of the two.'}
 
 
@@ -145,54 +96,17 @@ def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
 SLIPS = (
     ACCEPTS_ALL,
     REFUSES_ALL,
-    Slip(
+    WHY.slip(
         'keeps_lists',
-        'Your check refuses every run after the first wrong one: it keeps what it has stored.',
-        'Make the lists inside accepts(), so that each call begins with empty ones.',
         lambda runs: list(accumulate((run.slip is None for run in runs), operator.and_)),
     ),
-    Slip(
-        'counts_only',
-        'Your check counts the warnings and does not ask which reading each belongs to.',
-        'Compare times: a warning has the time of its reading.',
-        each(lambda run: sum(run.answers) == sum(DUE(run.readings))),
-    ),
-    Slip(
-        'any_warning',
-        'One warning in the run is enough for your check.',
-        'Ask for a warning at the time of each reading that is too warm.',
-        each(lambda run: any(run.answers) == any(DUE(run.readings))),
-    ),
-    Slip(
-        'no_needless',
-        'Your check finds missing warnings, and no warning that comes without a reason.',
-        'Also ask whether each WARN line belongs to a reading that is too warm.',
-        compares(operator.ge),
-    ),
-    Slip(
-        'no_missing',
-        'Your check finds warnings without a reason, and no warning that is missing.',
-        'Also ask whether each reading that is too warm has its WARN line.',
-        compares(operator.le),
-    ),
-    Slip(
-        'tolerant',
-        'A warning some time after its reading is right for your check.',
-        'The times are exact: compare them with ==.',
-        each(lambda run: list(run.answers) == list(DUE(run.readings))),
-    ),
-    Slip(
-        'ends_early',
-        'Your check compares only as far as the shorter of two lists, as zip() does.',
-        'Also compare the lengths, or compare whole lists: warned == due.',
-        each(compares_first),
-    ),
-    Slip(
-        'repeats',
-        'A warning that comes twice counts as one in your check.',
-        'Compare lists, not sets: a set has each time once.',
-        compares(lambda count, due: bool(count) == bool(due)),
-    ),
+    WHY.slip('counts_only', each(lambda run: sum(run.answers) == sum(DUE(run.readings)))),
+    WHY.slip('any_warning', each(lambda run: any(run.answers) == any(DUE(run.readings)))),
+    WHY.slip('no_needless', compares(operator.ge)),
+    WHY.slip('no_missing', compares(operator.le)),
+    WHY.slip('tolerant', each(lambda run: list(run.answers) == list(DUE(run.readings)))),
+    WHY.slip('ends_early', each(compares_first)),
+    WHY.slip('repeats', compares(lambda count, due: bool(count) == bool(due))),
     *(
         Slip(
             f'check_{slip.cause_id}',
@@ -233,12 +147,12 @@ def _why_no_answer(run: Run, text: str) -> Cause | None:
     if text == 'exception' and trace:
         why = exception_cause(trace)
         helpful = why.cause_id not in UNHELPFUL
-        return why if helpful else replace(RAISES, line=trace.place)
+        return why if helpful else replace(WHY['raises'], line=trace.place)
     if NO_ACCEPTS in str(run.recording.process.get('stderr', '')):
-        return NO_FUNCTION
+        return WHY['no_accepts']
     if text == 'no answer':
         return why_silent(run)
-    return NO_RETURN if text == 'NoneType' else NO_BOOLEAN
+    return WHY['no_return'] if text == 'NoneType' else WHY['no_boolean']
 
 
 def _name(run: Run, place: int) -> str:
@@ -273,7 +187,7 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
         raise Failed(
             expected=f'{due} here, and {not due} for most runs of {_kind(not due)} nodes',
             observed=f'{not due} for {known} of these {len(others)}',
-            why=ONE_SIDED,
+            why=WHY['one_sided'],
         )
 
 
@@ -289,7 +203,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     slip: Slip | None = asked.inputs[place].slip
     own = asked.cause(came, place)
     if slip is None:
-        return own or REFUSES_RIGHT
+        return own or WHY['refuses_right']
     does = f'The node of this run is wrong. Its author is told: {slip.text}'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
