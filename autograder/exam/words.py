@@ -50,7 +50,7 @@ class Causes:
         return self.of(name)
 
     def of(
-        self, name: str, about: Sequence[str] = (), line: int | None = None, **words: object
+        self, name: str, /, about: Sequence[str] = (), line: int | None = None, **words: object
     ) -> Cause:
         """
         Return a cause, with values for further names in braces.
@@ -64,7 +64,7 @@ class Causes:
         closer = [self[one] for one in fields.get('closer', '').split()]
         return Cause(cause_id, text, try_this, about, fields.get('act', ''), line, closer)
 
-    def slip(self, name: str, *rules: Rule, sometimes: bool = False, **words: object) -> Slip:
+    def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: object) -> Slip:
         """Return a cause with its rules, see :class:`autograder.exam.specification.Slip`."""
         why = self.of(name, **words)
         return Slip(

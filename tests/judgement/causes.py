@@ -16,7 +16,7 @@ import re
 import sys
 from typing import Any
 
-from autograder.exam import catalog
+from autograder.exam import catalog, words
 from autograder.exam.names import Names
 from autograder.exams.visible import check_your_understanding as questions
 from autograder.judging.causes import builds, code_table, ended, exceptions
@@ -130,8 +130,16 @@ def _in_tables() -> Iterator[Written]:
             yield Written(head.partition('|')[0], text, try_this, name)
     for mistake in builds.MISTAKES:
         yield Written(mistake.cause, mistake.error, mistake.advice, 'builds')
+    for path in sorted(ROOT.glob('autograder/exam*/**/*.txt')):
+        for head, text, try_this, *_ in words.rows(path.read_text(encoding='utf-8')):
+            yield Written(head.partition('|')[0], _shown(text), _shown(try_this), path.stem)
     for name, (_, text, try_this) in questions.CAUSES.items():
         yield Written(name, text, try_this, 'check_your_understanding')
+
+
+def _shown(text: str) -> str:
+    """Return a text of an exam, with … for what is put in."""
+    return re.sub(r'(?<!\{)\{[^{}]+\}', '…', text).replace('{{', '{').replace('}}', '}')
 
 
 @cache

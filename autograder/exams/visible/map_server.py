@@ -118,10 +118,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
         return WHY['replaces_empty'] if _replaces_empty(run) else WHY['first_repeats']
     if not before:
         return WHY['no_first_map']
-    near = before[0].strip().lower() == FIRST
-    matters = 'Upper and lower case and spaces matter.'
-    slip = matters if near else 'The first map has a different text.'
-    return Cause('wrong_text', slip, f'Write {FIRST!r}.')
+    return WHY['wrong_form' if before[0].strip().lower() == FIRST else 'first_text']
 
 
 def _replaces_empty(run: Run) -> bool:
@@ -180,8 +177,7 @@ def _why_other_maps(run: Run) -> Cause | None:
         return WHY['text_changed']
     if others:
         said = own_words(run, others[0][:40], 'What is published')
-        text = f'{said} is not the text of a survey.'
-        return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
+        return WHY.of('wrong_text', said=said)
     joined = [one['clock_ns'] for one in run.recording.of('joined', listener='late')]
     at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
     if at_join and asked.wrong(found) == [len(found) - 1]:

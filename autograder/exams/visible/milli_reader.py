@@ -97,11 +97,7 @@ def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> C
     ]
     factors = {f'{1000 * due / value:.9g}' for value, due in pairs if value}
     if len(factors) == 1 and all(value or not due for value, due in pairs):
-        return Cause(
-            'wrong_factor',
-            f'The number is divided by {factors.pop()}.',
-            'Divide by 1000.0.',
-        )
+        return WHY.of('wrong_factor', factor=factors.pop())
     if all(abs(value - due) < 1e-9 for value, due in pairs if due >= 0):
         return WHY['wrong_below_zero']
     return WHY['rounded'] if all(abs(value - due) < 2 for value, due in pairs) else None

@@ -41,7 +41,6 @@ EVERY_S = 0.2  # between two distances [s]
 SILENCE_S = 1.45  # after the last distance: four deadlines and time to log the last one [s]
 BY_RCLPY = 'New publisher discovered on topic'
 """Start of the line that rclpy's default callback logs for an incompatible publisher."""
-DEADLINE = 'Give its profile deadline=Duration(seconds=0.3).'
 REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
     'DURABILITY': 'Leave durability out: the sensor keeps nothing for latecomers.',
@@ -120,12 +119,7 @@ def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
     then = [line for line in own_logs(run, NODE) if line['after_input'] == index]
     other = next((str(line['text']) for line in then if line['level'] == INFO), '')
     if other:
-        return Cause(
-            'number_not_shown',
-            f"Your INFO line '{quoted(run, other)}' does not contain the number, or rounds it.",
-            "Log the number as it came: self.get_logger().info(f'{message.data} m').",
-            about=[other],
-        )
+        return WHY.of('number_not_shown', about=[other], said=quoted(run, other))
     distance = asked.inputs[index]
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
     # line.
@@ -143,11 +137,8 @@ def _why_unheard(run: Run) -> Cause | None:
     offered = run.recording.of('offered', publisher='sensor')
     if offered and offered[0]['refused']:
         policy = offered[0]['refused'][0]
-        return Cause(
-            'refused',
-            f'Your subscription refuses the sensor: the policy {policy} asks for too much.',
-            REQUEST.get(policy, 'Request no more than the sensor offers.'),
-        )
+        repair = REQUEST.get(policy, 'Request no more than the sensor offers.')
+        return WHY.of('refused', policy=policy, repair=repair)
     return None
 
 
@@ -197,15 +188,9 @@ def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | No
         return why
     asked = [one for one in deadlines_ns(run) if one]
     if len(asked) < len(deadlines_ns(run)):
-        slip = 'Your subscription requests no deadline, so none can be missed.'
-        return Cause('no_deadline', slip, DEADLINE)
+        return WHY['no_deadline']
     if not due:
-        return Cause(
-            'long_deadline',
-            f'Your subscription requests a deadline of {min(asked) / SECOND:g} s, and the '
-            'silence is too short to miss it.',
-            DEADLINE,
-        )
+        return WHY.of('long_deadline', deadline_s=min(asked) / SECOND)
     return why_not_logged(run, silence, WARN) or WHY['no_deadline_callback']
 
 
@@ -214,11 +199,10 @@ def names_the_policy(run: Run) -> None:
     for publisher in LAZY:
         lazy = run.recording.of('offered', publisher=publisher)
         if lazy and lazy[0]['matched']:
-            slip = 'Your subscription requests no deadline, so no publisher offers too little.'
             raise Failed(
                 expected='a publisher without a deadline is refused',
                 observed='your subscription accepts it',
-                why=Cause('nothing_refused', slip, DEADLINE),
+                why=WHY['nothing_refused'],
             )
         found = own_logs(run.during(publisher), NODE)
         errors = [str(line['text']) for line in found if line['level'] == ERROR]
