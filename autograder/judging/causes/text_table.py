@@ -4,22 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-import re
 
 from autograder.exam.exam import Cause
+from autograder.exam.words import rows
 
 FOLDER = Path(__file__).parent
-
-
-def rows(text: str) -> list[list[str]]:
-    """
-    Return the rows of a table, each as a list of cells.
-
-    :param text: rows are separated by an empty line, and each line is a cell.  An indented line
-        continues the previous one after a space.  A block that begins with # is a comment
-    """
-    blocks = (block for block in text.strip().split('\n\n') if block[0] != '#')
-    return [re.sub(r'\n +', ' ', block).split('\n') for block in blocks]
 
 
 def rows_of(name: str) -> list[list[str]]:
