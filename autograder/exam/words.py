@@ -66,13 +66,4 @@ class Causes:
 
     def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: object) -> Slip:
         """Return a cause with its rules, see :class:`autograder.exam.specification.Slip`."""
-        why = self.of(name, **words)
-        return Slip(
-            why.cause_id,
-            why.text,
-            why.try_this,
-            *rules,
-            act=why.act,
-            closer=why.closer,
-            sometimes=sometimes,
-        )
+        return Slip.of(self.of(name, **words), *rules, sometimes=sometimes)

@@ -18,7 +18,6 @@ from typing import Any
 
 from autograder.exam import catalog, words
 from autograder.exam.names import Names
-from autograder.exams.visible import check_your_understanding as questions
 from autograder.judging.causes import builds, code_table, ended, exceptions
 from autograder.judging.causes.text_table import rows_of
 from autograder.layout import Layout
@@ -133,8 +132,6 @@ def _in_tables() -> Iterator[Written]:
     for path in sorted(ROOT.glob('autograder/exam*/**/*.txt')):
         for head, text, try_this, *_ in words.rows(path.read_text(encoding='utf-8')):
             yield Written(head.partition('|')[0], _shown(text), _shown(try_this), path.stem)
-    for name, (_, text, try_this) in questions.CAUSES.items():
-        yield Written(name, text, try_this, 'check_your_understanding')
 
 
 def _shown(text: str) -> str:

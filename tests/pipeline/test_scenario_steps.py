@@ -164,7 +164,11 @@ class TestCall:
         """FAILURE leaves the node unconfigured; with a corrected parameter it configures."""
         node = '/thermometer'
         steps = [Mark('bad'), transition(node, 'configure')]
-        steps += [Mark('good'), set_parameters(node, {'limit': 20.0}), transition(node, 'configure')]
+        steps += [
+            Mark('good'),
+            set_parameters(node, {'limit': 20.0}),
+            transition(node, 'configure'),
+        ]
 
         seen = run(THERMOMETER, *steps, arguments=('-p', 'limit:=-1.0'))
 

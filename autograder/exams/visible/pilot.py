@@ -22,7 +22,7 @@ from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import within
 from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.exam.slips import Change, changing
-from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.specification import Rule, Specification
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers
@@ -43,7 +43,7 @@ Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
 
 
-WHY = Causes(__file__, OLD_S=OLD_S)
+WHY = Causes(__file__, OLD_S=OLD_S, NEXT_S=OLD_S + 1)
 
 
 class Told(NamedTuple):
@@ -173,12 +173,7 @@ SLIPS = (
     WHY.slip('silent_when_old', joining(stop=lambda now, ages: None)),
     WHY.slip('stops_for_good', joining(for_good=True)),
     WHY.slip('other_age', joining(old=lambda ages: max(ages) > 2 * OLD_S)),
-    Slip(
-        'whole_seconds',
-        f'The age is cut to whole seconds: a value counts as old from {OLD_S + 1:g} s on.',
-        f'Compare each age with {OLD_S:g} s unchanged, without // and int().',
-        joining(old=lambda ages: math.floor(max(ages)) > OLD_S),
-    ),
+    WHY.slip('whole_seconds', joining(old=lambda ages: math.floor(max(ages)) > OLD_S)),
     WHY.slip(
         'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
     ),

@@ -15,6 +15,7 @@ import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Join, Scenario, Unheard
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_messages, require_qos
 from autograder.judging.claims import node
@@ -31,6 +32,7 @@ UNHEARD_S = 1.2  # at the start, without a subscription [s]
 WAITS_S = 1.0  # additional time if there is no publisher, or no service of that name [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
+WHY = Causes(__file__, ABSOLUTE=ABSOLUTE)
 
 
 def heard_on(run: Run) -> str:
@@ -57,12 +59,7 @@ def moves_with_its_namespace(run: Run) -> None:
     raise Failed(
         expected='the topic chatter in the namespace in which the node was started',
         observed=f'the topic {ABSOLUTE}, in no namespace',
-        why=Cause(
-            'absolute_name',
-            'Your topic name begins with a slash, so it ignores the namespace.',
-            "Write 'chatter', without the slash.",
-            about=[ABSOLUTE],
-        ),
+        why=WHY['absolute_name'],
     )
 
 
@@ -84,8 +81,7 @@ def counts_its_greetings(run: Run) -> None:
         raise Failed(
             expected=f'at least {least} messages, to see how it counts',
             observed=f'{len(found)}',
-            why=why_silent(run)
-            or Cause('wrong_rate', 'Your node sends too few messages.', 'Fix the rate first.'),
+            why=why_silent(run) or WHY['wrong_rate'],
         )
     texts = [str(event['data']['data']) for event in found]
     # Greetings sent before the subscription connected are lost, but have a number.
@@ -105,16 +101,13 @@ def counts_its_greetings(run: Run) -> None:
 def _why_text(texts: list[str], place: int, first: int, when: str) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
-        slip = 'The number is right, but not written with the digits 0 to 9.'
-        if written[1].isascii():
-            slip = 'The number is right, but has a zero in front of it.'
+        why = 'zero_in_front' if written[1].isascii() else 'other_digits'
     elif written or '{' in texts[place]:
         return why_not_numbered(texts, place, first, when)
-    elif GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower()))):
-        slip = 'Upper and lower case, spaces and punctuation matter.'
     else:
-        slip = 'The text has a different form.'
-    return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]])
+        words = ' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower()))
+        why = 'other_form' if GREETING.fullmatch(words) else 'other_text'
+    return WHY.of(why, about=[texts[place]])
 
 
 def offers_reliable_qos(run: Run) -> None:

@@ -7,15 +7,18 @@ its slips.  So the exam treats the check like any other program: its inputs are 
 correct answer is True for a correct monitor and False for one with a slip.  A check can have slips
 too: it compares too little, or it computes the expected warnings with one of the monitor's
 mistakes.
+
+No monitor runs: its specification, or a slip, determines what it logs after each reading.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import accumulate
 import json
+import math
 import operator
 
 from autograder.errors import ExamInvalid
@@ -23,18 +26,27 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exam.words import Causes
-from autograder.exams.monitor_runs import celsius, fahrenheit, made_run, MadeRun, NAN
 from autograder.exams.readings import Reading, slips, warns
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.claims import claim
 from autograder.judging.rows import published
+from autograder.simulated import LogRecord, Simulation, TopicRecord
 
 FILE = 'warning_check.py'
 NO_ACCEPTS = "has no attribute 'accepts'"
 RUNS, ANSWERS, TYPE = '/runs', '/answers', 'std_msgs/msg/String'
 EXERCISE = 'Exercise 11: the check'
+MONITOR, READINGS = 'temperature_subscriber', '/temperature_topic'
+WORDS = (
+    ('{:.2f} {} from temp_sensor_01', 'Too warm: {:.2f} {}'),
+    ('Received temperature: {:.1f} {}', 'TEMPERATURE WARNING: {:.1f} {}'),
+    ('Lectura de {:.3f} {}', 'Demasiado caliente'),
+    ('', 'hot!'),
+)
+"""Log texts of different monitors at INFO and at WARN; the last one logs only WARN lines."""
+NAN = Reading(math.nan, 'a reading that is not a number')
 
 DUE = warns()
 """The rule of a correct monitor."""
@@ -66,6 +78,95 @@ REFUSES_ALL = WHY.slip('refuses_all', each(lambda run: False))
 OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of the two.'}
 
 
+@dataclass(frozen=True)
+class MadeRun:
+    """
+    The log of a correct monitor, or of one with a slip, for some readings.
+
+    :param kind: description of the readings that feedback may show
+    :param readings: in the order in which they are sent
+    :param answers: number of WARN lines after each reading
+    :param slip: the monitor's mistake, None for a correct monitor
+    :param steps_s: time before each reading [s]
+    :param words: index of the monitor's log texts in :data:`WORDS`
+    :param lag_s: time from a reading to its WARN lines [s]
+    """
+
+    kind: str
+    readings: Sequence[Reading]
+    answers: Sequence[int]
+    slip: Slip | None
+    steps_s: Sequence[float]
+    words: int
+    lag_s: float = 0.0
+
+    @property
+    def simulation(self) -> Simulation:
+        """Return the run in the form that ``simulate()`` returns."""
+        times = [sum(self.steps_s[: place + 1]) for place in range(len(self.readings))]
+        seconds = times[-1] + 1.0
+        data = tuple(one.message(number) for number, one in enumerate(self.readings))
+        kind = 'temp_monitor_pkg/msg/Temperature'
+        sent = TopicRecord(f'{READINGS} (input)', kind, tuple(times), data, seconds)
+        logs = [
+            LogRecord(time + self.lag_s * (level == 'WARN'), level, MONITOR, text)
+            for time, reading, count in zip(times, self.readings, self.answers)
+            for level, text in self._lines(reading, count)
+        ]
+        return Simulation('monitor.py', {}, {}, {READINGS: sent}, tuple(logs), 'complete', seconds)
+
+    def _lines(self, reading: Reading, count: int) -> list[tuple[str, str]]:
+        info, warning = (one.format(reading.value, reading.unit) for one in WORDS[self.words])
+        refused = info and reading.celsius is None and not count
+        lines = [('INFO', info)] if info else []
+        lines += [('ERROR', f'Unknown unit {reading.unit!r}')] if refused else []
+        return lines + [('WARN', warning)] * count
+
+
+def made_run(
+    kind: str,
+    readings: Sequence[Reading],
+    name: str = '',
+    words: int = 0,
+    steps_s: Sequence[float] = (),
+) -> MadeRun:
+    """
+    Return the run of a monitor.
+
+    :param name: the monitor's slip, empty for a correct monitor; the other parameters are fields
+        of :class:`MadeRun`
+    :param steps_s: by default 1 s
+    :raises ExamInvalid: if the readings do not reveal the slip
+    """
+    due = list(DUE(readings))
+    slip, answers = of_monitor(name, readings) if name else (None, due)
+    return MadeRun(kind, readings, answers, slip, steps_s or [1.0] * len(readings), words)
+
+
+def of_monitor(name: str, readings: Sequence[Reading]) -> tuple[Slip, list[int]]:
+    """
+    Return the first slip of a name that the given readings reveal, and its answers.
+
+    :raises ExamInvalid: if there is no such slip
+    """
+    due = list(DUE(readings))
+    for slip in (*OF_A_MONITOR, LATE):
+        for rule in slip.rules if slip.cause_id == name else ():
+            if (answers := list(rule(readings))) != due:
+                return slip, answers
+    raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
+
+
+def celsius(*values: float) -> list[Reading]:
+    """Return readings in Celsius."""
+    return [Reading(value, 'a reading in Celsius') for value in values]
+
+
+def fahrenheit(*values: float) -> list[Reading]:
+    """Return readings in Fahrenheit."""
+    return [Reading(value, 'a reading in Fahrenheit', 'Fahrenheit') for value in values]
+
+
 def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) -> Rule:
     """Return the rule of a check that compares actual and expected warnings per reading."""
     return each(lambda run: not run.lag_s and all(map(like, run.answers, due(run.readings))))
@@ -78,19 +179,6 @@ def compares_first(run: MadeRun) -> bool:
         for counts in (run.answers, DUE(run.readings))
     )
     return not run.lag_s and all(map(operator.eq, warned, due))
-
-
-def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
-    """
-    Return the first slip of a name that the given readings reveal.
-
-    :raises ExamInvalid: if there is no such slip
-    """
-    due = list(DUE(readings))
-    for slip in (*OF_A_MONITOR, LATE):
-        if slip.cause_id == name and any(list(rule(readings)) != due for rule in slip.rules):
-            return slip
-    raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
 
 
 SLIPS = (
@@ -253,29 +341,30 @@ def build(runs: Sequence[MadeRun]) -> Exam:
     return exam
 
 
-def _run(kind: str, readings: Sequence[Reading], name: str = '', words: int = 0) -> MadeRun:
-    slip = of_monitor(name, readings) if name else None
-    return made_run(kind, readings, DUE, slip, words)
-
-
 _UNKNOWN = Reading(300.0, 'a reading in the unit Kelvin', 'Kelvin')
 exam = build(
     [
-        _run('readings in Celsius', celsius(21.5, 31.0, 25.0, 30.2, 22.0)),
-        _run('readings at the limit', celsius(28.0, 30.0, 32.0, 30.0, 29.0), 'warns_at_threshold'),
-        _run(
+        made_run('readings in Celsius', celsius(21.5, 31.0, 25.0, 30.2, 22.0)),
+        made_run(
+            'readings at the limit', celsius(28.0, 30.0, 32.0, 30.0, 29.0), 'warns_at_threshold'
+        ),
+        made_run(
             'warm readings in a row', celsius(25.0, 31.0, 33.0, 36.0, 28.0), 'warns_of_changes', 1
         ),
-        _run('no reading above 30 °C', celsius(12.0, 30.0, 29.9, -35.0, 18.0), words=1),
-        _run('readings in Celsius', celsius(22.0, 34.0, 26.0, 32.0, 27.0), 'one_late'),
-        _run(
+        made_run('no reading above 30 °C', celsius(12.0, 30.0, 29.9, -35.0, 18.0), words=1),
+        made_run('readings in Celsius', celsius(22.0, 34.0, 26.0, 32.0, 27.0), 'one_late'),
+        made_run(
             'readings in Fahrenheit', fahrenheit(70.0, 95.0, 86.0, 88.0) + celsius(31.0), words=2
         ),
-        _run('readings in Fahrenheit', fahrenheit(70.0, 50.0, 95.0, 20.0), 'ignores_unit', 3),
-        _run('an unknown unit and NaN', [*celsius(35.0), _UNKNOWN, NAN, *celsius(31.0)], words=2),
-        _run('a reading that is NaN', [*celsius(35.0), NAN, *celsius(24.0)], 'nan'),
-        _run('a reading in an unknown unit', [_UNKNOWN, *celsius(20.0, 32.0)], 'unknown_unit', 1),
-        _run('readings in Celsius', celsius(24.0, 38.0, 41.0, 26.0), 'no_warning', 2),
-        _run('readings in Celsius', celsius(24.0, 33.0, 26.0), 'repeated_warning', 3),
+        made_run('readings in Fahrenheit', fahrenheit(70.0, 50.0, 95.0, 20.0), 'ignores_unit', 3),
+        made_run(
+            'an unknown unit and NaN', [*celsius(35.0), _UNKNOWN, NAN, *celsius(31.0)], words=2
+        ),
+        made_run('a reading that is NaN', [*celsius(35.0), NAN, *celsius(24.0)], 'nan'),
+        made_run(
+            'a reading in an unknown unit', [_UNKNOWN, *celsius(20.0, 32.0)], 'unknown_unit', 1
+        ),
+        made_run('readings in Celsius', celsius(24.0, 38.0, 41.0, 26.0), 'no_warning', 2),
+        made_run('readings in Celsius', celsius(24.0, 33.0, 26.0), 'repeated_warning', 3),
     ]
 )
