@@ -129,7 +129,7 @@ def in_force_slips(
         limits = [one.limit for one in (*inputs[:1], *inputs)]
         return [rule(partial(_constant, limit))([one])[0] for limit, one in zip(limits, inputs)]
 
-    words = {'parameter': parameter, 'default': default}
+    words: dict[str, Any] = {'parameter': parameter, 'default': default}
     return (
         WHY.slip('read_once', rule(lambda one: float(one.start)), **words),
         WHY.slip('number_in_the_code', rule(lambda one: default), **words),

@@ -107,7 +107,7 @@ class Slip(Cause):
     @classmethod
     def of(cls, cause: Cause, *rules: Rule, sometimes: bool = False) -> Slip:
         """Return the slip for a cause that checks may also report without a matching rule."""
-        more = {'act': cause.act, 'closer': cause.closer, 'sometimes': sometimes}
+        more: dict[str, Any] = {'act': cause.act, 'closer': cause.closer, 'sometimes': sometimes}
         return cls(cause.cause_id, cause.text, cause.try_this, *rules, **more)
 
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 import re
+from typing import Any
 
+from autograder.errors import ExamInvalid
 from autograder.exam.specification import Cause, Rule, Slip
 
 
@@ -37,11 +39,17 @@ class Causes:
     :param words: values for the names in braces
     """
 
-    def __init__(self, module: str, **words: object) -> None:
-        """Read the file."""
-        self._words = words
+    def __init__(self, module: str, **words: Any) -> None:
+        """
+        Read the file.
+
+        :raises ExamInvalid: if a row has no repair
+        """
+        self._file, self._words = Path(module).with_suffix('.txt'), words
         self._rows: dict[str, list[str]] = {}
-        for head, *lines in rows(Path(module).with_suffix('.txt').read_text(encoding='utf-8')):
+        for head, *lines in rows(self._file.read_text(encoding='utf-8')):
+            if len(lines) < 2:
+                raise ExamInvalid(f'{self._file.name}, {head}: expected a text and a repair.')
             cause_id, _, name = head.partition('|')
             self._rows[name or cause_id] = [cause_id, *lines]
 
@@ -50,13 +58,19 @@ class Causes:
         return self.of(name)
 
     def of(
-        self, name: str, /, about: Sequence[str] = (), line: int | None = None, **words: object
+        self, name: str, /, about: Sequence[str] = (), line: int | None = None, **words: Any
     ) -> Cause:
         """
         Return a cause, with values for further names in braces.
 
         :param about: see :class:`autograder.exam.specification.Cause`, as ``line``
+        :raises ExamInvalid: if the file has no such row
         """
+        if name not in self._rows:
+            known = ', '.join(self._rows)
+            raise ExamInvalid(
+                f'{self._file.name}: there is no cause {name!r}.', f'Known: {known}.'
+            )
         cause_id, *lines = self._rows[name]
         text, try_this, *more = (one.format(**self._words, **words) for one in lines)
         fields = dict(one.split(': ', 1) for one in more)
@@ -64,6 +78,6 @@ class Causes:
         closer = [self[one] for one in fields.get('closer', '').split()]
         return Cause(cause_id, text, try_this, about, fields.get('act', ''), line, closer)
 
-    def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: object) -> Slip:
+    def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: Any) -> Slip:
         """Return a cause with its rules, see :class:`autograder.exam.specification.Slip`."""
         return Slip.of(self.of(name, **words), *rules, sometimes=sometimes)

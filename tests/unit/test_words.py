@@ -7,6 +7,7 @@ import importlib
 
 import pytest
 
+from autograder.errors import ExamInvalid
 from autograder.exam.words import Causes
 from autograder.layout import Layout
 
@@ -72,3 +73,15 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
     assert (found.act, found.about, found.line) == ('reset()', ['a', '/map'], 3)
     assert [one.text for one in found.closer] == [slip.text] == ['It is {late}.']
     assert (slip.cause_id, slip.rules) == ('late', (list,))
+
+
+def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
+    """The error names the file."""
+    table, module = tmp_path / 'exam.txt', str(tmp_path / 'exam.py')
+    table.write_text('late\nIt is late.\nRun.\n', encoding='utf-8')
+    with pytest.raises(ExamInvalid, match=r"exam\.txt: there is no cause 'early'.*Known: late"):
+        Causes(module)['early']
+
+    table.write_text('late\nIt is late.\n', encoding='utf-8')
+    with pytest.raises(ExamInvalid, match=r'exam\.txt, late: expected a text and a repair'):
+        Causes(module)
