@@ -102,6 +102,11 @@ def warns(
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
 
 
+def cutting(cut: Callable[[float], float]) -> Rule:
+    """Return the rule of a monitor that changes the decimals of its limit."""
+    return warns(limit=lambda one: cut(one.limit))
+
+
 SLIPS = (
     WHY.slip('never_warns', warns(active=lambda one: False)),
     WHY.slip('early_limit', warns(limit=lambda one: one.limits[one.phase in SET_AGAIN])),
@@ -110,7 +115,7 @@ SLIPS = (
     WHY.slip('subscription_not_managed', warns(active=lambda one: True)),
     WHY.slip('active_too_early', warns(active=lambda one: one.phase != 'paused')),
     WHY.slip('stays_active', warns(active=lambda one: one.phase != 'accepted')),
-    WHY.slip('limit_cut', *(warns(limit=lambda one, cut=cut: cut(one.limit)) for cut in CUTS[:3])),
+    WHY.slip('limit_cut', *map(cutting, CUTS[:3])),
     *warning_slips(warns, 'self.limit', BURST),
 )
 

@@ -156,7 +156,8 @@ SLIPS = (
     WHY.slip('one_age_for_all', joining(old=lambda ages: min(ages) > OLD_S)),
     WHY.slip(
         'one_age_only',
-        *(joining(old=lambda ages, which=which: ages[which] > OLD_S) for which in BOTH),
+        joining(old=lambda ages: ages[0] > OLD_S),
+        joining(old=lambda ages: ages[1] > OLD_S),
     ),
     WHY.slip(
         'half_a_stop',
@@ -184,10 +185,8 @@ SLIPS = (
     WHY.slip(
         'zero_is_nothing',
         joining(ready=lambda heard: all(one and one[-1] for one in heard)),
-        *(
-            joining(ready=lambda heard, which=which: all(heard) and bool(heard[which][-1]))
-            for which in BOTH
-        ),
+        joining(ready=lambda heard: all(heard) and bool(heard[0][-1])),
+        joining(ready=lambda heard: all(heard) and bool(heard[1][-1])),
     ),
     WHY.slip(
         'limited', *(changed(partial(within, most=1.0), *some) for some in (BOTH, *zip(BOTH)))

@@ -100,6 +100,11 @@ def dividing(add: Callable[[float], float]) -> Rule:
     return rule
 
 
+def of_the_last(few: int) -> Rule:
+    """Return the rule of a program that computes the mean of only the last numbers."""
+    return averaging(lambda seen: fmean(seen[-few:]))
+
+
 def kept(change: Change) -> Rule:
     """Return the rule of a program that computes each mean from the last one, changed."""
 
@@ -134,10 +139,7 @@ SLIPS = (
         averaging(lambda seen: sum(seen) / (2 * len(seen))),
     ),
     WHY.slip('never_adds', averaging(lambda seen: 0.0)),
-    WHY.slip(
-        'last_few',
-        *(averaging(lambda seen, few=few: fmean(seen[-few:])) for few in (2, 3, 5, 10, 20, 50)),
-    ),
+    WHY.slip('last_few', *map(of_the_last, (2, 3, 5, 10, 20, 50))),
     WHY.slip('each_once', averaging(lambda seen: fmean(set(seen)))),
     WHY.slip('changes_only', changes_only),
     WHY.slip(

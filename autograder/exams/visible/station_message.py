@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 import re
+from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
@@ -97,7 +98,7 @@ def whole(text: str) -> int | None:
 def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) -> Cause:
     """Explain a constant that is wrong or missing."""
     kind, value = found.get(name, ('', ''))
-    words = {'name': name, 'right': f'uint8 {name}={CONSTANTS[name]}'}
+    words: dict[str, Any] = {'name': name, 'right': f'uint8 {name}={CONSTANTS[name]}'}
     if kind and kind != 'uint8':
         return WHY.of('constant_type', kind=kind[:40], **words)
     if kind:
