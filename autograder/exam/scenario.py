@@ -351,23 +351,18 @@ Value = bool | int | float | str
 """The value of a parameter."""
 
 
-def set_parameter(node: str, name: str, value: Value) -> Call:
-    """Return the call that sets one parameter of a node."""
-    return _setting(node, '', {name: value})
+def set_parameters(node: str, values: Mapping[str, Value], atomically: bool = False) -> Call:
+    """
+    Return the call that sets parameters of a node.
 
-
-def set_parameters(node: str, values: Mapping[str, Value]) -> Call:
-    """Return the call that sets several parameters of a node, either all of them or none."""
-    return _setting(node, 'Atomically', values)
-
-
-def _setting(node: str, how: str, values: Mapping[str, Value]) -> Call:
+    :param atomically: whether the node is to set either all of them or none
+    """
     wanted = []
     for name, value in values.items():
         number, word = PARAMETER_TYPES[type(value)]
         wanted.append({'name': name, 'value': {'type': number, f'{word}_value': value}})
-    service = f'set_parameters_{how.lower()}'.rstrip('_')
-    kind = f'rcl_interfaces/srv/SetParameters{how}'
+    service = 'set_parameters_atomically' if atomically else 'set_parameters'
+    kind = f'rcl_interfaces/srv/SetParameters{"Atomically" if atomically else ""}'
     return Call(node, service, kind, {'parameters': wanted})
 
 

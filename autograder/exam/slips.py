@@ -13,74 +13,26 @@ import math
 import operator
 from typing import Any
 
-from autograder.exam.specification import Cause, Rule, Slip
+from autograder.exam.specification import Rule, Slip
+from autograder.exam.words import Causes
 
 HIGHEST = 125.0
 """Some programs treat a higher value as a sensor fault; common sensors measure up to it."""
 Compare = Callable[[float, float], bool]
 """Returns whether a warning is due, given a value and its limit."""
 
-REPEATED = Cause(
-    'repeated_warning',
-    'Your node warns more than once about the same value.',
-    'One call of self.get_logger().warning(...) in the callback, one subscription, and no timer '
-    'or thread for it.',
-)
-SKIPS_EQUAL = Cause(
-    'skips_equal',
-    'Your node skips a message that equals the previous one.',
-    'Handle each message, and do not compare it with the last one.',
-)
-MISSED_WARNING = Cause(
-    'missed_warning',
-    'Your node warns about other values above the limit, but not about this one.',
-    'Compare each value separately: no int(), no round(), no once=, and no stored state.',
-)
-FALSE_ALARM = Cause(
-    'false_alarm',
-    'Your node warns about a value that is not above the limit.',
-    'Compare only the value of this message with the limit: no abs() and no stored state.',
-)
-NO_WARNING = Cause(
-    'no_warning',
-    'Your node never logs a warning.',
-    'In the callback, if the value is above the limit: self.get_logger().warning(...).',
-)
-NO_ANSWER = Cause(
-    'no_answer',
-    'Your node publishes nothing when a message arrives.',
-    'Publish in the callback of the subscription, for each message.',
-)
-LEAVES_OUT = Cause(
-    'leaves_out',
-    'Your node answers some messages, but not this one.',
-    'Publish for each message that needs an answer, whatever it contains and whatever arrived '
-    'before it.',
-)
-UNASKED = Cause(
-    'speaks_unasked',
-    'Your node publishes a message although it has received none.',
-    'Publish only in the callback of the subscription.',
-)
-RUNS_EARLY = Cause(
-    'runs_early',
-    'Your node publishes a message before it has received one: its timer runs from the start.',
-    'Publish in the callback of the subscription. If the exercise needs the timer, create it with '
-    'autostart=False and call its reset() in that callback.',
-    act='publishing_timer',
-)
-SEVERAL_ANSWERS = Cause(
-    'several_answers',
-    'Your node publishes too many messages for one input.',
-    'Publish once in the callback, and nowhere else.',
-)
-MISSES_SOME = Cause(
-    'misses_some',
-    'If several messages arrive at once, your node does not answer each of them.',
-    'Is the depth of your subscription 10? If it is, publish in its callback, once per message.',
-)
-
-
+WHY = Causes(__file__)
+REPEATED = WHY['repeated_warning']
+SKIPS_EQUAL = WHY['skips_equal']
+MISSED_WARNING = WHY['missed_warning']
+FALSE_ALARM = WHY['false_alarm']
+NO_WARNING = WHY['no_warning']
+NO_ANSWER = WHY['no_answer']
+LEAVES_OUT = WHY['leaves_out']
+UNASKED = WHY['speaks_unasked']
+RUNS_EARLY = WHY['runs_early']
+SEVERAL_ANSWERS = WHY['several_answers']
+MISSES_SOME = WHY['misses_some']
 CUTS: tuple[Callable[[float], float], ...] = (
     *(math.trunc, round),
     *(lambda value: round(value, 1), lambda value: round(value, 2)),
@@ -88,73 +40,40 @@ CUTS: tuple[Callable[[float], float], ...] = (
 """Ways to truncate or round the decimals of a value."""
 
 
-def _whole(cut: Callable[[float], float]) -> Compare:
-    return lambda value, limit: math.isfinite(value) and cut(value) > limit
-
-
-def above_limit(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:
+def warning_slips(
+    rule: Callable[[Compare], Rule], limit: str, burst: int = 0, more: Sequence[Slip] = ()
+) -> tuple[Slip, ...]:
     """
-    Return the slips of a comparison that requires a warning strictly above a limit.
+    Return the slips of a program that warns about each value strictly above a limit.
 
     :param rule: builds the rule with the given comparison; its answers count warnings
     :param limit: as in the learner's code, ``30.0`` or ``self.limit``
+    :param burst: number of inputs at the end that are sent at once
+    :param more: slips of the exercise, which are less likely than a wrong comparison
     """
-    strictly = f'Above means strictly greater: value > {limit}, not >=.'
-    each_itself = f'Compare each received value unchanged: value > {limit}'
+    due = rule(operator.gt)
+    return (*_comparisons(rule, limit), *more, *_memories(due), *_in_a_burst(due, burst))
+
+
+def _comparisons(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:
+    def cutting(cut: Callable[[float], float]) -> Rule:
+        return rule(lambda value, limit: math.isfinite(value) and cut(value) > limit)
+
+    def slip(name: str, *rules: Rule) -> Slip:
+        return WHY.slip(name, *rules, limit=limit)
+
     return (
-        Slip(
-            'warns_at_threshold',
-            'The comparison includes the limit itself.',
-            strictly,
-            rule(operator.ge),
-        ),
-        Slip(
-            'comparison_reversed',
-            'Your node warns below the limit, but not above it.',
-            f'Above the limit is value > {limit}.',
-            rule(operator.lt),
-        ),
-        Slip(
-            'sign_ignored',
-            'Your node warns about a value far below zero: it compares the absolute value.',
-            f'{each_itself}, without abs().',
-            rule(lambda value, limit: abs(value) > limit),
-        ),
-        Slip(
-            'upper_bound',
-            'Your node does not warn about a value far above the limit, as if it were an invalid '
-            'reading.',
-            f'Warn of each value with value > {limit}, however high.',
-            rule(lambda value, limit: limit < value <= HIGHEST),
-        ),
-        Slip(
-            'cut_off',
-            'Your node does not warn about a value just above the limit: it rounds the value or '
-            'cuts its decimals off, or it uses a different limit.',
-            f'{each_itself}, without int(), // and round().',
-            *(rule(_whole(cut)) for cut in CUTS),
-        ),
+        slip('warns_at_threshold', rule(operator.ge)),
+        slip('comparison_reversed', rule(operator.lt)),
+        slip('sign_ignored', rule(lambda value, limit: abs(value) > limit)),
+        slip('upper_bound', rule(lambda value, limit: limit < value <= HIGHEST)),
+        slip('cut_off', *map(cutting, CUTS)),
+        slip('nan', rule(lambda value, limit: math.isnan(value) or value > limit)),
     )
 
 
-def of_nan(rule: Callable[[Compare], Rule], limit: str) -> Slip:
-    """Return the slip that warns about NaN; for the parameters see :func:`above_limit`."""
-    return Slip(
-        'nan',
-        'Your node logs a WARN line for NaN, which is not above the limit: every comparison with '
-        'NaN is false.',
-        f'Ask value > {limit}, not not (value <= {limit}). In a branch for math.isnan(value), log '
-        'no warning.',
-        rule(lambda value, limit: math.isnan(value) or value > limit),
-    )
-
-
-def with_memory(rule: Rule) -> tuple[Slip, ...]:
-    """
-    Return the slips of a program that remembers earlier inputs although each one is independent.
-
-    :param rule: the correct rule; its answers count warnings
-    """
+def _memories(rule: Rule) -> tuple[Slip, ...]:
+    """Return the slips of a program that remembers inputs although each one is independent."""
 
     def changed(change: Callable[[Sequence[Any]], Sequence[Any]]) -> Rule:
         return lambda inputs: change(rule(inputs))
@@ -172,51 +91,22 @@ def with_memory(rule: Rule) -> tuple[Slip, ...]:
         again = [False, *(one == before for before, one in pairwise(inputs))]
         return [0 if equal else one for equal, one in zip(again, rule(inputs))]
 
-    alone = 'Use only the value of this message'
     return (
-        Slip(
-            'warns_once',
-            'Your node warns about the first value above the limit, but about no later one.',
-            f'{alone}: no flag, no once= and no throttle.',
-            changed(first_only),
-        ),
-        Slip(
-            'warns_of_changes',
-            'Your node warns only if the previous value was not above the limit.',
-            f'{alone}, without a flag for the last state.',
-            changed(changes_only),
-        ),
-        Slip(
-            'warns_ever_after',
-            'After one value above the limit, your node warns about every later value too.',
-            f'{alone}, without a flag that stays set and without a maximum.',
-            changed(goes_on),
-        ),
-        Slip.of(SKIPS_EQUAL, unless_equal),
-        Slip.of(REPEATED, changed(lambda due: [2 * one for one in due])),
+        WHY.slip('warns_once', changed(first_only)),
+        WHY.slip('warns_of_changes', changed(changes_only)),
+        WHY.slip('warns_ever_after', changed(goes_on)),
+        WHY.slip('skips_equal', unless_equal),
+        WHY.slip('repeated_warning', changed(lambda due: [2 * one for one in due])),
     )
 
 
-def in_quick_succession(rule: Rule, burst: int) -> tuple[Slip, ...]:
-    """
-    Return the slip of a program that does not log each of several warnings at once.
-
-    :param rule: the correct rule; its answers count warnings
-    :param burst: number of inputs at the end that are sent at once, 0 for no slip
-    """
+def _in_a_burst(rule: Rule, burst: int) -> tuple[Slip, ...]:
+    """Return the slip of a program that does not log each of several warnings at once."""
 
     def one_of_them(inputs: Sequence[Any]) -> list[int]:
         return [*rule(inputs)[:-burst], 1, *[0] * (burst - 1)]
 
-    return (
-        Slip(
-            'one_of_a_burst',
-            'If several values above the limit arrive at once, your node warns about only one.',
-            'Give create_subscription() the depth 10, and log a line for each value: no '
-            'throttle_duration_sec= and no timer.',
-            one_of_them,
-        ),
-    )[: bool(burst)]
+    return (WHY.slip('one_of_a_burst', one_of_them),) if burst else ()
 
 
 Change = Callable[[float], float]
@@ -232,36 +122,17 @@ def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -
     :param digits: numbers of decimals to which a program may round
     """
 
-    def slip(cause_id: str, text: str, try_this: str, *changes: Change) -> Slip:
-        return Slip(
-            cause_id, text, try_this, *(rule(change) for change in changes for rule in rules)
-        )
+    def slip(name: str, *changes: Change) -> Slip:
+        return WHY.slip(name, *(rule(change) for change in changes for rule in rules))
 
     return (
-        slip(
-            'sign_lost',
-            'Numbers below zero lose their sign.',
-            'Leave out abs(), and publish negative numbers too.',
-            abs,
-        ),
-        slip(
-            'negative_is_zero',
-            'A number below zero becomes 0.0.',
-            'Leave out max(0.0, ...): negative numbers are ordinary numbers.',
-            lambda number: max(0.0, number),
-        ),
+        slip('sign_lost', abs),
+        slip('negative_is_zero', lambda number: max(0.0, number)),
         slip(
             'whole_numbers',
-            'The decimals are lost: //, int() and round() give whole numbers.',
-            'Divide with /, and publish the result without int() and round().',
             *(lambda number, cut=cut: float(cut(number)) for cut in (math.floor, *CUTS[:2])),
         ),
-        slip(
-            'rounded',
-            'The number is rounded.',
-            'Publish it as it is, without round() and without a format such as :.2f.',
-            *(lambda number, to=to: round(number, to) for to in digits),
-        ),
+        slip('rounded', *(lambda number, to=to: round(number, to) for to in digits)),
     )
 
 
@@ -280,41 +151,20 @@ def leaving_out(
     :param numbers: whether the keys are numbers, of which a program may leave out some kinds
     """
 
-    def unless(skips: Callable[[Any, Sequence[Any]], bool]) -> Rule:
+    def slip(name: str, skips: Callable[[Any, Sequence[Any]], bool]) -> Slip:
         def slipped(inputs: Sequence[Any]) -> list[Any]:
             keys = [key(one) for one in inputs]
             left = [skips(one, keys[:place]) for place, one in enumerate(keys)]
             return [() if out else due for out, due in zip(left, rule(inputs))]
 
-        return slipped
+        return WHY.slip(name, slipped, do=do)
 
-    each_one = f'{do} for each message, and do not check'
-    kinds = (
-        ('skips_negative', 'a number below zero', lambda one, before: one < 0),
-        ('skips_not_positive', 'zero and numbers below zero', lambda one, before: one <= 0),
+    found = (
+        slip('no_answer', lambda one, before: True),
+        slip('leaves_out_equal', lambda one, before: one in before[-1:]),
+        slip('skips_known', lambda one, before: one in before),
+        slip('skips_empty', lambda one, before: not one),
+        slip('skips_negative', lambda one, before: one < 0),
+        slip('skips_not_positive', lambda one, before: one <= 0),
     )
-    return (
-        Slip.of(NO_ANSWER, unless(lambda one, before: True)),
-        Slip(
-            'skips_equal',
-            'Your node does not answer a message that equals the previous one.',
-            f'{each_one} the last one.',
-            unless(lambda one, before: one in before[-1:]),
-        ),
-        Slip(
-            'skips_known',
-            'Your node does not answer a message that equals an earlier one.',
-            f'{each_one} earlier ones.',
-            unless(lambda one, before: one in before),
-        ),
-        Slip(
-            'skips_empty',
-            'Your node does not answer an empty string or a zero, but they are ordinary messages.',
-            f'{each_one} what is in it.',
-            unless(lambda one, before: not one),
-        ),
-        *(
-            Slip(name, f'Your node does not answer {which}.', f'{each_one} what is in it.', skip)
-            for name, which, skip in ((*kind[:2], unless(kind[2])) for kind in kinds if numbers)
-        ),
-    )
+    return found if numbers else found[:-2]

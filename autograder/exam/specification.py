@@ -105,11 +105,10 @@ class Slip(Cause):
         object.__setattr__(self, 'sometimes', sometimes)
 
     @classmethod
-    def of(cls, cause: Cause, *rules: Rule) -> Slip:
+    def of(cls, cause: Cause, *rules: Rule, sometimes: bool = False) -> Slip:
         """Return the slip for a cause that checks may also report without a matching rule."""
-        return cls(
-            cause.cause_id, cause.text, cause.try_this, *rules, act=cause.act, closer=cause.closer
-        )
+        more: dict[str, Any] = {'act': cause.act, 'closer': cause.closer, 'sometimes': sometimes}
+        return cls(cause.cause_id, cause.text, cause.try_this, *rules, **more)
 
 
 @dataclass(frozen=True)

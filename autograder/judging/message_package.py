@@ -14,6 +14,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.words import rows
 from autograder.judging.causes.builds import (
     build_cause,
     diagnose,
@@ -22,7 +23,7 @@ from autograder.judging.causes.builds import (
     output_of,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
-from autograder.judging.causes.text_table import cause_of, rows, rows_of
+from autograder.judging.causes.text_table import cause_of, rows_of
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""

@@ -16,9 +16,8 @@ import re
 import sys
 from typing import Any
 
-from autograder.exam import catalog
+from autograder.exam import catalog, words
 from autograder.exam.names import Names
-from autograder.exams.visible import check_your_understanding as questions
 from autograder.judging.causes.text_table import rows_of
 from autograder.layout import Layout
 from tests.judgement.kept import load, table, write_or_compare
@@ -119,8 +118,10 @@ def _in_tables() -> Iterator[Written]:
         for row in rows_of(f'{name}.txt'):
             text, try_this = (_shown(said, name) for said in (row.text, row.try_this))
             yield Written(_shown(row.cause_id, name).replace('…', '*'), text, try_this, name)
-    for name, (text, try_this) in questions.CAUSES.items():
-        yield Written(name, text, try_this, 'check_your_understanding')
+    for path in sorted(ROOT.glob('autograder/exam*/**/*.txt')):
+        for head, text, try_this, *_ in words.rows(path.read_text(encoding='utf-8')):
+            said = (_shown(one, path.stem) for one in (text, try_this))
+            yield Written(head.partition('|')[0], *said, path.stem)
 
 
 def _shown(text: str, name: str) -> str:

@@ -25,6 +25,7 @@ LAYOUT = Layout.here()
 GRADER = LAYOUT.root / 'autograder'
 SHARED = (
     *sorted((GRADER / 'exam').glob('*.py')),
+    *sorted((GRADER / 'exam').glob('*.txt')),
     *sorted((GRADER / 'judging').rglob('*.py')),
     *sorted((GRADER / 'judging').rglob('*.txt')),
     *sorted((GRADER / 'submission' / 'code').glob('*.py')),
@@ -98,6 +99,7 @@ def _sources(exam: Exam) -> set[Path]:
         path = Path(inspect.getfile(sys.modules[name]))
         if path not in found:
             found.update({path, *path.parent.glob(f'{path.stem}.yaml')})
+            found.update(path.parent.glob(f'{path.stem}.txt'))
             modules += _exams_used_by(sys.modules[name])
     return found
 

@@ -15,7 +15,7 @@ from autograder.exam.scenario import (
     Mark,
     Offer,
     Qos,
-    set_parameter,
+    set_parameters,
     state,
     transition,
     Unheard,
@@ -164,7 +164,11 @@ class TestCall:
         """FAILURE leaves the node unconfigured; with a corrected parameter it configures."""
         node = '/thermometer'
         steps = [Mark('bad'), transition(node, 'configure')]
-        steps += [Mark('good'), set_parameter(node, 'limit', 20.0), transition(node, 'configure')]
+        steps += [
+            Mark('good'),
+            set_parameters(node, {'limit': 20.0}),
+            transition(node, 'configure'),
+        ]
 
         seen = run(THERMOMETER, *steps, arguments=('-p', 'limit:=-1.0'))
 
@@ -190,7 +194,7 @@ def make():
     silent = Node('silent')
     return Node('spun')
 """
-        steps = [set_parameter(name, 'use_sim_time', False) for name in ('/silent', '/spun')]
+        steps = [set_parameters(name, {'use_sim_time': False}) for name in ('/silent', '/spun')]
 
         seen = run(body, *steps)
 

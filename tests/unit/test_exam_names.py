@@ -13,7 +13,7 @@ from autograder.errors import ExamInvalid, GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.names import Names
-from autograder.exam.scenario import Call, Feed, Join, Offer, Scenario, set_parameter
+from autograder.exam.scenario import Call, Feed, Join, Offer, Scenario, set_parameters
 from autograder.judging.checks import require_messages
 from autograder.judging.judge import judge
 from autograder.recording import Recording
@@ -47,7 +47,7 @@ def rover() -> Exam:
             arguments=('-p', 'max_speed:=0.5'),
             watch={'/qqqqqq/cmd_vel': 'geometry_msgs/msg/Twist'},
             feed={'/scan': 'sensor_msgs/msg/LaserScan'},
-            steps=(set_parameter('/rover', 'max_turn', 1.0),),
+            steps=(set_parameters('/rover', {'max_turn': 1.0}),),
         ),
     )
 

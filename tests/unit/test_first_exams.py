@@ -236,7 +236,7 @@ class TestTalker:
             }
             for number, text in enumerate(texts, lost + 1)
         ]
-        facts = {'space': '/lab', 'seconds': 6.0}
+        facts = {'node': '/lab/talker', 'topic': '/lab/chatter', 'seconds': 6.0}
         return Run({'talker.py': code}, Recording({}, (graph, *said, *RUNS)), facts)
 
     @pytest.mark.parametrize(

@@ -8,11 +8,10 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
-from autograder.exam.latest import BEGINS_EARLY, joining, Told
 from autograder.exam.specification import Specification
-from autograder.exams import limit_changes
-from autograder.exams.limit_changes import LIMIT, Reading
-from autograder.exams.visible import inspector, pilot
+from autograder.exams.visible import inspector, limit_keeper, pilot
+from autograder.exams.visible.limit_keeper import LIMIT, Reading
+from autograder.exams.visible.pilot import joining, Told
 from autograder.recording import Recording
 
 SECRETS = [str(number) for number in range(10)]
@@ -37,7 +36,7 @@ def run_of(exam, *events):
 class TestJoining:
     """The latest of several topics."""
 
-    rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
+    rule = staticmethod(joining())
 
     def test_nothing_is_due_before_all_have_come(self):
         """One topic is not enough."""
@@ -106,7 +105,7 @@ def test_command_before_both_have_come_is_told():
 
     with pytest.raises(Failed) as failed:
         pilot.waits_for_both(run_of(pilot.exam, early, graph))
-    assert failed.value.why == BEGINS_EARLY
+    assert failed.value.why == pilot.WHY['begins_early']
 
 
 class TestHeartbeat:
@@ -118,7 +117,7 @@ class TestHeartbeat:
         """Heartbeats come before the first picture and after the result."""
         run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
 
-        assert inspector.why_starved(run) == inspector.STARVED
+        assert inspector.why_starved(run) == inspector.WHY['starved']
 
     @pytest.mark.parametrize(
         'events',
@@ -141,11 +140,11 @@ class TestLimits:
         """A node that accepts NaN warns of nothing after that, and loses those points once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
         sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
-        rule = limit_changes.warning()
+        rule = limit_keeper.warning()
         asked = Specification(sent, rule)
 
         def due(*accepted):
-            return limit_changes.in_force(asked, changes, accepted).answers
+            return limit_keeper.in_force(asked, changes, accepted).answers
 
         assert due(True, False, True) == [1, 1, 1, 1]
         assert due(True, True, True) == [1, 1, 0, 0]

@@ -446,7 +446,10 @@ def test_map_that_is_published_for_each_newcomer_is_told():
 )
 def test_first_map_for_a_newcomer_is_told_from_a_late_one(code, cause_id):
     """Of a map that is published again for each subscription, only the last copy is kept."""
-    assert closest(Code(run_of(code=code).files), map_server.FIRST_LATE).cause_id == cause_id
+    assert (
+        closest(Code(run_of(code=code).files), map_server.WHY['first_map_late']).cause_id
+        == cause_id
+    )
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
     with pytest.raises(Failed) as failed:
         safety_stop.passes_commands_on(run)
 
-    assert failed.value.why == safety_stop.EARLY
+    assert failed.value.why == safety_stop.WHY['early_stop']
 
 
 @pytest.mark.parametrize(

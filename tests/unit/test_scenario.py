@@ -20,7 +20,7 @@ from autograder.exam.scenario import (
     Qos,
     RosClock,
     Scenario,
-    set_parameter,
+    set_parameters,
     state,
     transition,
     Unheard,
@@ -98,7 +98,7 @@ def test_feed_without_quality_of_service_suits_everyone():
 )
 def test_parameter_is_told_with_its_type(value, told):
     """The numbers are those of rcl_interfaces/msg/ParameterType; a bool is not an int."""
-    (parameter,) = set_parameter('/a', 'x', value).to_json()['request']['parameters']
+    (parameter,) = set_parameters('/a', {'x': value}).to_json()['request']['parameters']
 
     assert parameter == {'name': 'x', 'value': told}
 

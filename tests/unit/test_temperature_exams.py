@@ -9,7 +9,7 @@ import pytest
 from autograder.exam.exam import Failed, Run
 from autograder.exam.scenario import RosClock
 from autograder.exam.specification import Specification
-from autograder.exams.readings import Reading, SLIPS, warns
+from autograder.exams.readings import Reading, slips, warns
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.judge import closest
@@ -212,7 +212,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
             }
             for level, text in answer(reading)
         ]
-    asked = Specification(readings, warns(), SLIPS)
+    asked = Specification(readings, warns(), slips())
     facts = {'secret': secret, 'warnings': asked}
     ends = (ENDS[0], {**ENDS[1], 'stdout': printed})
     return Run({'temp_subscriber.py': code}, Recording({}, (*events, *ends)), facts)

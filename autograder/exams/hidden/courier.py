@@ -1,7 +1,5 @@
 """Hidden exam of lesson 03, part 3: subscriptions join at secret times."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.courier import build
 

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 01, first exercise: a longer run."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import WATCH_S
 from autograder.exams.visible.harbour import build
 

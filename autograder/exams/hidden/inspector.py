@@ -1,7 +1,5 @@
 """Hidden exam of lesson 02, part 5: more pictures, with secret names."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.inspector import build
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from autograder.exam.inputs import generator
-from autograder.exams.limit_changes import (
+from autograder.exams.visible.limit_keeper import (
+    build,
     Change,
     HIGHEST_C,
     JUST_OUTSIDE,
@@ -12,7 +13,6 @@ from autograder.exams.limit_changes import (
     NO_NUMBERS,
     PLACE,
 )
-from autograder.exams.visible.limit_keeper import build
 
 _draw = generator('limit_keeper', 'limits')
 

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 06, part 2: a secret namespace and secret durations."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.managed_beacon import build
 

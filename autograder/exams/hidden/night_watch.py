@@ -1,7 +1,5 @@
 """Hidden exam of lesson 01, second exercise: a longer run in a secret namespace."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.night_watch import build
 

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 02, part 5: secret values; the other topic has the first message."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.pilot import build, journey
 

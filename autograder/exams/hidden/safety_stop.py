@@ -1,7 +1,5 @@
 """Hidden exam of lesson 05, part 6: secret speeds and turns."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.safety_stop import build, drive
 

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 05, part 5: secret distances."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.sensor_watch import build
 

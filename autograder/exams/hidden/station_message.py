@@ -1,7 +1,5 @@
 """Hidden exam of lesson 04, part 1: identical to the visible one, because a type has no inputs."""
 
-from __future__ import annotations
-
 from autograder.exams.visible.station_message import build
 
 exam = build()

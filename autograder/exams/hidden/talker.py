@@ -1,7 +1,5 @@
 """Hidden exam of lesson 03, part 2: a longer run in a secret namespace."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.talker import build
 

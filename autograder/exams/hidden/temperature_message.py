@@ -1,7 +1,5 @@
 """Hidden exam of lesson 07, part 1: secret readings."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.temperature_message import build, random_reading
 

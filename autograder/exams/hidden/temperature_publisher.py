@@ -1,7 +1,5 @@
 """Hidden exam of lesson 07, part 2: a ROS clock with a secret start and rate."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.temperature_publisher import build
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 from autograder.exam.inputs import generator
 from autograder.exams.hidden.temperature_subscriber import cool, edges, fahrenheit, hot, odd
-from autograder.exams.monitor_runs import made_run, MadeRun, NAN, WORDS
 from autograder.exams.readings import Reading
-from autograder.exams.visible.warning_check import build, DUE, LAGS, of_monitor
+from autograder.exams.visible.warning_check import build, LAGS, made_run, MadeRun, NAN, WORDS
 
 _draw = generator('warning_check', 'runs')
 
@@ -64,9 +63,8 @@ SHOWN_BY = {
 
 def _run(kind: str, name: str, number: int) -> MadeRun:
     readings = MAKERS[kind]()
-    slip = of_monitor(name, readings) if name else None
     steps_s = _draw.choices((0.5, 1.0, 1.5, 2.5), k=len(readings))
-    return made_run(kind, readings, DUE, slip, number % len(WORDS), steps_s)
+    return made_run(kind, readings, name, number % len(WORDS), steps_s)
 
 
 _wanted = [(kind, '') for kind in MAKERS]

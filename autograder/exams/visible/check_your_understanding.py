@@ -9,62 +9,29 @@ from __future__ import annotations
 
 import re
 
-from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
+from autograder.exam.exam import Exam, Failed, Run, Scenario
+from autograder.exam.words import Causes
 from autograder.submission.cells import chosen_letter, LETTERS, NotALetterError
 
 QUESTIONS = tuple(f'q{number:02}' for number in range(1, 25))
 
-NOT_ANSWERED = Cause(
-    'not_answered',
-    'The cell was not run, or it still holds None.',
-    "Write 'a', 'b', 'c' or 'd' in place of None, and run the cell.",
-)
-CAUSES = {
-    'no_quotes': ('The letter has no quotes.', 'Put the letter in quotes.'),
-    'no_literal': (
-        'The answer cannot be read as a letter.',
-        'Write one letter in quotes, and nothing that has to be calculated.',
-    ),
-    'no_letter': ('The answer is not one of the four letters.', 'Write one letter in quotes.'),
-    'too_long': (
-        'The answer cannot be read as a letter.',
-        'Write one letter in quotes. Keep long notes in a text cell of your own.',
-    ),
-    'curly_quotes': (
-        'Python does not accept curly quotes, which word processors insert, or backticks.',
-        "Type the straight quote of the keyboard: '",
-    ),
-    'assigned': (
-        'Your cell assigns the letter to a variable.',
-        'Write only the letter, without a variable and =.',
-    ),
-    'open_quote': (
-        'The quotes before and after the letter do not match.',
-        'Write the same quote before and after the letter.',
-    ),
+WHY = Causes(__file__)
+SHAPES = {
+    'curly_quotes': r'[‘’“”„«»`´].*',
+    'assigned': r"""\(?\s*[A-Za-z_]\w{0,40}\s*:?=\s*['"]?[a-d]['"]?\s*\)?""",
+    'open_quote': r"""['"]{0,2}[a-d]['"]{0,2}""",
     'several_letters': (
-        'There is more than one letter.',
-        'Choose one letter; write other thoughts after a #.',
+        r"""(?![bf]['"])[\[({]?['"]?[a-d]"""
+        r"""(?:['"]?(?:\s|,|/|\+|or|and|oder|y|o)*['"]?[a-d])+['"]?[\])}]?"""
     ),
-    'number': ('The options are letters, not numbers.', 'Write the letter: a for the first.'),
-    'other_alphabet': (
-        'This letter belongs to a different alphabet and only looks like one of the four.',
-        'Type it again on a keyboard with Latin letters.',
-    ),
+    'number': r"""['"]?[0-9]['"]?""",
+    'other_alphabet': r"""['"]\s*[^\W\d_a-zA-Z]\s*['"]""",
 }
-"""Text and advice for each kind of answer that is not a letter."""
-_SHAPES = (
-    ('curly_quotes', r'[‘’“”„«»`´].*'),
-    ('assigned', r"""\(?\s*[A-Za-z_]\w{0,40}\s*:?=\s*['"]?[a-d]['"]?\s*\)?"""),
-    ('open_quote', r"""['"]{0,2}[a-d]['"]{0,2}"""),
-    (
-        'several_letters',
-        r"""(?![bf]['"])[\[({]?['"]?[a-d](?:['"]?(?:\s|,|/|\+|or|and|oder|y|o)*['"]?[a-d])+['"]?[\])}]?""",
-    ),
-    ('number', r"""['"]?[0-9]['"]?"""),
-    ('other_alphabet', r"""['"]\s*[^\W\d_a-zA-Z]\s*['"]"""),
-)
-"""Patterns for complete answers that are not a letter; the first match is used."""
+"""
+Patterns for complete answers that are not a letter, by cause.
+
+If none matches, the cause is the reason of :class:`autograder.submission.cells.NotALetterError`.
+"""
 LONGEST, LONGEST_LINE = 400, 60
 """Maximum length of an answer and of its line when its form is examined [characters]."""
 
@@ -99,24 +66,23 @@ def letter_of(run: Run, question: str) -> str:
     try:
         letter = chosen_letter(text)
     except NotALetterError as error:
-        name = _shape_of(text) or error.reason
-        why = Cause(name, *CAUSES[name])
+        why = WHY[_shape_of(text) or error.reason]
         raise Failed(expected=expected, observed=f'{question}: {error.text}', why=why) from None
     if letter is None:
-        raise Failed(expected=expected, observed=f'{question}: no answer yet', why=NOT_ANSWERED)
+        raise Failed(
+            expected=expected, observed=f'{question}: no answer yet', why=WHY['not_answered']
+        )
     return letter
 
 
 def _shape_of(text: str) -> str:
-    """Return the name of the first pattern in :data:`_SHAPES` that matches, empty for none."""
+    """Return the name of the first pattern in :data:`SHAPES` that matches, empty for none."""
     lines = [line.partition('#')[0].strip() for line in text[:LONGEST].splitlines()]
     written = [line for line in lines if line]
     if len(written) != 1 or len(written[0]) > LONGEST_LINE or written[0].lower() in LETTERS:
         return ''
-    for name, pattern in _SHAPES:
-        if re.fullmatch(pattern, written[0], re.IGNORECASE):
-            return name
-    return ''
+    found = (n for n, one in SHAPES.items() if re.fullmatch(one, written[0], re.IGNORECASE))
+    return next(found, '')
 
 
 exam = build()

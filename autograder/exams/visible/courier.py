@@ -16,6 +16,7 @@ from dataclasses import replace
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.checks import require_field, SECOND
 from autograder.judging.claims import node, offers
@@ -33,83 +34,9 @@ ALONE_S = 2.0  # enough for a node to notice that all subscriptions have left [s
 LATEST_S = 2.05  # a node that checks every two seconds is still in time [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
-REMEMBER = 'Deliver only once: cancel the timer after the delivery, or set a flag and check it.'
-PUBLISH_IF = 'Publish when get_subscription_count() is above 0'
-WAITS_LONGER = Cause(
-    'waits_longer',
-    'After each check without a subscription, your node waits longer until the next one.',
-    'Check every tenth of a second, however long it takes: self.create_timer(0.1, ...).',
-    act='longer_pause',
-)
-LATE = Cause(
-    'delivers_late',
-    'The parcel arrives seconds after a subscription has connected: your node checks too rarely, '
-    'or waits for something else.',
-    'Check every tenth of a second: self.create_timer(0.1, ...).',
-    closer=[WAITS_LONGER],
-)
-WAITS = Cause(
-    'delivers_late',
-    'Your node checks often, but delivers the parcel seconds after a subscription has connected.',
-    'Publish at once when get_subscription_count() is above 0, and not in another timer.',
-)
-WAITS_FOR_TWO = Cause(
-    'waits_for_two',
-    'Your node delivers nothing until a second subscription connects.',
-    'Deliver as soon as get_subscription_count() is above 0.',
-)
-CHECKS_ONCE = Cause(
-    'published_too_early',
-    'Your program checks for subscriptions only at its start, before any has connected.',
-    'Check in a timer: publish when get_subscription_count() is above 0.',
-)
-GIVES_UP = Cause(
-    'gives_up',
-    'Your program counts how often it checks for subscriptions, and delivers nothing to one that '
-    'connects later.',
-    'Check without an end, however long it takes, and cancel the timer only after the delivery.',
-    act='compared_count | for:get_subscription_count()',
-)
-LOOKS_WRONG = Cause(
-    'looks_wrong',
-    'Your program checks for subscriptions, but delivers nothing when one connects: it stops '
-    'checking too early, checks too rarely, or its condition is wrong.',
-    'Check every tenth of a second, deliver when get_subscription_count() > 0, and cancel the '
-    'timer only after the delivery.',
-    closer=[WAITS_LONGER, GIVES_UP],
-)
-TOO_EARLY = Cause(
-    'published_too_early',
-    'No message arrived after a subscription had connected. Your node probably published the '
-    'parcel before that, and a message without a subscription is lost.',
-    f'{PUBLISH_IF}, or in the matched callback of PublisherEventCallbacks.',
-    closer=[GIVES_UP],
-)
-ALSO_EARLY = Cause(
-    'published_too_early',
-    'Your program also publishes while no subscription is connected, and those messages are lost.',
-    f'{PUBLISH_IF}, and only then.',
-)
-KEEPS_OLD = Cause(
-    'qos_durability',
-    'With this durability, every later subscription that requests old messages gets the parcel '
-    'again.',
-    'Pass the depth 10 as quality of service.',
-    about=['TRANSIENT_LOCAL', TOPIC],
-)
-FORGETS = Cause(
-    'forgets_delivery',
-    'Your node forgets that it has delivered, and delivers again after a subscription has left.',
-    'Leave out what sets the flag back: it stays set until the program ends.',
-    act='set_back',
-)
-DELIVERS_AGAIN = Cause(
-    'delivers_again',
-    'Your node delivers a parcel again after a subscription has left. The current number of '
-    'subscriptions does not show whether you have delivered before.',
-    REMEMBER,
-    closer=[FORGETS],
-)
+
+
+WHY = Causes(__file__, TOPIC=TOPIC)
 
 
 def parcels(run: Run, listener: str) -> list[Event]:
@@ -160,38 +87,29 @@ def _why_late(run: Run, late_s: float) -> Cause:
     """Explain a parcel that arrives some time after a subscription has connected."""
     programs = Code(run.files).programs
     periods = [one for program in programs for one in program.numbers('create_timer')]
-    return WAITS if periods and min(periods) < late_s / 2 else LATE
+    return WHY['waits'] if periods and min(periods) < late_s / 2 else WHY['late']
 
 
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
-        slip = (
+        text = (
             'Your node ended when a subscription had connected, perhaps before its message came.'
         )
-        return _why_gone(run, slip)
-    if parcels(run, 'first'):
-        return WAITS_FOR_TWO if _came_with_the_second(run) else LATE
-    return why_silent(run) or _why_nothing(run)
-
-
-def _came_with_the_second(run: Run) -> bool:
-    """Return whether the first subscription received nothing until the second one joined."""
-    second = run.recording.of('joined', listener='second')
-    found = parcels(run, 'first')
-    waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if found and second else -1
-    return 0 <= waited_ns <= LATEST_S * SECOND
-
-
-def _why_nothing(run: Run) -> Cause:
-    """Explain why a running courier publishes nothing to a connected subscription."""
+        return _why_gone(run, text)
+    if found := parcels(run, 'first'):
+        second = run.recording.of('joined', listener='second')
+        waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if second else -1
+        return WHY['waits_for_two'] if 0 <= waited_ns <= LATEST_S * SECOND else WHY['late']
+    if why := why_silent(run):
+        return why
     code = Code(run.files)
     if 'publish' not in code.calls:
         return why_no_message(run)
     if not ({'create_timer', 'PublisherEventCallbacks'} & code.names or code.loops):
-        return CHECKS_ONCE
+        return WHY['checks_once']
     looks = {'get_subscription_count', 'PublisherEventCallbacks'} & code.names
-    return LOOKS_WRONG if looks else TOO_EARLY
+    return WHY['looks_wrong'] if looks else WHY['too_early']
 
 
 def addresses_the_parcel(run: Run) -> None:
@@ -206,14 +124,14 @@ def delivers_once(run: Run) -> None:
         raise Failed(
             expected='a publisher that keeps no messages for late subscriptions',
             observed='durability TRANSIENT_LOCAL',
-            why=KEEPS_OLD,
+            why=WHY['qos_durability'],
         )
     early = sum(one['number'] - 1 for one in parcels(run, 'first')[:1])
     if early:
         raise Failed(
             expected='nothing before a subscription is connected',
             observed=f'{early} before',
-            why=ALSO_EARLY,
+            why=WHY['also_early'],
         )
     counts = [len(parcels(run, listener)) for listener in ('first', 'second', 'third')]
     first, second, third = counts
@@ -237,10 +155,10 @@ def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
     if why := why_silent(run):
         return why
     if first > 2 or (first > 1 and not second):
-        return Cause('repeats', 'The parcel is published again and again.', REMEMBER)
+        return WHY['repeats']
     if run.recording.phase('second').messages(TOPIC, 'second'):
-        return Cause('repeats', 'The second subscription receives a parcel too.', REMEMBER)
-    return DELIVERS_AGAIN if second or third else None
+        return WHY['second_too']
+    return WHY['delivers_again'] if second or third else None
 
 
 def build(alone_s: float, between_s: float = 1.0) -> Exam:

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Mark, Scenario
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, why_other_namespace
 from autograder.judging.rhythm import require_period, seconds_between
-from autograder.recording import Event, INFO
+from autograder.recording import INFO
 
 NAMESPACE = '/harbour'
 LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
@@ -22,13 +23,9 @@ WATCH = 'watch'  # the phase in which log lines are judged, which excludes start
 EXERCISE = 'Exercise 1: two nodes, one program'
 BOTH = 1.5
 """The line rate of both nodes together [1/s]."""
-OTHER_NODE_LOGS = Cause(
-    'other_node_logs',
-    'One node logs more than it should, and the other one nothing: a callback logs with the '
-    'logger of the wrong node.',
-    'Use self.get_logger() in a method of the node. A function made in a loop sees the last value '
-    'of its variable.',
-)
+
+
+WHY = Causes(__file__)
 
 
 def both_nodes_exist(run: Run) -> None:
@@ -44,23 +41,14 @@ def both_nodes_exist(run: Run) -> None:
         raise Failed(
             expected='two nodes, and no other',
             observed=f'{others[0][:60]} as well',
-            why=Cause(
-                'further_node',
-                'Your program makes another node beside lookout and keeper.',
-                'Let these two do all the work: each can have several timers.',
-                about=[others[0]],
-            ),
+            why=WHY.of('further_node', about=[others[0]]),
         )
     ends = run.recording.endpoints('publisher', '/rosout')
     if len({end['process'] for end in ends if end['node'] in (LOOKOUT, KEEPER)}) > 1:
         raise Failed(
             expected='both nodes in one process',
             observed='a process for each',
-            why=Cause(
-                'two_processes',
-                'Your two nodes run in two processes.',
-                'Create both in main(), after one rclpy.init(), and add both to one executor.',
-            ),
+            why=WHY['two_processes'],
         )
 
 
@@ -71,12 +59,7 @@ def _why_missing(run: Run, node: str) -> Cause:
     if why := why_other_namespace(run, node, repair):
         return why
     if run.recording.nodes and not {*run.recording.nodes} - {LOOKOUT, KEEPER}:
-        return why_silent(run) or Cause(
-            'one_node',
-            f'The other node exists, but {base} does not: your code creates it below '
-            'rclpy.spin(), which never returns, or gives both nodes the same name.',
-            'Create both nodes first, each with its own name; then spin both with one executor.',
-        )
+        return why_silent(run) or WHY.of('one_node', base=base)
     return why_no_node(run, node)
 
 
@@ -95,42 +78,28 @@ def both_are_served(run: Run) -> None:
 
 def lookout_reports_every_second(run: Run) -> None:
     """The lookout logs one INFO line a second."""
-    require_reports(run, LOOKOUT, 1)
+    _require_reports(run, LOOKOUT, 1)
 
 
 def keeper_reports_every_two_seconds(run: Run) -> None:
     """The keeper logs one INFO line every two seconds."""
-    require_reports(run, KEEPER, 2)
+    _require_reports(run, KEEPER, 2)
 
 
-def watched_lines(run: Run, node: str, level: int | None = None) -> list[Event]:
-    """
-    Return the lines of a node's own logger in the phase that is judged, in order.
-
-    :param node: full name
-    :param level: None for all levels
-    """
-    return own_logs(run.during(WATCH), node, level)
-
-
-def require_reports(run: Run, node: str, period_s: int) -> None:
-    """
-    Fail unless a node logs one INFO line per period.
-
-    :param node: full name
-    """
-    lines, seconds = watched_lines(run, node, INFO), run.facts['seconds']
+def _require_reports(run: Run, node: str, period_s: int) -> None:
+    """Fail unless a node logs one INFO line per period."""
+    watch, seconds = run.during(WATCH), run.facts['seconds']
+    lines = own_logs(watch, node, INFO)
     # The first line may precede the phase.
     waited_s = seconds_between(run.recording.of('seen'), own_logs(run, node, INFO))
 
     def explain() -> Cause | None:
-        counts = [len(watched_lines(run, one, INFO)) for one in (LOOKOUT, KEEPER)]
+        counts = [len(own_logs(watch, one, INFO)) for one in (LOOKOUT, KEEPER)]
         if 0 in counts and abs(sum(counts) - BOTH * seconds) <= 2:
-            return OTHER_NODE_LOGS
+            return WHY['other_node_logs']
         if not lines:
-            others = watched_lines(run, node)
             return (
-                why_not_logged(run, others, INFO)
+                why_not_logged(run, own_logs(watch, node), INFO)
                 or why_left_out(run, INFO, own_logs(run, node, INFO))
                 or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )

@@ -15,7 +15,8 @@ from itertools import pairwise
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, feeds, Scenario
 from autograder.exam.slips import leaving_out
-from autograder.exam.specification import each, Slip, Specification
+from autograder.exam.specification import each, Specification
+from autograder.exam.words import Causes
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
@@ -28,57 +29,12 @@ EVERY_S = 2.5  # between two pictures: enough for a thread that polls for them [
 REST_S = 2.0  # after the last single picture, and again after the burst [s]
 QUIET_S = 3.2  # at the start, without a picture [s]
 EXERCISE = 'Exercise 1: a heartbeat that never waits'
-STARVED = Cause(
-    'starved',
-    'While a picture is inspected, no heartbeat comes: the timer waits for the other callback.',
-    'Give the timer and the subscription a MutuallyExclusiveCallbackGroup() each, and spin the '
-    'node with MultiThreadedExecutor(num_threads=2).',
-)
-WAITS_FOR_LOCK = Cause(
-    'waits_for_lock',
-    'While a picture is inspected, no heartbeat comes: the timer waits for a lock that is held '
-    'during the inspection.',
-    'Call inspect() outside of the lock, and hold the lock only while you change what is shared.',
-)
-THREADS_USED_UP = Cause(
-    'threads_used_up',
-    'While several pictures wait, no heartbeat comes: the pictures that wait occupy every thread.',
-    'Give the subscription a MutuallyExclusiveCallbackGroup(): then a picture that waits needs no '
-    'thread.',
-)
-OVERLAPS = Cause(
-    'overlaps',
-    'Two pictures are inspected at the same time.',
-    'Use a MutuallyExclusiveCallbackGroup() for the subscription, not a reentrant group, and no '
-    'thread for each picture.',
-)
-NOT_INSPECTED = Cause(
-    'not_inspected',
-    f'A result comes less than {INSPECT_S:g} s after its picture: inspect() is changed, or it is '
-    'not called for this picture.',
-    f'Leave inspect() as it is, with its {INSPECT_S:g} s, and publish what it returns.',
-    about=[str(INSPECT_S)],
-)
 looked_at = each(lambda picture: (picture.upper(),))
+WHY = Causes(__file__, INSPECT_S=INSPECT_S)
 SLIPS = (
-    Slip(
-        'passes_on',
-        'The picture itself is published.',
-        'Publish what inspect() returns: String(data=inspect(message.data)).',
-        each(lambda picture: (picture,)),
-    ),
-    Slip(
-        'empty_result',
-        'The result is an empty text.',
-        'Set data to what inspect() returns: String(data=inspect(message.data)).',
-        each(lambda picture: ('',)),
-    ),
-    Slip(
-        'strips',
-        'Your code removes the blanks around the name of a picture.',
-        'Give inspect() the text as it came: inspect(message.data), without strip().',
-        each(lambda picture: (picture.strip().upper(),)),
-    ),
+    WHY.slip('passes_on', each(lambda picture: (picture,))),
+    WHY.slip('empty_result', each(lambda picture: ('',))),
+    WHY.slip('strips', each(lambda picture: (picture.strip().upper(),))),
     *leaving_out(looked_at),
 )
 
@@ -100,11 +56,11 @@ def why_starved(run: Run) -> Cause | None:
         groups = len(calls.get('MutuallyExclusiveCallbackGroup', ())) > 1
         apart = 'MultiThreadedExecutor' in calls and (groups or 'ReentrantCallbackGroup' in calls)
         locks = calls.keys() & {'Lock', 'RLock', 'Semaphore'}
-        return WAITS_FOR_LOCK if apart and locks else STARVED
+        return WHY['waits_for_lock'] if apart and locks else WHY['starved']
     last_s = max((one['clock_ns'] for one in run.recording.of('input')), default=0) / SECOND
     late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
     starved = late and all(last_s < one < results[-1] + BEAT_S for one in late)
-    return THREADS_USED_UP if starved else None
+    return WHY['threads_used_up'] if starved else None
 
 
 def keeps_its_rhythm(run: Run) -> None:
@@ -124,13 +80,13 @@ def inspects_one_at_a_time(run: Run) -> None:
         raise Failed(
             expected=f'a result {INSPECT_S:g} s after its picture, or later',
             observed='a result that comes earlier',
-            why=NOT_INSPECTED,
+            why=WHY['not_inspected'],
         )
     if any(later - earlier < INSPECT_S - GRAIN_S for earlier, later in pairwise(ends)):
         raise Failed(
             expected=f'{INSPECT_S:g} s or more between two results',
             observed='two results that come closer together',
-            why=OVERLAPS,
+            why=WHY['overlaps'],
         )
 
 

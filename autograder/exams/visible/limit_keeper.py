@@ -9,81 +9,154 @@ unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/F
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+import math
+from typing import NamedTuple
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.ranges import in_force_slips, range_slips
-from autograder.exam.scenario import feeds, Scenario, set_parameter, set_parameters, Step
-from autograder.exam.slips import above_limit, Compare, in_quick_succession, of_nan, with_memory
-from autograder.exam.specification import Rule, Slip, Specification
-from autograder.exams.limit_changes import (
-    ACCEPTED,
-    BURST,
-    Change,
-    deciding,
-    HIGHEST_C,
-    in_force,
-    JUST_OUTSIDE,
-    kind_of,
-    LIMIT,
-    LOWEST_C,
-    NO_NUMBERS,
-    PLACE,
-    readings,
-    warning,
-)
+from autograder.exam.exam import Exam, Failed, Run
+from autograder.exam.ranges import Accepts, in_force_slips, range_slips
+from autograder.exam.scenario import feeds, Scenario, set_parameters, Step
+from autograder.exam.slips import warning_slips
+from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import answers, hears, node
 from autograder.judging.rows import require_all_sent, require_warnings, rows
 
+LIMIT, PLACE = 'limit_c', 'place'
+LOWEST_C, HIGHEST_C = -40.0, 125.0
+BURST = 3
+"""Number of temperatures above the limit that are sent at once at the end."""
+NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
+JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
+ACCEPTED = 'results.0.successful'
+"""Field of the ``set_parameters`` response that contains whether a change was accepted."""
+Change = tuple[str, float | int | str]
+"""The name of a parameter and its requested value."""
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
 SERVICE, DEFAULT_C = f'{NODE}/set_parameters', 30.0
 ATOMIC, RESULT = 'set_parameters_atomically', 'result.successful'
-LOOKS_AT_ONE = Cause(
-    'looks_at_one',
-    f'Your node accepts a limit that makes no sense if {PLACE} changes in the same call.',
-    'The callback gets a list: test each parameter in it, and return after the loop.',
-)
-RETURN = 'SetParametersResult(successful=False, reason=...)'
+
+
+WHY = Causes(__file__, LIMIT=LIMIT, PLACE=PLACE)
+
+
+class Reading(NamedTuple):
+    """
+    A temperature that the probe sends.
+
+    :param limit: the limit in force [degC]
+    :param start: the limit at the start [degC]
+    :param tried: the last requested limit, accepted or not [degC]
+    :param changes: number of changes requested before this temperature
+    """
+
+    value: float
+    kind: str
+    limit: float
+    start: float
+    tried: float
+    changes: int = 0
+
+
+def sensible(value: float) -> bool:
+    """Return whether a limit is in the valid range."""
+    return LOWEST_C <= value <= HIGHEST_C
+
+
+def kind_of(value: float | str) -> str:
+    """Return a description of a limit that makes no sense, which feedback may show."""
+    if not isinstance(value, float):
+        return 'a value of a different type'
+    if not math.isfinite(value):
+        return 'NaN' if math.isnan(value) else 'infinity'
+    return 'a value that is too low' if value < LOWEST_C else 'a value that is too high'
+
+
+def deciding(
+    accepts: Accepts = sensible,
+    other: Callable[[object], bool] = lambda text: True,
+    kinds: Sequence[type] = (float,),
+) -> Rule:
+    """
+    Return the rule of a program that accepts or refuses changes; by default, the correct one.
+
+    :param other: returns whether the program accepts a value of another parameter
+    :param kinds: types of limits that it accepts
+    """
+
+    def decide(change: Change) -> bool:
+        name, value = change
+        if name != LIMIT:
+            return other(value)
+        return type(value) in kinds and accepts(float(value))
+
+    return each(lambda change: {ACCEPTED: decide(change)})
+
+
+def warning(above: Callable[[Reading], bool] = lambda one: one.value > one.limit) -> Rule:
+    """
+    Return the rule of a program that judges each temperature independently.
+
+    :param above: returns whether the program warns; by default, the correct comparison
+    """
+    return each(lambda one: int(above(one)))
+
+
+def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
+    """
+    Yield temperatures: some before the first change, two near the limit after each, a burst.
+
+    :param start: limit at the start, with one decimal; its fraction is below 0.5 [degC]
+    """
+    first = (start - 1.5, start + 1.25, start + 2.5, start + 2.5, start, start + 0.004)
+    for value in (*first, -90.0, math.nan, 300.0):
+        yield Reading(value, 'a temperature', start, start, start)
+    limit = tried = start
+    for number, (name, wanted) in enumerate(changes, 1):
+        if name == LIMIT and isinstance(wanted, float):
+            tried = wanted
+            limit = wanted if sensible(wanted) else limit
+        for near in (limit - 1.0, limit + 1.0):
+            yield Reading(near, 'a temperature near the limit', limit, start, tried, number)
+    for more in range(BURST):
+        high = limit + 1.5 + more
+        yield Reading(high, 'a temperature in a burst', limit, start, tried, len(changes))
+
+
+def in_force(
+    asked: Specification, changes: Sequence[Change], accepted: Sequence[bool | None]
+) -> Specification:
+    """
+    Return the specification of the warnings for the limits that a node has actually accepted.
+
+    :param asked: the specification for the limits that a correct node accepts
+    :param accepted: the node's answers to the changes, in order; None without an answer
+    """
+    limits = [asked.inputs[0].start]
+    for (name, value), taken in zip(changes, accepted):
+        limits.append(float(value) if name == LIMIT and taken else limits[-1])
+    inputs = [
+        one._replace(limit=limits[min(one.changes, len(limits) - 1)]) for one in asked.inputs
+    ]
+    return replace(asked, inputs=inputs)
+
+
 DECISIONS = (
     *range_slips(deciding, LOWEST_C, HIGHEST_C),
-    Slip(
-        'other_parameter_refused',
-        f'A new text for {PLACE} is refused.',
-        f'Declare {PLACE}, and test only the parameter whose name is {LIMIT}.',
-        deciding(other=lambda text: False),
-    ),
-    Slip(
-        'empty_refused',
-        f'An empty text for {PLACE} is refused.',
-        f'Accept any text for {PLACE}, even an empty one: test only {LIMIT}.',
-        deciding(other=bool),
-    ),
-    Slip(
-        'takes_other_types',
-        'A whole number is accepted, and a limit is a float.',
-        f'Declare {LIMIT} with 30.0 and without dynamic_typing: then rclpy refuses other types.',
-        deciding(kinds=(int, float)),
-    ),
-    Slip(
-        'declared_as_integer',
-        'Only whole numbers are accepted.',
-        f"Declare the limit as a float: self.declare_parameter('{LIMIT}', 30.0).",
-        deciding(kinds=(int,)),
-    ),
+    WHY.slip('other_parameter_refused', deciding(other=lambda text: False)),
+    WHY.slip('empty_refused', deciding(other=bool)),
+    WHY.slip('takes_other_types', deciding(kinds=(int, float))),
+    WHY.slip('declared_as_integer', deciding(kinds=(int,))),
 )
-
-
-def _comparing(compare: Compare) -> Rule:
-    return warning(lambda one: compare(one.value, one.limit))
 
 
 WARNINGS = (
     *in_force_slips(lambda limit: warning(lambda one: one.value > limit(one)), LIMIT, DEFAULT_C),
-    *above_limit(_comparing, LIMIT),
-    of_nan(_comparing, LIMIT),
-    *with_memory(warning()),
-    *in_quick_succession(warning(), BURST),
+    *warning_slips(
+        lambda compare: warning(lambda one: compare(one.value, one.limit)), LIMIT, BURST
+    ),
 )
 
 
@@ -116,17 +189,18 @@ def gives_a_reason(run: Run) -> None:
     refused = [(one, value) for one, (_, value) in pairs if field_of(one, ACCEPTED) is False]
     for one, value in refused:
         if not str(field_of(one, 'results.0.reason')).strip():
-            text = f'Your callback refuses {kind_of(value)} without a reason.'
             raise Failed(
                 expected='a reason in each refusal',
                 observed='an empty text',
-                why=Cause('no_reason', text, f'{RETURN}, with a text that says what is allowed.'),
+                why=WHY.of('no_reason', value=kind_of(value)),
             )
     if not refused:
         raise Failed(expected='a reason in each refusal', observed='no refusal')
     both = {RESULT: False}
     what = f'a call that sets {PLACE} and a limit that makes no sense'
-    require_answers(run, f'{NODE}/{ATOMIC}', [both], what, explain=lambda place: LOOKS_AT_ONE)
+    require_answers(
+        run, f'{NODE}/{ATOMIC}', [both], what, explain=lambda place: WHY['looks_at_one']
+    )
 
 
 def build(start: float, changes: Sequence[Change]) -> Exam:
@@ -139,11 +213,11 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
     sent = list(readings(start, changes))
     steps: list[Step] = []
     for number in range(len(changes) + 1):
-        steps += [set_parameter(NODE, *changes[number - 1])] if number else []
+        steps += [set_parameters(NODE, dict([changes[number - 1]]))] if number else []
         values = [one.value for one in sent if one.changes == number]
         messages = [{'data': one} for one in values]
         steps += feeds(SOURCE, messages, BURST if number == len(changes) else 0)
-    steps.append(set_parameters(NODE, {PLACE: 'roof', LIMIT: HIGHEST_C + 1.0}))
+    steps.append(set_parameters(NODE, {PLACE: 'roof', LIMIT: HIGHEST_C + 1.0}, atomically=True))
     exam = Exam(
         'limit_keeper',
         title='Limits that make no sense',

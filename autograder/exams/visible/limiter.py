@@ -9,15 +9,16 @@ it publishes each ``std_msgs/msg/Float64`` of ``wanted_speed`` on ``speed``, lim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
-from autograder.exam.scenario import Call, feeds, Scenario, set_parameter
+from autograder.exam.scenario import Call, feeds, Scenario, set_parameters
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of
 from autograder.judging.claims import node, one_for_one, passes
@@ -30,6 +31,7 @@ FILE = 'config/limiter.yaml'
 DEFAULT, IN_FILE = 1.0, 0.5  # of max_speed [m/s]
 EXERCISE = 'Exercise 10: a speed limiter'
 DOUBLE = 3  # PARAMETER_DOUBLE in rcl_interfaces/msg/ParameterType
+WHY = Causes(__file__, FILE=FILE, IN_FILE=IN_FILE)
 
 
 DECLARATIONS = """
@@ -61,16 +63,14 @@ def limited(cut: Limit = within) -> Rule:
     return lambda inputs: [() if one is None else (one,) for one in found(inputs)]
 
 
-def _limited_to(most: Callable[[Wanted], float]) -> Rule:
-    return each(lambda one: (within(one.speed, most(one)),))
-
-
 SLIPS = (
     *leaving_out(limited(), lambda one: one.speed),
     *limiting_slips(limited, 'speed', 'most'),
     *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
     # Each value of the parameter is accepted, so no refused one can be kept.
-    *in_force_slips(_limited_to, 'max_speed', DEFAULT)[:2],
+    *in_force_slips(
+        lambda most: each(lambda one: (within(one.speed, most(one)),)), 'max_speed', DEFAULT
+    )[:2],
 )
 
 
@@ -100,24 +100,12 @@ def takes_the_file(run: Run) -> None:
 
 def _why_other_value(run: Run, kind: int, value: float | None) -> Cause | None:
     if kind == 0:
-        return Cause(
-            'not_declared',
-            'Your node has no parameter max_speed.',
-            "In __init__(): self.declare_parameter('max_speed', 1.0).",
-        )
+        return WHY['not_declared']
     if value is None:
         return None
     if value == DEFAULT and '/**' not in run.files.get(FILE, ''):
-        return Cause(
-            'another_node',
-            f'The first line of {FILE} does not fit your node, whose name has a namespace.',
-            'Begin the file with /**: (slash, two stars, colon), which fits every node.',
-        )
-    return Cause(
-        'value_in_the_file',
-        f'The file does not set max_speed to {IN_FILE}.',
-        f'Three levels in {FILE}: /**:, then ros__parameters:, then max_speed: {IN_FILE}.',
-    )
+        return WHY['another_node']
+    return WHY['value_in_the_file']
 
 
 def _require_speeds(run: Run, first: bool) -> None:
@@ -162,7 +150,7 @@ def build(
     steps = (
         Call(name, 'get_parameters', 'rcl_interfaces/srv/GetParameters', request),
         *feeds(source, [{'data': speed} for speed in before], 0),
-        set_parameter(name, 'max_speed', most),
+        set_parameters(name, {'max_speed': most}),
         *feeds(source, [{'data': speed} for speed in after], burst),
     )
     wanted = [Wanted(one, IN_FILE) for one in before] + [Wanted(one, most) for one in after]

@@ -23,6 +23,7 @@ from autograder.exam.scenario import (
     transition,
     Unheard,
 )
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.causes.lifecycle import why_refused
 from autograder.judging.checks import require_answers, require_endpoint, require_partner
@@ -39,84 +40,10 @@ UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activat
 SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
 UNHEARD_S = 1.2  # in the first active phase, without a subscription [s]
-NOT_CLEANED = Cause(
-    'not_cleaned',
-    'After cleanup, the timer or publisher that on_configure() created still exists.',
-    'In on_cleanup(): self.destroy_timer(...) and self.destroy_lifecycle_publisher(...).',
-)
-ACTS_ALONE = Cause(
-    'acts_alone',
-    'Your program requests its own transitions.',
-    'Leave out trigger_configure() and trigger_activate(): in the checks, the grader is the '
-    'supervisor.',
-)
-TIMER_LEFT = Cause(
-    'timer_left',
-    'The rate is right in the first active phase and higher in the second: on_activate() creates '
-    'a new timer while the old timer still runs.',
-    'Create the timer in on_configure(), or end it in on_deactivate(): self.destroy_timer(...).',
-)
-MUTE_AGAIN = Cause(
-    'mute_again',
-    'Your node publishes in the first active phase, but not in the second.',
-    'In on_activate(), restart the timer that on_deactivate() stops: self.timer.reset().',
-)
-MUTE_AFTER_CLEANUP = Cause(
-    'mute_after_cleanup',
-    'Your node publishes while it is active before cleanup, but not after it is configured and '
-    'activated again.',
-    'In on_configure(), create again what on_cleanup() destroys, each time, and clear every flag '
-    'that it sets.',
-)
-STAYS_ON = Cause(
-    'stays_on',
-    'Deactivating the node does not switch its publisher off.',
-    'If you write on_deactivate(), end it with return super().on_deactivate(state). The publisher '
-    'comes from self.create_lifecycle_publisher().',
-)
-KEEPS_OLD = Cause(
-    'keeps_old',
-    'The publisher keeps its messages for late subscriptions: its durability is transient local.',
-    'Pass the depth 10 as quality of service.',
-    about=['TRANSIENT_LOCAL', 'beacon_signal'],
-)
-NOT_MANAGED = Cause(
-    'not_managed',
-    'The publisher does not follow the state of the node.',
-    'Use self.create_lifecycle_publisher(), not self.create_publisher().',
-)
-TOO_EARLY = Cause(
-    'published_too_early',
-    'Your code creates the publisher in __init__().',
-    'Move create_lifecycle_publisher() from __init__() to on_configure().',
-)
-ONLY_ONCE = Cause(
-    'configured_once',
-    'The first configuration creates the publisher, but the one after cleanup does not.',
-    'In on_configure(), create the publisher each time, without a flag that stays set.',
-)
-SENT_LATER = Cause(
-    'sent_later',
-    'Your node keeps what it cannot send while it is inactive, and sends all of it when it is '
-    'active again.',
-    'Make and publish a message in the callback of the timer, and keep none.',
-)
-TOO_LATE = Cause(
-    'too_late',
-    'Your code creates the publisher after on_configure().',
-    'Call self.create_lifecycle_publisher() in on_configure().',
-)
 EXERCISE = 'Exercise 1: a managed beacon'
 
 
-def node_of(run: Run) -> str:
-    """Return the full name of the node, in the namespace in which it was started."""
-    return f'{run.facts["namespace"]}/beacon'
-
-
-def topic_of(run: Run) -> str:
-    """Return the full name of the topic."""
-    return f'{run.facts["namespace"]}/beacon_signal'
+WHY = Causes(__file__)
 
 
 def publishers(run: Run, when: str) -> list[Event]:
@@ -125,32 +52,32 @@ def publishers(run: Run, when: str) -> list[Event]:
 
     :param when: label of the graph, see :class:`autograder.exam.scenario.Look`
     """
-    return endpoints_at(run, when, 'publisher', topic_of(run))
+    return endpoints_at(run, when, 'publisher', run.facts['topic'])
 
 
 def is_managed(run: Run) -> None:
     """It is a lifecycle node, and it waits unconfigured."""
     wanted = {'current_state.label': 'unconfigured'}
-    service, what = f'{node_of(run)}/get_state', 'the request for its state'
-    require_answers(run, service, [wanted], what, explain=lambda place: ACTS_ALONE)
+    service, what = f'{run.facts["node"]}/get_state', 'the request for its state'
+    require_answers(run, service, [wanted], what, explain=lambda place: WHY['acts_alone'])
 
 
 def creates_its_publisher(run: Run) -> None:
     """Configuring it creates the publisher on beacon_signal, and nothing creates it before."""
     if not publishers(run, 'configured'):
         _require_transitions(run, 1)
-    require_partner(require_endpoint(run, 'publisher', topic_of(run), TYPE))
+    require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
     if publishers(run, 'fresh'):
         raise Failed(
             expected='no publisher on beacon_signal before it is configured',
             observed='one',
-            why=TOO_EARLY,
+            why=WHY['published_too_early'],
         )
     if not publishers(run, 'configured'):
         raise Failed(
             expected='a publisher on beacon_signal after it was configured',
             observed='none yet',
-            why=why_silent(run) or TOO_LATE,
+            why=why_silent(run) or WHY['too_late'],
         )
 
 
@@ -168,7 +95,7 @@ def _require_transitions(run: Run, count: int) -> None:
     asked = (*ASKED, *UNUSED)
     require_answers(
         run,
-        f'{node_of(run)}/change_state',
+        f'{run.facts["node"]}/change_state',
         [{'success': True}] * count,
         'the transitions configure, activate, deactivate and cleanup',
         explain=lambda place: why_refused(run, asked[place], again=asked[place] in asked[:place]),
@@ -179,7 +106,7 @@ def publishes_while_active(run: Run) -> None:
     """Active, it publishes once a second."""
     first, again = ACTIVE
     _require_beat(run, first, None, None)
-    _require_beat(run, again, MUTE_AGAIN, TIMER_LEFT)
+    _require_beat(run, again, WHY['mute_again'], WHY['timer_left'])
 
 
 def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause | None) -> None:
@@ -190,9 +117,9 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     :param why_more: cause if there are too many messages; None to find it in their rhythm
     """
     part, active_s = run.recording.phase(phase), run.facts['active_s']
-    found = part.messages(topic_of(run))
+    found = part.messages(run.facts['topic'])
     if not found:
-        require_endpoint(run, 'publisher', topic_of(run), TYPE)
+        require_endpoint(run, 'publisher', run.facts['topic'], TYPE)
         raise Failed(
             expected=f'messages on beacon_signal while it is {phase}',
             observed='none',
@@ -200,7 +127,7 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
         )
     at_once = [one for one in found if one['clock_ns'] == found[0]['clock_ns']]
     later = len(at_once) > 1 and len(found) - len(at_once) <= active_s
-    more = SENT_LATER if later else why_more if len(found) > active_s + 1 else None
+    more = WHY['sent_later'] if later else why_more if len(found) > active_s + 1 else None
     when = f' while it is {phase}'
     found = with_unheard(run, found)
     waited_s = seconds_between(part.of('mark'), found)
@@ -210,19 +137,19 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
 def is_silent_otherwise(run: Run) -> None:
     """In any other state it publishes nothing."""
     for phase in SILENT:
-        found = run.recording.phase(phase).messages(topic_of(run))
+        found = run.recording.phase(phase).messages(run.facts['topic'])
         if found:
             raise Failed(
                 expected='no message while it is not active',
                 observed=f'{len(found)} while it was {phase}',
-                why=STAYS_ON if phase == 'paused' else NOT_MANAGED,
+                why=WHY['stays_on'] if phase == 'paused' else WHY['not_managed'],
             )
-    kept = run.recording.messages(topic_of(run), 'latecomer')
+    kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:
         raise Failed(
             expected='no message for a subscription that connects while the node is inactive',
             observed=f'{len(kept)}, sent while it was active',
-            why=KEEPS_OLD,
+            why=WHY['keeps_old'],
         )
 
 
@@ -230,16 +157,20 @@ def cleans_up(run: Run) -> None:
     """Cleanup destroys the publisher, and the next configuration creates a new one."""
     left = len(publishers(run, 'cleaned'))
     if left:
-        expected = 'no publisher on beacon_signal after cleanup'
-        raise Failed(expected=expected, observed=str(left), why=NOT_CLEANED)
+        raise Failed(
+            expected='no publisher on beacon_signal after cleanup',
+            observed=str(left),
+            why=WHY['not_cleaned'],
+        )
     again = len(publishers(run, 'configured again'))
     if again != 1:
         raise Failed(
             expected='one publisher after it was configured again',
             observed=str(again) if again else 'none',
-            why=why_silent(run) or (ONLY_ONCE if publishers(run, 'configured') else TOO_LATE),
+            why=why_silent(run)
+            or (WHY['configured_once'] if publishers(run, 'configured') else WHY['too_late']),
         )
-    _require_beat(run, 'active after cleanup', MUTE_AFTER_CLEANUP, NOT_CLEANED)
+    _require_beat(run, 'active after cleanup', WHY['mute_after_cleanup'], WHY['not_cleaned'])
     _require_transitions(run, len(ASKED) + len(UNUSED))
 
 
@@ -282,7 +213,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
             steps=steps,
         ),
         read='Part 2: A publisher with a switch',
-        facts={'namespace': namespace, 'active_s': seconds},
+        facts={'node': name, 'topic': topic, 'active_s': seconds},
     )
     named = 'Your program starts a node called beacon, in the namespace it is given.'
     exam.check(points=1, read=EXERCISE)(node(name, sentence=named, only_named=True))

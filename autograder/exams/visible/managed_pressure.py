@@ -24,19 +24,13 @@ from autograder.exam.scenario import (
     Mark,
     Qos,
     Scenario,
-    set_parameter,
+    set_parameters,
     state,
     transition,
 )
-from autograder.exam.slips import (
-    above_limit,
-    Compare,
-    CUTS,
-    in_quick_succession,
-    of_nan,
-    with_memory,
-)
-from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.slips import Compare, CUTS, warning_slips
+from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_not_logged
@@ -60,6 +54,9 @@ INACTIVE = ('accepted', 'paused')
 """The phases with pressures in which the node is not active."""
 SET_AGAIN = ('still', 'again')
 """The phases with pressures in which the parameter has its second value."""
+
+
+WHY = Causes(__file__)
 
 
 @dataclass(frozen=True)
@@ -104,87 +101,21 @@ def warns(
     return each(lambda one: times(one) if active(one) and hot(one.value, limit(one)) else 0)
 
 
-def cutting(cut: Callable[[float], float]) -> Callable[[Pressure], float]:
-    """Return the limit that a node uses which changes its decimals."""
-    return lambda one: cut(one.limit)
+def cutting(cut: Callable[[float], float]) -> Rule:
+    """Return the rule of a monitor that changes the decimals of its limit."""
+    return warns(limit=lambda one: cut(one.limit))
 
 
-NOT_MANAGED = Cause(
-    'subscription_not_managed',
-    'A subscription receives messages in every state; rclpy manages only publishers.',
-    'Set a flag in on_activate(), clear it in on_deactivate(), and check it in the callback.',
-)
-JUDGED_LATER = Cause(
-    'judged_later',
-    'Your node keeps what arrives while it is inactive, and warns when it is active again.',
-    'Return from the callback at once while the node is not active, and keep nothing.',
-)
-STILL_REFUSES = Cause(
-    'still_refuses',
-    'on_configure() returns FAILURE for a limit above zero as well.',
-    "Return FAILURE only if self.get_parameter('limit').value is not above 0.0, and remove an "
-    'except that hides other errors.',
-)
-TOLD_AGAIN = Cause(
-    'repeated_log',
-    'One refusal gives more than one ERROR line.',
-    'Log one line that contains the limit.',
-)
-NO_LIMIT = Cause(
-    'no_value',
-    'Your ERROR line does not contain the limit.',
-    "Put it into the text: f'limit {limit} is not above zero'.",
-)
 SLIPS = (
-    Slip(
-        'never_warns',
-        'The pressure arrives while the node is active, but your node logs no warning.',
-        'Does on_activate() set the flag with self. in front? Is the condition value > '
-        'self.limit?',
-        warns(active=lambda one: False),
-    ),
-    Slip(
-        'early_limit',
-        'Your node uses the new value of the parameter before it is configured again.',
-        'Compare with self.limit, and set it only in on_configure(); do not read the parameter in '
-        'judge() or on_activate().',
-        warns(limit=lambda one: one.limits[one.phase in SET_AGAIN]),
-    ),
-    Slip(
-        'stale_limit',
-        'Your node still uses the limit of the first configuration.',
-        'In on_configure(), set self.limit to the parameter each time, whatever it was before.',
-        warns(limit=lambda one: one.limits[0]),
-    ),
-    Slip(
-        'subscribed_twice',
-        'After the second configuration, your node logs each warning twice.',
-        'Create the subscription once, or destroy it in on_cleanup().',
-        warns(times=lambda one: 2 if one.phase == 'again' else 1),
-    ),
-    Slip.of(NOT_MANAGED, warns(active=lambda one: True)),
-    Slip(
-        'active_too_early',
-        'Your node warns after configure, before it is activated.',
-        'Set the flag in on_activate(), and not in on_configure().',
-        warns(active=lambda one: one.phase != 'paused'),
-    ),
-    Slip(
-        'stays_active',
-        'Your node still warns after it was deactivated.',
-        'In on_deactivate(), set the flag to False.',
-        warns(active=lambda one: one.phase != 'accepted'),
-    ),
-    Slip(
-        'limit_cut',
-        'Your node does not use the exact limit: it cuts off or rounds the decimals.',
-        "Use it unchanged: self.limit = self.get_parameter('limit').value.",
-        *(warns(limit=cutting(cut)) for cut in CUTS[:3]),
-    ),
-    *above_limit(warns, 'self.limit'),
-    of_nan(warns, 'self.limit'),
-    *with_memory(warns()),
-    *in_quick_succession(warns(), BURST),
+    WHY.slip('never_warns', warns(active=lambda one: False)),
+    WHY.slip('early_limit', warns(limit=lambda one: one.limits[one.phase in SET_AGAIN])),
+    WHY.slip('stale_limit', warns(limit=lambda one: one.limits[0])),
+    WHY.slip('subscribed_twice', warns(times=lambda one: 2 if one.phase == 'again' else 1)),
+    WHY.slip('subscription_not_managed', warns(active=lambda one: True)),
+    WHY.slip('active_too_early', warns(active=lambda one: one.phase != 'paused')),
+    WHY.slip('stays_active', warns(active=lambda one: one.phase != 'accepted')),
+    WHY.slip('limit_cut', *map(cutting, CUTS[:3])),
+    *warning_slips(warns, 'self.limit', BURST),
 )
 
 
@@ -233,13 +164,13 @@ def _why_untold(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cau
     if not found:
         return why_not_logged(run, part.logs(), ERROR) or lifecycle.SILENT_REFUSAL
     if len(found) != len(refused):
-        return lifecycle.SILENT_REFUSAL if len(found) < len(refused) else TOLD_AGAIN
+        return lifecycle.SILENT_REFUSAL if len(found) < len(refused) else WHY['repeated_log']
     if all(shows(text, refused[0]) for text in found):
         return lifecycle.READ_ONCE
     if all(map(shows, found[1:], refused[1:])) and numbers_in(found[0]):
         return lifecycle.WRONG_DEFAULT
     asked, came = run.asked('refusals'), list(map(numbers_in, found))
-    return asked.cause(came, asked.wrong(came)[0]) or NO_LIMIT
+    return asked.cause(came, asked.wrong(came)[0]) or WHY['no_value']
 
 
 def recovers(run: Run) -> None:
@@ -260,7 +191,7 @@ def _why_still_refused(run: Run) -> Cause:
         return lifecycle.why_refused(run, 'configure')
     told = own_logs(part, NODE, ERROR)
     again = any(shows(line['text'], *run.facts['refused']) for line in told)
-    return lifecycle.READ_ONCE if again else STILL_REFUSES
+    return lifecycle.READ_ONCE if again else WHY['still_refuses']
 
 
 def warns_above_the_limit(run: Run) -> None:
@@ -278,7 +209,7 @@ def ignores_while_not_active(run: Run) -> None:
         raise Failed(
             expected='no WARN line while it is inactive',
             observed=f'{len(found)}',
-            why=next(causes, None) or NOT_MANAGED,
+            why=next(causes, None) or WHY['subscription_not_managed'],
         )
     sent = {one['index'] for phase in INACTIVE for one in run.recording.phase(phase).of('input')}
     later = [line for line in own_logs(run, NODE, WARN) if line['after_input'] in sent]
@@ -286,7 +217,7 @@ def ignores_while_not_active(run: Run) -> None:
         raise Failed(
             expected='no WARN line for a pressure that arrives while the node is inactive',
             observed=f'{len(later)}, as soon as it is active again',
-            why=JUDGED_LATER,
+            why=WHY['judged_later'],
         )
 
 
@@ -298,7 +229,7 @@ def takes_the_new_limit(run: Run) -> None:
     require_answers(run, CHANGE, done, 'cleanup, configure and activate', 'again')
     _require_warnings(run, 'again')
     what = 'deactivate, cleanup and configure'
-    require_answers(run, CHANGE, done, what, 'highest', lambda place: STILL_REFUSES)
+    require_answers(run, CHANGE, done, what, 'highest', lambda place: WHY['still_refuses'])
 
 
 def _require_warnings(run: Run, phase: str) -> None:
@@ -349,7 +280,7 @@ def build(
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
     first, second, third, nan, *others = (
-        set_parameter(NODE, 'limit', one) for one in (*limits, highest, math.nan, *refused[1:])
+        set_parameters(NODE, {'limit': one}) for one in (*limits, highest, math.nan, *refused[1:])
     )
     sent = {
         phase: feeds(

@@ -17,7 +17,8 @@ from itertools import groupby
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
 from autograder.exam.slips import leaving_out
-from autograder.exam.specification import each, in_order, Rule, Slip, Specification
+from autograder.exam.specification import each, in_order, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import SECOND, why_not_reached
@@ -33,81 +34,11 @@ LISTEN_S = 2.0  # per subscription: enough to notice a timer that publishes agai
 FIRST_S = 0.08  # from the first map until the node is seen; discovery alone takes 0.11 s [s]
 REST_S = 5.0  # after the last survey: enough to notice a timer that publishes again [s]
 EXERCISE = 'Exercise 1: a map server'
-LATCH = Cause(
-    'not_latched',
-    'The publisher keeps no map for late subscriptions.',
-    'Give its profile durability=DurabilityPolicy.TRANSIENT_LOCAL.',
-    about=['VOLATILE', 'map'],
-)
-BEST_EFFORT = Cause(
-    'best_effort',
-    'The publisher offers best effort, so reliable subscriptions do not connect to it.',
-    'Give its profile reliability=ReliabilityPolicy.RELIABLE.',
-    about=['BEST_EFFORT', 'map'],
-)
-PUBLISHER_GONE = Cause(
-    'publisher_gone',
-    'Your program destroys a publisher, and what it keeps for late subscriptions goes with it.',
-    'Create one publisher in __init__, and publish every map with it.',
-    act='destroy_publisher()',
-)
-FIRST_FOR_NEW = Cause(
-    'repeats_for_new',
-    'Your node publishes the map when a subscription connects.',
-    'Publish the first map once, at the end of __init__: late subscriptions get it from the '
-    'durability TRANSIENT_LOCAL.',
-    act='matched= | get_subscription_count()',
-)
-FIRST_LATE = Cause(
-    'first_map_late',
-    'The first map is published some time after the start.',
-    'Publish it at the end of __init__, and not in a timer or when a subscription connects.',
-    closer=[FIRST_FOR_NEW],
-)
-FIRST_REPEATS = Cause(
-    'repeats',
-    'The first map is published more than once.',
-    'Publish it once, at the end of __init__, and not in a timer; transient local does the rest.',
-)
-NO_FIRST = Cause(
-    'no_first_map',
-    'No map was published before the first survey.',
-    f'Publish String(data={FIRST!r}) at the end of __init__.',
-    closer=[PUBLISHER_GONE],
-)
-LIFESPAN = Cause(
-    'lifespan',
-    'The profile has a lifespan, after which the map expires.',
-    'Leave lifespan out.',
-)
-KEEPS_ALL = Cause(
-    'keeps_all',
-    'With KEEP_ALL, the publisher keeps every map for late subscriptions, whatever its depth is.',
-    'Leave history out, or write HistoryPolicy.KEEP_LAST: then depth=1 keeps the last map.',
-    act='KEEP_ALL',
-)
-REPLACES_EMPTY = Cause(
-    'replaces_empty',
-    f'Your node publishes {FIRST!r} in place of an empty survey.',
-    'Publish String(data=survey.data) as it is, even if it is empty.',
-    act='or | truth | == !=',
-)
-REPEATS = Cause(
-    'repeats', 'Your node publishes each map more than once.', 'Publish once a survey.'
-)
-REPEATS_FOR_NEW = Cause(
-    'repeats_for_new',
-    'Your node publishes the map again when a subscription connects.',
-    'Publish once per survey: a late subscription gets the last map from the durability '
-    'TRANSIENT_LOCAL.',
-)
-TEXT_CHANGED = Cause(
-    'text_changed',
-    'Your map differs from its survey in upper and lower case or in spaces, and both matter.',
-    'Publish String(data=survey.data) as it is, without strip(), lower() or upper().',
-)
 Maps = tuple[str, ...]
 """The maps published after one survey."""
+
+
+WHY = Causes(__file__, FIRST=FIRST)
 
 
 def passed_on(change: Callable[[str], str] = str, times: int = 1) -> Rule:
@@ -117,21 +48,11 @@ def passed_on(change: Callable[[str], str] = str, times: int = 1) -> Rule:
 
 SLIPS = (
     *leaving_out(passed_on()),
-    Slip.of(REPEATS, passed_on(times=2)),
-    Slip(
-        'one_behind',
-        'Your node publishes each survey only when the next one arrives.',
-        'Publish the survey that has just arrived: String(data=survey.data).',
-        lambda texts: [(), *((text,) for text in texts[:-1])],
-    ),
-    Slip(
-        'text_cut',
-        'Your node cuts off a long text.',
-        'Publish String(data=survey.data) as it is, however long.',
-        passed_on(lambda text: text[:100]),
-    ),
-    Slip.of(
-        TEXT_CHANGED, *(passed_on(one) for one in (str.strip, str.lower, str.upper, str.title))
+    WHY.slip('repeats', passed_on(times=2)),
+    WHY.slip('one_behind', lambda texts: [(), *((text,) for text in texts[:-1])]),
+    WHY.slip('text_cut', passed_on(lambda text: text[:100])),
+    WHY.slip(
+        'text_changed', *(passed_on(one) for one in (str.strip, str.lower, str.upper, str.title))
     ),
 )
 
@@ -139,11 +60,6 @@ SLIPS = (
 def texts_of(events: Sequence[Event]) -> Maps:
     """Return the texts of recorded messages, in order."""
     return tuple(str(event['data']['data']) for event in events if 'data' in event)
-
-
-def maps_of(run: Run, listener: str) -> Maps:
-    """Return the maps that one subscription received, in order."""
-    return texts_of(run.recording.messages('/map', listener))
 
 
 def new_maps(run: Run) -> list[Maps | None]:
@@ -172,7 +88,7 @@ def compared(run: Run) -> list[Maps | None]:
 
 def has_a_map_from_the_start(run: Run) -> None:
     """A subscription before the first survey gets the map unknown, once and at once."""
-    found = maps_of(run, 'early')
+    found = texts_of(run.recording.messages('/map', 'early'))
     before = [text for text in found if text not in run.asked('maps').inputs]
     if found[:1] != (FIRST,) or found.count(FIRST) != 1:
         raise Failed(
@@ -186,7 +102,7 @@ def has_a_map_from_the_start(run: Run) -> None:
         raise Failed(
             expected=f'the map {FIRST!r} as soon as the node exists',
             observed='the node publishes it later',
-            why=FIRST_LATE,
+            why=WHY['first_map_late'],
         )
 
 
@@ -199,13 +115,10 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:
-        return REPLACES_EMPTY if _replaces_empty(run) else FIRST_REPEATS
+        return WHY['replaces_empty'] if _replaces_empty(run) else WHY['first_repeats']
     if not before:
-        return NO_FIRST
-    near = before[0].strip().lower() == FIRST
-    matters = 'Upper and lower case and spaces matter.'
-    slip = matters if near else 'The first map has a different text.'
-    return Cause('wrong_text', slip, f'Write {FIRST!r}.')
+        return WHY['no_first_map']
+    return WHY['wrong_form' if before[0].strip().lower() == FIRST else 'first_text']
 
 
 def _replaces_empty(run: Run) -> bool:
@@ -228,8 +141,8 @@ def _why_unmatched(run: Run, listener: str) -> Cause | None:
     if not any(end['type'] == TYPE for end in ends):
         return why_no_endpoint(run, 'publisher', '/map', TYPE)
     if any(end['qos']['reliability'] != 'RELIABLE' for end in ends):
-        return BEST_EFFORT
-    return LATCH if 'DURABILITY' in joined[0]['refused'] else None
+        return WHY['best_effort']
+    return WHY['not_latched'] if 'DURABILITY' in joined[0]['refused'] else None
 
 
 def publishes_each_survey(run: Run) -> None:
@@ -240,12 +153,12 @@ def publishes_each_survey(run: Run) -> None:
             expected='a map for each survey, in their order'
             if run.secret
             else f'the maps {_shown(run, asked.inputs)} after the surveys of the same texts',
-            observed=_shown(run, _in_order(run)),
+            observed=_shown(run, _all_new(run)),
             why=_why_other_maps(run),
         )
 
 
-def _in_order(run: Run) -> list[str]:
+def _all_new(run: Run) -> list[str]:
     """Return all new maps as one list."""
     return [text for row in new_maps(run) for text in row or ()]
 
@@ -255,27 +168,22 @@ def _why_other_maps(run: Run) -> Cause | None:
     if why := why_silent(run) or _why_unconnected(run, any(found)):
         return why
     if _replaces_empty(run):
-        return REPLACES_EMPTY
+        return WHY['replaces_empty']
     if slip := asked.cause(found):
         return slip
-    others = [text for text in _in_order(run) if text not in asked.inputs]
-    if others and _bare(others[0]) in map(_bare, asked.inputs):
-        return TEXT_CHANGED
+    others = [text for text in _all_new(run) if text not in asked.inputs]
+    bare = [''.join(text.split()).lower() for text in (*others[:1], *asked.inputs)]
+    if others and bare[0] in bare[1:]:
+        return WHY['text_changed']
     if others:
         said = own_words(run, others[0][:40], 'What is published')
-        text = f'{said} is not the text of a survey.'
-        return Cause('wrong_text', text, 'Publish String(data=survey.data), unchanged.')
+        return WHY.of('wrong_text', said=said)
     joined = [one['clock_ns'] for one in run.recording.of('joined', listener='late')]
     at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
     if at_join and asked.wrong(found) == [len(found) - 1]:
-        return REPEATS_FOR_NEW
+        return WHY['repeats_for_new']
     late_s, wrong = delays(run, 'maps', '/map'), asked.wrong(found)
     return why_other_answer(asked, found, wrong[0], late_s) if wrong else None
-
-
-def _bare(text: str) -> str:
-    """Return a text without spaces and in lower case."""
-    return ''.join(text.split()).lower()
 
 
 def _why_unconnected(run: Run, answered: bool) -> Cause | None:
@@ -294,14 +202,17 @@ def keeps_only_the_newest(run: Run) -> None:
         raise Failed(
             expected='the newest map for a late subscription, however late',
             observed=f'maps that expire after {next(filter(None, lifespans)) / SECOND:g} s',
-            why=LIFESPAN,
+            why=WHY['lifespan'],
         )
     # Look only at the student's own maps; a different check tests their text.
-    surveys, own = run.asked('maps').inputs, _in_order(run)
+    surveys, own = run.asked('maps').inputs, _all_new(run)
     newest = [*surveys, *own][-1]
     # The stored maps of several publishers arrive in any order.
     order = {text: place for place, text in enumerate((FIRST, *surveys))}
-    found = sorted(maps_of(run, 'late'), key=lambda text: (order.get(text, len(order)), text))
+    found = sorted(
+        texts_of(run.recording.messages('/map', 'late')),
+        key=lambda text: (order.get(text, len(order)), text),
+    )
     if set(found) != {newest}:
         raise Failed(
             expected=f'the newest map, {_named(run, newest)}, and nothing else, for a late '
@@ -310,7 +221,7 @@ def keeps_only_the_newest(run: Run) -> None:
             why=why_silent(run)
             or _why_unmatched(run, 'late')
             or _why_many(run, len(set(found)))
-            or (FIRST_REPEATS if set(found) == {FIRST} and own else None)
+            or (WHY['first_repeats'] if set(found) == {FIRST} and own else None)
             or _why_other_maps(run),
         )
 
@@ -322,18 +233,8 @@ def _why_many(run: Run, kept: int) -> Cause | None:
     looks = (graph['when'] for graph in run.recording.of('graph'))
     publishers = max(len(endpoints_at(run, when, 'publisher', '/map')) for when in looks)
     if publishers > 1:
-        return Cause(
-            'several_publishers',
-            f'There are {publishers} publishers on map, and each keeps its own map.',
-            'Create one publisher in __init__, and publish with it in the callback.',
-        )
-    return Cause(
-        'keeps_too_many',
-        f'The publisher keeps {kept} maps or more for late subscriptions.',
-        'Give its profile depth=1: keep the last one.',
-        about=['map'],
-        closer=[KEEPS_ALL],
-    )
+        return WHY.of('several_publishers', publishers=publishers)
+    return WHY.of('keeps_too_many', about=['map'], kept=kept)
 
 
 def _named(run: Run, text: str) -> str:

@@ -20,7 +20,8 @@ from typing import Any
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, feeds, RosClock, Scenario
 from autograder.exam.slips import changing, leaving_out
-from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.checks import require_field
 from autograder.judging.claims import node, one_for_one, passes
@@ -36,11 +37,7 @@ EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
 EXERCISE = 'Exercise 4.2: from one type to another'
 
 
-ROUNDED = Cause(
-    'rounded',
-    'The fraction is wrong: your code rounds the value, or assembles it from digits.',
-    'Divide without rounding or formatting: number.num / 1000.0.',
-)
+WHY = Causes(__file__)
 
 
 @dataclass(frozen=True)
@@ -59,60 +56,23 @@ def converting(change: Callable[[int], float] = lambda number: number / 1000) ->
 
 SLIPS = (
     *leaving_out(converting(), lambda one: one.num),
-    Slip(
-        'out_of_range',
-        'Your node does not answer a number that is not a usual temperature.',
-        'Publish for each number, however large or small it is.',
-        each(lambda one: (one.num / 1000,) if -40 <= one.num / 1000 <= 125 else ()),
+    WHY.slip(
+        'out_of_range', each(lambda one: (one.num / 1000,) if -40 <= one.num / 1000 <= 125 else ())
     ),
     *changing(lambda change: converting(lambda number: change(number / 1000))),
-    Slip(
+    WHY.slip(
         'sign_lost_near_zero',
-        'A value between -1 and 0 loses its sign.',
-        'Divide the number as a whole: number.num / 1000.0. A whole part of 0 has no sign.',
         converting(lambda number: abs(number) / 1000 if -1000 < number < 0 else number / 1000),
     ),
-    Slip(
-        'not_divided',
-        'Your node passes the number on unchanged.',
-        'Divide it by 1000.0.',
-        converting(float),
-    ),
-    Slip(
-        'value_not_set',
-        'temperature_value is 0.0: it was never set.',
-        'Set reading.temperature_value = number.num / 1000.0.',
-        converting(lambda number: 0.0),
-    ),
+    WHY.slip('not_divided', converting(float)),
+    WHY.slip('value_not_set', converting(lambda number: 0.0)),
     # Without field checks, the C code of the message reads an int as if it were a double.  It gets
     # the size and sign of the int: NaN for negative numbers, practically 0.0 for others.
-    Slip(
-        'field_value',
-        'A whole number was put into a float64 with field checks off.',
-        'Assign a float: number.num / 1000.0.',
-        converting(lambda number: math.nan if number < 0 else 0.0),
-    ),
+    WHY.slip('field_value', converting(lambda number: math.nan if number < 0 else 0.0)),
 )
 
 
-OTHER_NAME = Cause(
-    'sensor_id',
-    'sensor_id differs from the received description.',
-    'Set reading.sensor_id = number.description.',
-)
-FILLS_EMPTY = Cause(
-    'fills_empty',
-    'Your code replaces an empty description, which should stay empty.',
-    'Set reading.sensor_id = number.description, whatever is in it.',
-)
-NAME_SLIPS = (
-    Slip(
-        'first_name',
-        'sensor_id is the first description each time.',
-        'Set reading.sensor_id = number.description in the callback.',
-        lambda inputs: [(inputs[0].description,) for _ in inputs],
-    ),
-)
+NAME_SLIPS = (WHY.slip('first_name', lambda inputs: [(inputs[0].description,) for _ in inputs]),)
 
 
 def divides_by_a_thousand(run: Run) -> None:
@@ -137,19 +97,10 @@ def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> C
     ]
     factors = {f'{1000 * due / value:.9g}' for value, due in pairs if value}
     if len(factors) == 1 and all(value or not due for value, due in pairs):
-        return Cause(
-            'wrong_factor',
-            f'The number is divided by {factors.pop()}.',
-            'Divide by 1000.0.',
-        )
+        return WHY.of('wrong_factor', factor=factors.pop())
     if all(abs(value - due) < 1e-9 for value, due in pairs if due >= 0):
-        return Cause(
-            'wrong_below_zero',
-            'Results are right for numbers above zero, but wrong below zero.',
-            'Divide as a whole: number.num / 1000.0. int(), // and % treat negative numbers '
-            'differently.',
-        )
-    return ROUNDED if all(abs(value - due) < 2 for value, due in pairs) else None
+        return WHY['wrong_below_zero']
+    return WHY['rounded'] if all(abs(value - due) < 2 for value, due in pairs) else None
 
 
 def names_unit_and_sensor(run: Run) -> None:
@@ -164,7 +115,7 @@ def names_unit_and_sensor(run: Run) -> None:
         raise Failed(
             expected='the description of the Num in sensor_id',
             observed=own_words(run, next(others, ''), 'another text')[:60],
-            why=asked.cause(came, place) or (FILLS_EMPTY if unnamed else OTHER_NAME),
+            why=asked.cause(came, place) or (WHY['fills_empty'] if unnamed else WHY['sensor_id']),
         )
 
 

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, Scenario
-from autograder.exam.specification import each, Rule, Slip, Specification
-from autograder.exams.visible.harbour import WATCH, watched_lines
+from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.words import Causes
+from autograder.exams.visible.harbour import WATCH
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, SECOND
 from autograder.judging.claims import node
@@ -24,10 +25,11 @@ from autograder.results import shortened
 
 EVERY = 5
 EXERCISE = 'Exercise 2: the night watch'
-WARN_IF = 'Warn if number % 5 == 0'
-COUNT_FIRST = 'Increase the number first, then check it.'
 Levels = tuple[int, ...]
 """Levels of the lines of one watch; one line is expected."""
+
+
+WHY = Causes(__file__, EVERY=EVERY)
 
 
 def fifths(
@@ -48,112 +50,33 @@ def late(numbers: Sequence[int]) -> list[Levels]:
     return [(WARN,) if number % EVERY == 1 < number else (INFO,) for number in numbers]
 
 
-ONLY_FIFTHS = Slip(
-    'only_fifths',
-    'Your node logs every fifth watch, but not the others.',
-    'Use if and else: a WARN for the fifth, self.get_logger().info(...) for the others.',
-    # Seconds are counted from the first line, so the lines are in seconds 1, 6, 11 and so on.
-    fifths(rest=1, other=()),
-)
-FIFTH_MISSING = Slip(
-    'fifth_missing',
-    'Your node does not log every fifth watch.',
-    'Use if and else: one line per watch, including every fifth.',
-    fifths(warned=()),
-)
+ONLY_FIFTHS = WHY.slip('only_fifths', fifths(rest=1, other=()))
+FIFTH_MISSING = WHY.slip('fifth_missing', fifths(warned=()))
 SLIPS = (
     ONLY_FIFTHS,
     FIFTH_MISSING,
-    Slip(
-        'both_levels',
-        'Your node logs every fifth watch twice.',
-        'Use if and else: one line per watch, either INFO or WARN.',
-        fifths(warned=(INFO, WARN)),
-    ),
-    Slip(
-        'no_warning',
-        'Your node logs every fifth watch at the same level as the others.',
-        'If number % 5 == 0, use self.get_logger().warning(...).',
-        fifths(warned=(INFO,)),
-    ),
-    Slip(
-        'inverted',
-        'INFO and WARN are swapped: number % 5 is 0 for every fifth watch, and 0 counts as false.',
-        f'{WARN_IF}.',
-        fifths(warned=(INFO,), other=(WARN,)),
-    ),
-    Slip(
-        'warns_one_early',
-        'The warning is one watch early: your code checks the number before it increases it, or '
-        'adds one only in the text.',
-        COUNT_FIRST,
-        fifths(rest=EVERY - 1),
-    ),
-    Slip(
-        'warns_one_late',
-        'The warning is one watch late: number % 5 uses the number before it is increased.',
-        COUNT_FIRST,
-        fifths(rest=1),
-        late,
-    ),
-    Slip(
-        'warns_once',
-        'Your node warns at watch 5, but not at watch 10.',
-        f'{WARN_IF}: that holds for 5, 10, 15 and so on.',
-        each(lambda number: (WARN,) if number == EVERY else (INFO,)),
-    ),
-    *(
-        Slip(
-            'warns_otherwise',
-            f'Your node warns at watch {every} and at each multiple of it.'
-            if every > 1
-            else 'Your node logs every watch as a warning.',
-            f'{WARN_IF}, and log an INFO line below else.',
-            fifths(every),
-        )
-        for every in (1, 2, 3, 4, 6, 10)
-    ),
-    Slip(
-        'ends_in_five',
-        'Your node warns at 5 and 15, but not at 10 and 20: it compares the last digit.',
-        f'{WARN_IF}: that holds for 5, 10, 15 and so on.',
-        fifths(10, rest=5),
-    ),
+    WHY.slip('both_levels', fifths(warned=(INFO, WARN))),
+    WHY.slip('no_warning', fifths(warned=(INFO,))),
+    WHY.slip('inverted', fifths(warned=(INFO,), other=(WARN,))),
+    WHY.slip('warns_one_early', fifths(rest=EVERY - 1)),
+    WHY.slip('warns_one_late', fifths(rest=1), late),
+    WHY.slip('warns_once', each(lambda number: (WARN,) if number == EVERY else (INFO,))),
+    WHY.slip('all_warnings', fifths(1)),
+    *(WHY.slip('warns_otherwise', fifths(every), every=every) for every in (2, 3, 4, 6, 10)),
+    WHY.slip('ends_in_five', fifths(10, rest=5)),
 )
-WARNINGS_STOP = Cause(
-    'warnings_stop',
-    'The first warnings are right, but a later one is missing.',
-    f'{WARN_IF}, and do not list the numbers.',
-)
-FOLLOWS_NUMBER = Cause(
-    'follows_number',
-    'The level fits the number in the line, but the number is not that of the watch.',
-    'Fix the count first.',
-)
-WRONG_LEVEL = Cause(
-    'wrong_level',
-    'Your node logs a watch at a level other than INFO or WARN.',
-    'Use self.get_logger().warning(...) for every fifth, info(...) for the others.',
-)
-
-
-def node_of(run: Run) -> str:
-    """Return the full name of the node in this run."""
-    return f'{run.facts["namespace"]}/night_watch'
 
 
 def reports(run: Run) -> list[Event]:
     """Return the lines of the node's own logger, at any level, in the phase that is judged."""
-    return watched_lines(run, node_of(run))
+    return own_logs(run.during(WATCH), run.facts['node'])
 
 
 def watches(run: Run) -> list[Event]:
     """Return the lines from watch 1 on; the first lines may precede the phase that is judged."""
-    said, found = own_logs(run, node_of(run)), reports(run)
+    said, found = own_logs(run, run.facts['node']), reports(run)
     until_first = said[: len(said) - len(found) + 1]
-    ones = [
-        place for place, entry in enumerate(until_first) if 1 in whole_numbers_in(entry['text'])
-    ]
+    ones = [n for n, entry in enumerate(until_first) if 1 in whole_numbers_in(entry['text'])]
     return said[ones[-1] :] if ones else found
 
 
@@ -171,16 +94,9 @@ def levels_by_second(found: Sequence[Event]) -> list[Levels]:
 def reports_every_second(run: Run) -> None:
     """It logs one line a second, with its own logger."""
     found = reports(run)
-    waited_s = seconds_between(run.recording.of('seen'), own_logs(run, node_of(run)))
-    require_period(
-        run,
-        found,
-        1.0,
-        run.facts['seconds'],
-        'line',
-        lambda: _why_not_every_second(run, found),
-        waited_s=waited_s,
-    )
+    waited_s = seconds_between(run.recording.of('seen'), own_logs(run, run.facts['node']))
+    why, seconds = lambda: _why_not_every_second(run, found), run.facts['seconds']
+    require_period(run, found, 1.0, seconds, 'line', why, waited_s=waited_s)
 
 
 def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
@@ -200,12 +116,11 @@ def _why_other_lines(run: Run) -> Cause | None:
     if slip is ONLY_FIFTHS:
         return why_not_logged(run, [], INFO, _has_another) or slip
     if slip is FIFTH_MISSING:
-        return why_not_logged(run, [], WARN, _has_a_fifth) or slip
+        why = why_not_logged(
+            run, [], WARN, lambda text: any(n and n % EVERY == 0 for n in whole_numbers_in(text))
+        )
+        return why or slip
     return slip
-
-
-def _has_a_fifth(text: str) -> bool:
-    return any(number and number % EVERY == 0 for number in whole_numbers_in(text))
 
 
 def _has_another(text: str) -> bool:
@@ -254,18 +169,14 @@ def _why_level(
         (entry['level'] == WARN) == any(number % EVERY == 0 for number in seen)
         for entry, seen in zip(found, numbers)
     ):
-        return FOLLOWS_NUMBER
+        return WHY['follows_number']
     if came[place][0] not in (INFO, WARN):
-        return WRONG_LEVEL
+        return WHY['wrong_level']
     if slip := asked.cause(came, place):
         return slip
     if came[place] == (INFO,):
-        return WARNINGS_STOP if (WARN,) in came[:place] else None
-    return Cause(
-        'warns_too_often',
-        f'{place + 1} is not divisible by {EVERY}, but watch {place + 1} is a warning.',
-        f'{WARN_IF}, with the number in the line.',
-    )
+        return WHY['warnings_stop'] if (WARN,) in came[:place] else None
+    return WHY.of('warns_too_often', watch=place + 1)
 
 
 def _enough(run: Run) -> list[Event]:
@@ -283,6 +194,7 @@ def build(seconds: int, namespace: str) -> Exam:
     :param seconds: duration of the phase that is judged [s], >= 4 * EVERY
     :param namespace: set on the command line, such as ``/harbour``
     """
+    name = f'{namespace}/night_watch'
     exam = Exam(
         'night_watch',
         title='The night watch',
@@ -294,13 +206,13 @@ def build(seconds: int, namespace: str) -> Exam:
             steps=(Mark(WATCH), Advance(seconds)),
         ),
         read='Part 4: Logging',
-        facts={'seconds': seconds, 'namespace': namespace},
+        facts={'seconds': seconds, 'node': name},
         asks={'levels': Specification(range(1, seconds + 1), fifths(), SLIPS)},
     )
     needs = ['starts_in_the_namespace']
     exam.check(points=2, read='Part 3: Names and worlds')(
         node(
-            f'{namespace}/night_watch',
+            name,
             'starts_in_the_namespace',
             'Your node is called night_watch, and its namespace is the one chosen at its start.',
             only_named=True,

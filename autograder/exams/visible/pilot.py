@@ -5,18 +5,25 @@ Specification from the lesson: node ``pilot`` subscribes to ``std_msgs/msg/Float
 and ``turn``, and publishes ``geometry_msgs/msg/Twist`` on ``cmd_vel``: nothing until both topics
 have had a message; then, every 0.5 s, the latest speed as ``linear.x`` and the latest turn as
 ``angular.z``; zeros in both while the latest speed or the latest turn is older than 2 s.
+
+The rules return the commands after each input.  Repetitions of a command are merged, because their
+number depends on when the node created its timer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from itertools import groupby
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.latest import BEGINS_EARLY, joining, joining_slips, Told
+from autograder.exam.ranges import within
 from autograder.exam.scenario import Advance, Feed, Scenario
-from autograder.exam.specification import Specification
+from autograder.exam.slips import Change, changing
+from autograder.exam.specification import Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers
 from autograder.judging.rhythm import require_period, seconds_between
@@ -26,12 +33,171 @@ FLOAT, TWIST = 'std_msgs/msg/Float64', 'geometry_msgs/msg/Twist'
 SOURCES, TARGET = ('/speed', '/turn'), '/cmd_vel'
 PERIOD_S, OLD_S = 0.5, 2.0
 STOP = (0.0, 0.0)
+BOTH = range(len(SOURCES))
+TICK_S = 0.1  # time step at which a rule evaluates the timer after an input [s]
 QUIET_S = 0.9  # at the start, without an input [s]
 # No interval between two inputs is a multiple of the period.  So a timer created when an input
 # arrives never ticks exactly when another one arrives.
 SHORT_S, MIDDLE_S, LONG_S = 0.91, 1.66, 4.34
+Heard = Sequence[Sequence[float]]
+"""The values received so far on each topic, in order of arrival."""
 
-right = joining(len(SOURCES), old=lambda ages: max(ages) > OLD_S)
+
+WHY = Causes(__file__, OLD_S=OLD_S, NEXT_S=OLD_S + 1)
+
+
+class Told(NamedTuple):
+    """
+    One input.
+
+    :param topic: index of its topic, from 0
+    :param lasts_s: time to the next input [s]
+    """
+
+    topic: int
+    value: float
+    lasts_s: float
+
+
+def latest(heard: Heard) -> tuple[float, ...]:
+    """Return the latest value of each topic, 0.0 for a topic without a message."""
+    return tuple(one[-1] if one else 0.0 for one in heard)
+
+
+def joining(
+    old: Callable[[Sequence[float]], bool] = lambda ages: max(ages) > OLD_S,
+    ready: Callable[[Heard], bool] = all,
+    value: Callable[[Heard], tuple[float, ...]] = latest,
+    stop: Callable[[Sequence[float], Sequence[float]], Any] = lambda now, ages: STOP,
+    for_good: bool = False,
+    timer: bool = True,
+    same_is_old: Collection[int] = (),
+    keeps: Callable[[list[float]], list[float]] = list,
+) -> Rule:
+    """
+    Return the rule of a node that combines topics; with the default values, the correct one.
+
+    :param old: returns whether to stop, given the ages of the latest values [s]
+    :param ready: returns whether to publish, given the values received so far
+    :param value: returns the command to publish, given the values received so far
+    :param stop: returns the command that replaces it, given the latest values and their ages [s];
+        None publishes nothing
+    :param for_good: whether the node stays stopped after its first stop
+    :param timer: whether the node publishes from a timer; otherwise it publishes once per input
+    :param same_is_old: the topics on which a value that equals the one before does not renew the
+        age
+    :param keeps: returns what remains of the values of each topic when the node stops
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        heard: list[list[float]] = [[] for _ in BOTH]
+        came_s, now_s, stopped = [0.0, 0.0], 0.0, False
+        found = []
+        for topic, number, lasts_s in inputs:
+            if topic not in same_is_old or heard[topic][-1:] != [number]:
+                came_s[topic] = now_s
+            heard[topic].append(number)
+            row = []
+            for tick in range(round(lasts_s / TICK_S) if timer else 1):
+                ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
+                if ready(heard):
+                    stopped = old(ages) or (for_good and stopped)
+                    row.append(stop(latest(heard), ages) if stopped else value(heard))
+                if stopped:
+                    heard = [keeps(one) for one in heard]
+                    stopped = all(heard)
+            now_s += lasts_s
+            found.append(tuple(one for one, _ in groupby(row) if one is not None))
+        return found
+
+    return rule
+
+
+def queueing(begins_s: float) -> Rule:
+    """
+    Return the rule of a node that keeps values in queues, and takes one of each per tick.
+
+    :param begins_s: time from the first input to the next tick [s]
+    """
+
+    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+        waiting: list[list[float]] = [[] for _ in BOTH]
+        came_s, now_s, ticks, found = [0.0, 0.0], 0.0, 0, []
+        for topic, number, lasts_s in inputs:
+            waiting[topic].append(number)
+            came_s[topic] = now_s
+            now_s += lasts_s
+            row = []
+            while (tick_s := begins_s + ticks * PERIOD_S) < now_s:
+                ticks += 1
+                if all(waiting):
+                    taken = tuple(one.pop(0) if len(one) > 1 else one[0] for one in waiting)
+                    fresh = tick_s - min(came_s) <= OLD_S
+                    row.append(taken if fresh else STOP)
+            found.append(tuple(one for one, _ in groupby(row)))
+        return found
+
+    return rule
+
+
+def changed(change: Change, *which: int) -> Rule:
+    """Return the rule of a node that changes the values of some topics."""
+    return joining(
+        value=lambda heard: tuple(
+            change(one) if place in which else one for place, one in enumerate(latest(heard))
+        )
+    )
+
+
+_MOMENTS_S = [(place + 0.5) / 100 for place in range(round(100 * PERIOD_S))]
+SLIPS = (
+    WHY.slip('begins_early', joining(ready=any)),
+    WHY.slip('never_old', joining(old=lambda ages: False)),
+    WHY.slip('one_age_for_all', joining(old=lambda ages: min(ages) > OLD_S)),
+    WHY.slip(
+        'one_age_only',
+        joining(old=lambda ages: ages[0] > OLD_S),
+        joining(old=lambda ages: ages[1] > OLD_S),
+    ),
+    WHY.slip(
+        'half_a_stop',
+        joining(
+            stop=lambda now, ages: tuple(
+                0.0 if age > OLD_S else one for one, age in zip(now, ages)
+            )
+        ),
+        joining(stop=lambda now, ages: (0.0, now[1])),
+        joining(stop=lambda now, ages: (now[0], 0.0)),
+    ),
+    WHY.slip('forgets_values', joining(keeps=lambda values: [])),
+    WHY.slip('stop_overwrites', joining(keeps=lambda values: [0.0])),
+    WHY.slip('silent_when_old', joining(stop=lambda now, ages: None)),
+    WHY.slip('stops_for_good', joining(for_good=True)),
+    WHY.slip('other_age', joining(old=lambda ages: max(ages) > 2 * OLD_S)),
+    WHY.slip('whole_seconds', joining(old=lambda ages: math.floor(max(ages)) > OLD_S)),
+    WHY.slip(
+        'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
+    ),
+    WHY.slip('swapped', joining(value=lambda heard: latest(heard)[::-1])),
+    WHY.slip(
+        'first_value', joining(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard))
+    ),
+    WHY.slip(
+        'zero_is_nothing',
+        joining(ready=lambda heard: all(one and one[-1] for one in heard)),
+        joining(ready=lambda heard: all(heard) and bool(heard[0][-1])),
+        joining(ready=lambda heard: all(heard) and bool(heard[1][-1])),
+    ),
+    WHY.slip(
+        'limited', *(changed(partial(within, most=1.0), *some) for some in (BOTH, *zip(BOTH)))
+    ),
+    WHY.slip('answers_inputs', joining(timer=False)),
+    WHY.slip('oldest_first', *(queueing(moment_s) for moment_s in _MOMENTS_S)),
+    *changing(
+        lambda change: changed(change, *BOTH),
+        *(lambda change, which=which: changed(change, which) for which in BOTH),
+    ),
+)
 
 
 def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
@@ -43,7 +209,7 @@ def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
 
 
 def first_complete(asked: Specification) -> int:
-    """Return the index of the first input after which both topics have had a message."""
+    """Return the index of the first input, above 0, after which both topics had a message."""
     return next(place for place, due in enumerate(asked.answers) if due)
 
 
@@ -55,7 +221,7 @@ def waits_for_both(run: Run) -> None:
         raise Failed(
             expected='no command before a speed and a turn have come',
             observed='a command before that',
-            why=BEGINS_EARLY,
+            why=WHY['begins_early'],
         )
 
 
@@ -63,11 +229,8 @@ def keeps_its_rhythm(run: Run) -> None:
     """Once both have come, a command comes every 0.5 s."""
     asked, came = commands(run)
     begins = first_complete(asked)
-    found = [
-        one
-        for one in run.recording.messages(TARGET)
-        if one['after_input'] is not None and one['after_input'] >= begins
-    ]
+    messages = run.recording.messages(TARGET)
+    found = [one for one in messages if (one['after_input'] or 0) >= begins]
     during_s = sum(one.lasts_s for one in asked.inputs[begins:])
     waited_s = seconds_between(run.recording.of('input')[begins:], found)
     require_period(
@@ -118,9 +281,7 @@ def build(inputs: Sequence[Told]) -> Exam:
             steps=(Advance(QUIET_S), *feeds),
         ),
         read='Exercise 2: the latest of two',
-        asks={
-            'commands': Specification(inputs, right, joining_slips(len(SOURCES), OLD_S, PERIOD_S))
-        },
+        asks={'commands': Specification(inputs, joining(), SLIPS)},
     )
     exam.check(points=1)(node('/pilot'))
     for source in SOURCES:

@@ -9,15 +9,16 @@ numbers so far.  It ignores NaN: no answer, no effect on later means.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial, reduce
-from itertools import accumulate
+from functools import reduce
+from itertools import accumulate, pairwise
 import math
 from statistics import fmean
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
 from autograder.exam.slips import Change, changing
-from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.specification import Rule, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rows import delays, published, why_other_answer
@@ -30,6 +31,9 @@ EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
 PAUSE_S = 60.0  # without a number [s]
 Means = tuple[float, ...]
 """The means published for one number: one or none."""
+
+
+WHY = Causes(__file__)
 
 
 def averaging(
@@ -61,9 +65,15 @@ def stops(numbers: Sequence[float]) -> list[Means]:
     return [*DUE(numbers[:first]), *(() for _ in numbers[first:])]
 
 
-def starts_over(place: int) -> Rule:
-    """Return the rule of a program that starts a new mean at an index."""
-    return lambda numbers: [*DUE(numbers[:place]), *DUE(numbers[place:])]
+def starts_over(numbers: Sequence[float], *places: int) -> list[Means]:
+    """Return the answers of a program that starts a new mean at some indices."""
+    parts = pairwise((0, *places, len(numbers)))
+    return [mean for begin, end in parts for mean in DUE(numbers[begin:end])]
+
+
+def forgets(numbers: Sequence[float]) -> list[Means]:
+    """Return the answers of a program that starts a new mean after each NaN."""
+    return starts_over(numbers, *(n for n, one in enumerate(numbers) if math.isnan(one)))
 
 
 def changes_only(numbers: Sequence[float]) -> list[Means]:
@@ -73,16 +83,6 @@ def changes_only(numbers: Sequence[float]) -> list[Means]:
     for mean in DUE(numbers):
         found.append(() if mean == last else mean)
         last = mean or last
-    return found
-
-
-def forgets(numbers: Sequence[float]) -> list[Means]:
-    """Return the answers of a program that starts a new mean after each NaN."""
-    found: list[Means] = []
-    seen: list[float] = []
-    for number in numbers:
-        seen = [] if math.isnan(number) else [*seen, number]
-        found.append((fmean(seen),) if seen else ())
     return found
 
 
@@ -100,9 +100,9 @@ def dividing(add: Callable[[float], float]) -> Rule:
     return rule
 
 
-def forms(answer: Callable[[int, list[float]], float], *numbers: int) -> list[Rule]:
-    """Return one rule per number for a mistake with a parameter, such as a number of digits."""
-    return [averaging(partial(answer, number)) for number in numbers]
+def of_the_last(few: int) -> Rule:
+    """Return the rule of a program that computes the mean of only the last numbers."""
+    return averaging(lambda seen: fmean(seen[-few:]))
 
 
 def kept(change: Change) -> Rule:
@@ -116,39 +116,14 @@ def kept(change: Change) -> Rule:
     return averaging(answer)
 
 
-ANSWERS_NAN = Cause(
-    'answers_nan',
-    'Your node publishes a message for NaN, but should ignore NaN.',
-    'Begin the callback with: if math.isnan(message.data): return.',
-)
-STARTS_OVER = Cause(
-    'starts_over',
-    'After a minute without a number, your node begins a new mean.',
-    'Keep the sum and the count as long as the node exists, however late a number comes.',
-)
 SLIPS = (
-    Slip(
-        'passes_on',
-        'Your node publishes each number unchanged.',
-        'Keep a sum and a count.',
-        averaging(lambda seen: seen[-1]),
+    WHY.slip('passes_on', averaging(lambda seen: seen[-1])),
+    WHY.slip('sum', averaging(sum)),
+    WHY.slip(
+        'half_and_half', averaging(lambda seen: reduce(lambda mean, one: (mean + one) / 2, seen))
     ),
-    Slip(
-        'sum',
-        'Your node publishes the sum.',
-        'Divide the sum by the count of numbers.',
-        averaging(sum),
-    ),
-    Slip(
-        'half_and_half',
-        'The newest number has the same weight as all earlier numbers together.',
-        'Keep a sum and a count, and divide: (mean + number) / 2 is right for two numbers only.',
-        averaging(lambda seen: reduce(lambda mean, one: (mean + one) / 2, seen)),
-    ),
-    Slip(
+    WHY.slip(
         'one_behind',
-        'The newest number is missing in the mean.',
-        'Add it up first.',
         averaging(lambda seen: fmean(seen[:-1] or seen)),
         averaging(lambda seen: fmean(seen[:-1] or [0.0])),
     ),
@@ -157,74 +132,24 @@ SLIPS = (
         kept,
         digits=range(1, 6),
     ),
-    Slip(
+    WHY.slip(
         'wrong_count',
-        'Your code does not divide the sum by the count of numbers.',
-        'Begin with self.count = 0, and add 1 for each number, before you divide.',
         averaging(lambda seen: sum(seen) / (len(seen) + 1)),
         averaging(lambda seen: sum(seen) / (len(seen) - 1 or 1)),
         averaging(lambda seen: sum(seen) / (2 * len(seen))),
     ),
-    Slip(
-        'never_adds',
-        'The mean is 0.0 each time: nothing is added up.',
-        'Add each number to self.total before you divide.',
-        averaging(lambda seen: 0.0),
+    WHY.slip('never_adds', averaging(lambda seen: 0.0)),
+    WHY.slip('last_few', *map(of_the_last, (2, 3, 5, 10, 20, 50))),
+    WHY.slip('each_once', averaging(lambda seen: fmean(set(seen)))),
+    WHY.slip('changes_only', changes_only),
+    WHY.slip(
+        'skips_equal', averaging(counts=lambda one, last: not math.isnan(one) and one != last)
     ),
-    Slip(
-        'last_few',
-        'Your node publishes the mean of only the last numbers.',
-        'Keep the sum and the count of all numbers.',
-        *forms(lambda few, seen: fmean(seen[-few:]), 2, 3, 5, 10, 20, 50),
-    ),
-    Slip(
-        'each_once',
-        'Your code counts a repeated number only once.',
-        'Keep a sum and a count instead of a set.',
-        averaging(lambda seen: fmean(set(seen))),
-    ),
-    Slip(
-        'changes_only',
-        'Your node publishes nothing if the mean has not changed.',
-        'Publish for each number that is not NaN, whatever the mean was before.',
-        changes_only,
-    ),
-    Slip(
-        'skips_equal',
-        'Your node ignores a number that equals the previous one.',
-        'Count each number that is not NaN, whatever came before.',
-        averaging(counts=lambda one, last: not math.isnan(one) and one != last),
-    ),
-    Slip(
-        'stops_at_nan',
-        'Your node stops answering after the first NaN.',
-        'Return from the callback if the number is NaN, and store nothing.',
-        stops,
-    ),
-    Slip(
-        'counts_nan',
-        'Your code does not add NaN but counts it, so it divides by too large a count.',
-        'Before you count, write: if math.isnan(message.data): return',
-        dividing(lambda one: 0.0 if math.isnan(one) else one),
-    ),
-    Slip(
-        'forgets_at_nan',
-        'After NaN the mean starts again, without the numbers before it.',
-        'Leave the sum and the count as they are when NaN comes.',
-        forgets,
-    ),
-    Slip(
-        'skips_zero',
-        'Your node ignores 0.0 like NaN, but 0.0 is an ordinary number.',
-        'Test with math.isnan(message.data): if not message.data is also true for 0.0.',
-        averaging(counts=lambda one, last: bool(one) and not math.isnan(one)),
-    ),
-    Slip(
-        'sum_spoiled',
-        'After one NaN, the sum is NaN forever.',
-        'Return before you add: if math.isnan(message.data).',
-        dividing(lambda one: one),
-    ),
+    WHY.slip('stops_at_nan', stops),
+    WHY.slip('counts_nan', dividing(lambda one: 0.0 if math.isnan(one) else one)),
+    WHY.slip('forgets_at_nan', forgets),
+    WHY.slip('skips_zero', averaging(counts=lambda one, last: bool(one) and not math.isnan(one))),
+    WHY.slip('sum_spoiled', dividing(lambda one: one)),
 )
 
 
@@ -240,19 +165,17 @@ def ignores_nan(run: Run) -> None:
     if not wrong and found[-1] is not None:
         return
     if any(found[place] for place in wrong if asked.answers[place] == ()):
-        raise Failed(expected='nothing after NaN', observed='a message', why=ANSWERS_NAN)
+        raise Failed(expected='nothing after NaN', observed='a message', why=WHY['answers_nan'])
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
     how_many = f'{count or "no"} means' + (', not all of them right' if count == due else '')
+    why = why_silent(run)
+    if wrong and not why:
+        why = why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))
     raise Failed(
         expected=f'{due} right means after the first NaN',
         observed=how_many if found[-1] is not None else 'a node that stops answering',
-        why=why_silent(run)
-        or (
-            why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))
-            if wrong
-            else None
-        ),
+        why=why,
     )
 
 
@@ -269,7 +192,8 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
     sent = [{'data': one} for one in numbers]
     begins = [Feed(SOURCE, sent[:pause], every_s=EVERY_S), Advance(PAUSE_S)] if pause else []
     rest = feeds(SOURCE, sent[pause:], burst, every_s=EVERY_S)
-    slips = (*SLIPS, Slip.of(STARTS_OVER, starts_over(pause))) if pause else SLIPS
+    after_pause = WHY.slip('starts_over', lambda numbers: starts_over(numbers, pause))
+    slips = (*SLIPS, after_pause) if pause else SLIPS
     exam = Exam(
         'running_mean',
         title='The running mean',

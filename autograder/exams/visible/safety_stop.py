@@ -13,11 +13,12 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import Limit, limiting_slips, within
 from autograder.exam.scenario import Advance, Feed, Scenario
 from autograder.exam.slips import changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages, SECOND
 from autograder.judging.claims import node, passes
 from autograder.judging.rhythm import GRAIN_S
@@ -35,35 +36,9 @@ QUIET_S = 0.9  # at the start, without a command
 SHORT_S, MIDDLE_S, LONG_S = (0.31, 0.43), 0.83, 1.66  # from one command to the next
 BURST = 3
 Pair = tuple[float, float]
-EARLY = Cause(
-    'early_stop',
-    'A stop comes although the last command is less than 0.5 s old.',
-    'Measure the silence from the last command: self.silence.reset() in each call of guard().',
-    act='if:reset()',
-)
-REPEATS = Cause(
-    'repeats_stop',
-    'In one silence, more than one stop comes.',
-    'Let stop() cancel the timer: self.silence.cancel(). The next command resets it.',
-)
-PASSED_LATE = Cause(
-    'passed_late',
-    'A command is not published when it comes, but later.',
-    'Publish the command in the callback of the subscription, not in that of a timer.',
-)
-STOPS_LATE = Cause(
-    'other_moment',
-    'The stop does not come 0.5 s after the last command.',
-    'Create the timer with 0.5 s, and reset it each time a command comes.',
-)
-LOOKS_RARELY = Cause(
-    'looks_rarely',
-    'Your node looks too rarely whether the commands have ended, so the stop comes late.',
-    'Look every 0.1 s or more often, or create the timer with 0.5 s and call its reset() for each '
-    'command.',
-    about=[str(LATE_S)],
-    act='slow_period',
-)
+
+
+WHY = Causes(__file__, LATE_S=LATE_S)
 
 
 class Command(NamedTuple):
@@ -114,10 +89,6 @@ def guarding(
     return rule
 
 
-ALONE = 'Change only linear.x, and publish the command that came.'
-ZEROS = 'In a silence, publish an empty Twist(): all of its fields are 0.0.'
-
-
 def limiting(cut: Limit) -> Rule:
     """Return the rule of a safety stop that limits the speed with a function."""
 
@@ -154,53 +125,46 @@ def bursting(kept: int) -> Rule:
 SLIPS = (
     Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
-    Slip('other_limit', 'The speed is limited to 1.0 instead of 0.5.',
-         'Limit linear.x to 0.5: max(-0.5, min(command.linear.x, 0.5)).',
-         limiting(lambda speed, most: within(speed, 2 * most))),
-    Slip('stops_fast', 'A fast command becomes a stop.', ALONE,
-         guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))),
-    Slip('turn_limited', 'The turn is limited too.', ALONE,
-         guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, LIMIT)))),
-    Slip('turn_scaled', 'The turn of a fast command is reduced together with its speed.', ALONE,
-         guarding(lambda one: (
-             right_pair(one)[0], one.turn * right_pair(one)[0] / (one.speed or 1.0))),
-         act='z='),
-    Slip('turn_lost', 'Your node publishes every command with a turn of 0.0.', ALONE,
-         guarding(lambda one: (right_pair(one)[0], 0.0))),
+    WHY.slip('other_limit', limiting(lambda speed, most: within(speed, 2 * most))),
+    WHY.slip(
+        'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))
+    ),
+    WHY.slip(
+        'turn_limited', guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, LIMIT)))
+    ),
+    WHY.slip(
+        'turn_scaled',
+        guarding(
+            lambda one: (right_pair(one)[0], one.turn * right_pair(one)[0] / (one.speed or 1.0))
+        ),
+    ),
+    WHY.slip('turn_lost', guarding(lambda one: (right_pair(one)[0], 0.0))),
     *changing(
-         lambda change: guarding(lambda one: (change(within(one.speed, LIMIT)), one.turn)),
-         lambda change: guarding(lambda one: (within(one.speed, LIMIT), change(one.turn)))),
-    Slip('no_stop', 'Nothing is published when the commands end.',
-         'A timer that each command resets ticks only in a silence: publish Twist() then.',
-         guarding(stops=lambda one, silence: [])),
-    Slip('half_a_stop', 'In a silence, one of speed and turn is 0.0 and the other one is not.',
-         ZEROS, guarding(stops=lambda one, silence: [(0.0, one.turn)]),
-         guarding(stops=lambda one, silence: [(within(one.speed, LIMIT), 0.0)])),
-    Slip('repeats_last', 'In a silence, the last command is published again.', ZEROS,
-         guarding(stops=lambda one, silence: [right_pair(one)])),
-    Slip('no_stop_after_zeros', 'After a command of zeros, no stop comes in the silence.',
-         'Call self.silence.reset() for each command, whatever is in it.',
-         guarding(stops=lambda one, silence: [] if one[:2] == STOP else [STOP]),
-         guarding(stops=lambda one, silence: [] if one.speed == 0.0 else [STOP])),
-    Slip('stops_once', 'Only the first silence causes a stop.',
-         'Call self.silence.reset() for each command: then the cancelled timer runs again.',
-         guarding(stops=lambda one, silence: [STOP] if silence == 1 else [])),
-    Slip('stops_for_good', 'After the first stop, commands are not passed on any more.',
-         'Pass each command on, without a flag that stays set.',
-         guarding(for_good=()), guarding(for_good=(STOP,))),
-    Slip.of(EARLY, guarding(after_s=0.25)),
-    Slip('late_stop', 'The stop comes only after a longer silence than 0.5 s.',
-         'Create the timer with 0.5 s.', guarding(after_s=1.0)),
-    Slip('only_the_last', 'If several commands arrive at once, your node publishes only the last.',
-         'Publish each command in guard(), and store none for later. Give create_subscription() '
-         'the depth 10.', bursting(-1)),
-    Slip('the_rest_dropped',
-         'If several commands arrive at once, your node publishes only the first.',
-         'Publish each command in guard(), however soon it comes after another one.', bursting(0),
-         act='if:early_return@to:create_subscription() | if:publish()@to:create_subscription()'),
-    Slip.of(REPEATS, guarding(
-        stops=lambda one, silence: [STOP] * int(one.lasts_s / SILENCE_S))),
-)  # fmt: skip
+        lambda change: guarding(lambda one: (change(within(one.speed, LIMIT)), one.turn)),
+        lambda change: guarding(lambda one: (within(one.speed, LIMIT), change(one.turn))),
+    ),
+    WHY.slip('no_stop', guarding(stops=lambda one, silence: [])),
+    WHY.slip(
+        'half_a_stop',
+        guarding(stops=lambda one, silence: [(0.0, one.turn)]),
+        guarding(stops=lambda one, silence: [(within(one.speed, LIMIT), 0.0)]),
+    ),
+    WHY.slip('repeats_last', guarding(stops=lambda one, silence: [right_pair(one)])),
+    WHY.slip(
+        'no_stop_after_zeros',
+        guarding(stops=lambda one, silence: [] if one[:2] == STOP else [STOP]),
+        guarding(stops=lambda one, silence: [] if one.speed == 0.0 else [STOP]),
+    ),
+    WHY.slip('stops_once', guarding(stops=lambda one, silence: [STOP] if silence == 1 else [])),
+    WHY.slip('stops_for_good', guarding(for_good=()), guarding(for_good=(STOP,))),
+    WHY.slip('early_stop', guarding(after_s=0.25)),
+    WHY.slip('late_stop', guarding(after_s=1.0)),
+    WHY.slip('only_the_last', bursting(-1)),
+    WHY.slip('the_rest_dropped', bursting(0)),
+    WHY.slip(
+        'repeats_stop', guarding(stops=lambda one, silence: [STOP] * int(one.lasts_s / SILENCE_S))
+    ),
+)
 
 
 def _came(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
@@ -230,7 +194,7 @@ def passes_commands_on(run: Run) -> None:
             raise Failed(
                 expected='no stop while the commands are less than 0.5 s apart',
                 observed='a stop',
-                why=asked.cause(came, place, plain) or EARLY,
+                why=asked.cause(came, place, plain) or WHY['early_stop'],
             )
     require_values(run, asked, came, plain)
 
@@ -247,7 +211,7 @@ def stops_in_silence(run: Run) -> None:
     silent = places(asked, silent=True)
     for place in silent:
         if (came[place] or ()).count(STOP) > asked.answers[place].count(STOP):
-            why = asked.cause(came, place, silent) or REPEATS
+            why = asked.cause(came, place, silent) or WHY['repeats_stop']
             raise Failed(expected='one stop', observed='more than one stop', why=why)
     require_values(run, asked, came, silent)
     require_all_sent(run, came)
@@ -266,7 +230,7 @@ def keeps_its_times(run: Run) -> None:
             raise Failed(
                 expected='a command that is published when it comes',
                 observed=f'a command {late_s:.2g} s later',
-                why=PASSED_LATE,
+                why=WHY['passed_late'],
             )
         if values == STOP and late_s > GRAIN_S:
             stops_s.append(late_s)
@@ -278,7 +242,7 @@ def keeps_its_times(run: Run) -> None:
             raise Failed(
                 expected=f'a stop {SILENCE_S:g} s to {SILENCE_S + LATE_S:g} s after the command',
                 observed=f'a stop {late_s:.2g} s after it',
-                why=LOOKS_RARELY if rarely else STOPS_LATE,
+                why=WHY['looks_rarely'] if rarely else WHY['other_moment'],
             )
 
 

@@ -21,6 +21,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.causes.redaction import quoted
@@ -40,83 +41,12 @@ EVERY_S = 0.2  # between two distances [s]
 SILENCE_S = 1.45  # after the last distance: four deadlines and time to log the last one [s]
 BY_RCLPY = 'New publisher discovered on topic'
 """Start of the line that rclpy's default callback logs for an incompatible publisher."""
-DEADLINE = 'Give its profile deadline=Duration(seconds=0.3).'
 REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
     'DURABILITY': 'Leave durability out: the sensor keeps nothing for latecomers.',
     'DEADLINE': 'Request deadline=Duration(seconds=0.3), which is what the sensor promises.',
     'LIVELINESS': 'Leave liveliness out: the sensor does not assert it by hand.',
 }
-TWICE = Cause(
-    'logged_twice',
-    'More than one INFO line shows the same distance.',
-    'Log once in the callback, and subscribe once.',
-)
-NOT_LOGGED = Cause(
-    'not_logged',
-    'Your node logs no INFO line for a distance.',
-    'Is hear() called? Log the number in it: self.get_logger().info(...), before any return.',
-)
-WARNS_ONCE = Cause(
-    'first_miss_only',
-    'The sensor misses several deadlines, but your node does not log a WARN line for each.',
-    'Log in every call of the callback for deadline, without a flag, once= or throttle.',
-)
-WARNS_TWICE = Cause(
-    'warned_twice',
-    'Your node logs more WARN lines than there are missed deadlines.',
-    'Log one line in each call of the callback for deadline, however many were missed before.',
-)
-NOT_A_MISS = Cause(
-    'warns_of_something_else',
-    'Your node logs a WARN line although no deadline is missed.',
-    'Log a refused publisher as ERROR, and everything else as INFO.',
-)
-OWN_WATCHDOG = Cause(
-    'own_watchdog',
-    'Your node warns before the first distance: it measures the silence itself, from its start.',
-    'Leave this to the deadline of the profile: SubscriptionEventCallbacks(deadline=self.miss, '
-    '...) calls miss() for each missed deadline.',
-)
-NO_MISS = Cause(
-    'no_deadline_callback',
-    'A deadline is missed, but your node logs nothing: the event has no callback, or the callback '
-    'does not log.',
-    'SubscriptionEventCallbacks(deadline=self.miss, ...), and a warning in miss().',
-)
-FIRST_ONLY = Cause(
-    'first_refusal_only',
-    'Your node logs one refused publisher, but not the other.',
-    'Log in every call of the callback for incompatible_qos, without a flag or once=.',
-)
-ONE_LINE = Cause(
-    'several_errors',
-    'One refused publisher gives more than one ERROR line.',
-    'Put everything into one line.',
-)
-NO_REFUSAL = Cause(
-    'no_incompatible_callback',
-    'A publisher is refused, but your node logs nothing: the event has no callback, or the '
-    'callback does not log.',
-    'SubscriptionEventCallbacks(incompatible_qos=self.refuse, ...), and an error in refuse().',
-)
-NOT_NAMED = Cause(
-    'policy_not_named',
-    'The line does not say which policy failed.',
-    'qos_policy_name_from_kind(event.last_policy_kind) is its name.',
-)
-DEFAULT_CALLBACK = Cause(
-    'default_callback',
-    'The WARN line about the refused publisher is from rclpy: your subscription has no callback '
-    'of its own for incompatible_qos.',
-    'Give incompatible_qos a callback that logs an error, and pass the callbacks on: '
-    'create_subscription(..., event_callbacks=events).',
-)
-COUNTS_ALL = Cause(
-    'counts_all',
-    'The second refused publisher gives two ERROR lines: your node logs the first one again.',
-    'Log one line in each call of the callback for incompatible_qos, whatever total_count is.',
-)
 LOGGED = each(lambda distance: (distance,))
 SLIPS = (
     *leaving_out(LOGGED, do='Log', numbers=True)[1:],
@@ -125,6 +55,9 @@ SLIPS = (
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'
+
+
+WHY = Causes(__file__)
 
 
 def warnings_before_silence(run: Run) -> list[Event]:
@@ -159,42 +92,41 @@ def logs_each_distance(run: Run) -> None:
         due = distances.count(distance)
         if len(found) != due and len(at_once) != 1:
             shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
-            missing = why_silent(run) or _why_left_out(run, index)
-            missing = missing or (None if found else _why_not_shown(run, index))
             raise Failed(
                 expected=f'one INFO line with {shown}',
                 observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
-                why=TWICE if len(found) > due else missing,
+                why=WHY['logged_twice']
+                if len(found) > due
+                else _why_not_shown(run, index, bool(found)),
             )
 
 
-def _why_left_out(run: Run, index: int) -> Cause | None:
-    """Explain a distance without a line by the distances before it."""
+def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
+    """
+    Explain a distance without a line of its own.
+
+    :param later: whether a line shows the same number at another moment
+    """
     asked = run.asked('distances')
-    found = rows(run, 'distances', own_logs(run, NODE, INFO))
     came = [
         tuple(one for line in row or () if one in numbers_in(str(line['text'])))
-        for one, row in zip(asked.inputs, found)
+        for one, row in zip(asked.inputs, rows(run, 'distances', own_logs(run, NODE, INFO)))
     ]
-    return asked.cause(came, index)
-
-
-def _why_not_shown(run: Run, index: int) -> Cause | None:
-    if why := _why_unheard(run):
+    if why := why_silent(run) or asked.cause(came, index):
+        return why
+    if later or (why := _why_unheard(run)):
         return why
     then = [line for line in own_logs(run, NODE) if line['after_input'] == index]
     other = next((str(line['text']) for line in then if line['level'] == INFO), '')
     if other:
-        return Cause(
-            'number_not_shown',
-            f"Your INFO line '{quoted(run, other)}' does not contain the number, or rounds it.",
-            "Log the number as it came: self.get_logger().info(f'{message.data} m').",
-            about=[other],
-        )
-    distance = run.asked('distances').inputs[index]
+        return WHY.of('number_not_shown', about=[other], said=quoted(run, other))
+    distance = asked.inputs[index]
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
     # line.
-    return why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text)) or NOT_LOGGED
+    return (
+        why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text))
+        or WHY['not_logged']
+    )
 
 
 def _why_unheard(run: Run) -> Cause | None:
@@ -205,11 +137,8 @@ def _why_unheard(run: Run) -> Cause | None:
     offered = run.recording.of('offered', publisher='sensor')
     if offered and offered[0]['refused']:
         policy = offered[0]['refused'][0]
-        return Cause(
-            'refused',
-            f'Your subscription refuses the sensor: the policy {policy} asks for too much.',
-            REQUEST.get(policy, 'Request no more than the sensor offers.'),
-        )
+        repair = REQUEST.get(policy, 'Request no more than the sensor offers.')
+        return WHY.of('refused', policy=policy, repair=repair)
     return None
 
 
@@ -229,7 +158,7 @@ def warns_of_silence(run: Run) -> None:
         raise Failed(
             expected=f'one WARN line for each deadline missed in {SILENCE_S:g} s of silence',
             observed=lines(found, WARN),
-            why=_why_other_count(run, found, due) if found else _why_no_warning(run, silence),
+            why=_why_other_count(run, silence, due),
         )
 
 
@@ -241,36 +170,28 @@ def _why_early(run: Run, early: Sequence[Event]) -> Cause:
         one.get('line') for one in own_logs(run.during('silence'), NODE, WARN)
     }
     first = early[0]['after_input'] is None
-    return OWN_WATCHDOG if first and alone and same else NOT_A_MISS
-
-
-def _why_other_count(run: Run, found: int, due: int) -> Cause:
-    if found < due:
-        return _why_unheard(run) or WARNS_ONCE
-    return WARNS_TWICE if due else NOT_A_MISS
+    return WHY['own_watchdog'] if first and alone and same else WHY['warns_of_something_else']
 
 
 def _why_default(lines: Sequence[Event]) -> Cause | None:
     """Explain a WARN line from rclpy's default callback."""
     by_rclpy = any(str(line['text']).startswith(BY_RCLPY) for line in lines)
-    return DEFAULT_CALLBACK if by_rclpy else None
+    return WHY['default_callback'] if by_rclpy else None
 
 
-def _why_no_warning(run: Run, silence: Sequence[Event]) -> Cause | None:
-    if why := _why_unheard(run):
+def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | None:
+    """Explain too many or too few WARN lines in the silence."""
+    found = sum(line['level'] == WARN for line in silence)
+    if found >= max(due, 1):
+        return WHY['warned_twice'] if due else WHY['warns_of_something_else']
+    if why := _why_unheard(run) or (WHY['first_miss_only'] if found else None):
         return why
     asked = [one for one in deadlines_ns(run) if one]
     if len(asked) < len(deadlines_ns(run)):
-        slip = 'Your subscription requests no deadline, so none can be missed.'
-        return Cause('no_deadline', slip, DEADLINE)
-    if not missed_deadlines(run):
-        return Cause(
-            'long_deadline',
-            f'Your subscription requests a deadline of {min(asked) / SECOND:g} s, and the '
-            'silence is too short to miss it.',
-            DEADLINE,
-        )
-    return why_not_logged(run, silence, WARN) or NO_MISS
+        return WHY['no_deadline']
+    if not due:
+        return WHY.of('long_deadline', deadline_s=min(asked) / SECOND)
+    return why_not_logged(run, silence, WARN) or WHY['no_deadline_callback']
 
 
 def names_the_policy(run: Run) -> None:
@@ -278,17 +199,16 @@ def names_the_policy(run: Run) -> None:
     for publisher in LAZY:
         lazy = run.recording.of('offered', publisher=publisher)
         if lazy and lazy[0]['matched']:
-            slip = 'Your subscription requests no deadline, so no publisher offers too little.'
             raise Failed(
                 expected='a publisher without a deadline is refused',
                 observed='your subscription accepts it',
-                why=Cause('nothing_refused', slip, DEADLINE),
+                why=WHY['nothing_refused'],
             )
         found = own_logs(run.during(publisher), NODE)
         errors = [str(line['text']) for line in found if line['level'] == ERROR]
         if len(errors) != 1:
             grows = len(errors) == 2 and publisher != next(iter(LAZY))
-            several = COUNTS_ALL if grows else ONE_LINE
+            several = WHY['counts_all'] if grows else WHY['several_errors']
             raise Failed(
                 expected=f'1 ERROR line after {LAZY[publisher]} publisher that promises no '
                 'deadline',
@@ -300,7 +220,7 @@ def names_the_policy(run: Run) -> None:
             raise Failed(
                 expected=f'the name {" or ".join(policies)} in the ERROR line',
                 observed=repr(shortened(errors[0], 80)),
-                why=NOT_NAMED,
+                why=WHY['policy_not_named'],
             )
 
 
@@ -310,8 +230,8 @@ def _why_no_error(run: Run, found: Sequence[Event]) -> Cause | None:
     if not deadlines_ns(run):
         return why_no_endpoint(run, 'subscription', TOPIC, TYPE)
     if first := own_logs(run.during(next(iter(LAZY))), NODE, ERROR):
-        return why_left_out(run, ERROR, first) or FIRST_ONLY
-    return why_not_logged(run, found, ERROR) or NO_REFUSAL
+        return why_left_out(run, ERROR, first) or WHY['first_refusal_only']
+    return why_not_logged(run, found, ERROR) or WHY['no_incompatible_callback']
 
 
 def build(distances: Sequence[float]) -> Exam:

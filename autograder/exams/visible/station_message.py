@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 import re
+from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import close_name
 from autograder.judging.message_package import (
     require_declarations,
@@ -35,6 +37,7 @@ FIELDS = (
 )
 CONSTANTS = {'OK': 0, 'STALE': 1, 'BROKEN': 2}
 DEFAULT = -40.0
+WHY = Causes(__file__)
 _CONSTANT = re.compile(r'(\S+)\s+(\w+)\s*=\s*(\S+)')
 
 
@@ -61,8 +64,14 @@ def names_the_states(run: Run) -> None:
     """It has the constants OK, STALE and BROKEN of type uint8 with the values 0, 1 and 2."""
     text = run.files.get(MSG, '')
     found = constants_of(text)
-    wrong = [name for name, value in CONSTANTS.items() if not _is(found, name, value)]
+    right = {
+        name
+        for name, (kind, value) in found.items()
+        if kind == 'uint8' and whole(value) == CONSTANTS.get(name)
+    }
+    wrong = [name for name in CONSTANTS if name not in right]
     others = [name for name in found if name not in CONSTANTS]
+    named = [field for _, field in FIELDS]
     if wrong or others:
         raise Failed(
             expected='uint8 OK=0; uint8 STALE=1; uint8 BROKEN=2',
@@ -70,13 +79,10 @@ def names_the_states(run: Run) -> None:
                 :200
             ]
             or 'no constant',
-            why=_why_constant(wrong[0], found, text) if wrong else _why_other(others[0]),
+            why=_why_constant(wrong[0], found, text)
+            if wrong
+            else WHY.of('field' if others[0] in named else 'constant_extra', name=others[0][:40]),
         )
-
-
-def _is(found: Mapping[str, tuple[str, str]], name: str, value: int) -> bool:
-    kind, text = found.get(name, ('', ''))
-    return kind == 'uint8' and whole(text) == value
 
 
 def whole(text: str) -> int | None:
@@ -91,37 +97,23 @@ def whole(text: str) -> int | None:
 
 def _why_constant(name: str, found: Mapping[str, tuple[str, str]], text: str) -> Cause:
     """Explain a constant that is wrong or missing."""
-    right = f'uint8 {name}={CONSTANTS[name]}'
     kind, value = found.get(name, ('', ''))
+    words: dict[str, Any] = {'name': name, 'right': f'uint8 {name}={CONSTANTS[name]}'}
     if kind and kind != 'uint8':
-        slip = f'{name} has the type {kind[:40]}.'
-        return Cause('constant_type', slip, f'A state is a small number: {right}')
+        return WHY.of('constant_type', kind=kind[:40], **words)
     if kind:
         more = '' if whole(value) is not None else ', which is not a whole number'
-        return Cause(
-            'constant_value', f'{name} has the value {value[:20]}{more}.', f'Write: {right}'
-        )
+        return WHY.of('constant_value', value=f'{value[:20]}{more}', **words)
     other = next((one for one in found if one.upper() == name), '') or close_name(name, found)
     if other and other not in CONSTANTS:
-        return Cause('constant_name', f'The constant is called {other[:40]}.', f'Write: {right}')
+        return WHY.of('constant_name', other=other[:40], **words)
     line = next((one for one in _lines(text) if re.search(rf'(?i)\b{name}\b', one)), '')
-    if line:
-        advice = f'A constant is a type, a name in capitals, = and a value: {right}'
-        return Cause('constant_line', f'This line does not define a constant: {line[:60]}', advice)
-    return Cause('constant_missing', f'{name} is missing.', f'Add the line: {right}')
+    return WHY.of('constant_line' if line else 'constant_missing', line_text=line[:60], **words)
 
 
 def _lines(text: str) -> list[str]:
     """Return the lines of a message definition without their comments."""
     return [line.partition('#')[0].strip() for line in text.splitlines()]
-
-
-def _why_other(name: str) -> Cause:
-    """Explain a constant that the exercise does not define."""
-    if name in [field for _, field in FIELDS]:
-        slip = f'The = makes {name} a constant, which is not a field.'
-        return Cause('constant_for_default', slip, 'A default has no = sign: type, name, value.')
-    return Cause('constant_extra', f'The table has no constant {name[:40]}.', 'Remove it.')
 
 
 def starts_at_the_lowest(run: Run) -> None:
@@ -150,21 +142,16 @@ def number(text: str) -> float | None:
 
 
 def _why_default(defaults: Mapping[str, str], lines: Sequence[str]) -> Cause:
-    right = 'Write: float64 temperature -40.0'
     for line in lines:
         if re.search(r'\btemperature\b', line) and '=' in line:
-            slip = f'An = defines a constant, not a default: {line[:60]}'
-            return Cause('default_with_equals', slip, right)
+            return WHY.of('default_with_equals', line_text=line[:60])
     others = [name for name in defaults if name != 'temperature']
     if others:
-        slip = f'{others[0][:40]} has text after its name, which the parser reads as a default: '
-        advice = f'Only temperature has a default. {right}'
-        return Cause('other_default', f'{slip}{defaults[others[0]][:40]}', advice)
+        return WHY.of('other_default', name=others[0][:40], value=defaults[others[0]][:40])
     if value := defaults.get('temperature', ''):
         more = '' if number(value) is not None else ', which is not a number'
-        return Cause('default_value', f'The default of temperature is {value[:40]}{more}.', right)
-    slip = 'temperature has no default, so its value in a new message is 0.0.'
-    return Cause('no_default', slip, f'A default comes after the name, without =. {right}')
+        return WHY.of('default_value', value=f'{value[:40]}{more}')
+    return WHY['no_default']
 
 
 def declares_its_dependencies(run: Run) -> None:

@@ -15,6 +15,7 @@ import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Join, Scenario, Unheard
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import require_messages, require_qos
 from autograder.judging.claims import node
@@ -31,16 +32,12 @@ UNHEARD_S = 1.2  # at the start, without a subscription [s]
 WAITS_S = 1.0  # additional time if there is no publisher, or no service of that name [s]
 GREETING = re.compile(r'hello (\d{1,9})')
 EXERCISE = 'Exercise 1: a talker that can move'
-
-
-def relative(run: Run) -> str:
-    """Return the correct full name of the topic."""
-    return f'{run.facts["space"]}/chatter'
+WHY = Causes(__file__, ABSOLUTE=ABSOLUTE)
 
 
 def heard_on(run: Run) -> str:
     """Return the topic to judge: the absolute one if only it has a publisher."""
-    right, ends = relative(run), run.recording.endpoints
+    right, ends = run.facts['topic'], run.recording.endpoints
     wrong = not ends('publisher', right) and ends('publisher', ABSOLUTE)
     return ABSOLUTE if wrong else right
 
@@ -57,17 +54,12 @@ def publishes_greetings(run: Run) -> None:
 
 def moves_with_its_namespace(run: Run) -> None:
     """Its topic is relative: it moves along with the namespace of the node."""
-    if heard_on(run) == relative(run):
+    if heard_on(run) == run.facts['topic']:
         return
     raise Failed(
         expected='the topic chatter in the namespace in which the node was started',
         observed=f'the topic {ABSOLUTE}, in no namespace',
-        why=Cause(
-            'absolute_name',
-            'Your topic name begins with a slash, so it ignores the namespace.',
-            "Write 'chatter', without the slash.",
-            about=[ABSOLUTE],
-        ),
+        why=WHY['absolute_name'],
     )
 
 
@@ -75,7 +67,7 @@ def speaks_twice_a_second(run: Run) -> None:
     """It publishes twice a second, even while nothing subscribes."""
     found = with_unheard(run, run.recording.messages(heard_on(run)))
     missing = run.recording.of('joined', matched=False) + run.recording.of('no_answer')
-    if f'{run.facts["space"]}/talker' not in run.recording.nodes:
+    if run.facts['node'] not in run.recording.nodes:
         missing += run.recording.of('answer')
     during_s = run.facts['seconds'] + WAITS_S * len(missing)
     waited_s = seconds_between(run.recording.of('seen'), found)
@@ -89,8 +81,7 @@ def counts_its_greetings(run: Run) -> None:
         raise Failed(
             expected=f'at least {least} messages, to see how it counts',
             observed=f'{len(found)}',
-            why=why_silent(run)
-            or Cause('wrong_rate', 'Your node sends too few messages.', 'Fix the rate first.'),
+            why=why_silent(run) or WHY['wrong_rate'],
         )
     texts = [str(event['data']['data']) for event in found]
     # Greetings sent before the subscription connected are lost, but have a number.
@@ -110,18 +101,13 @@ def counts_its_greetings(run: Run) -> None:
 def _why_text(texts: list[str], place: int, first: int, when: str) -> Cause | None:
     written = GREETING.fullmatch(texts[place])
     if written and int(written[1]) == first + place:
-        zero = 'The number is right, but has a zero in front of it.'
-        other = 'The number is right, but not written with the digits 0 to 9.'
-        slip = zero if written[1].isascii() else other
-        return Cause(
-            'wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]]
-        )
-    if written or '{' in texts[place]:
+        why = 'zero_in_front' if written[1].isascii() else 'other_digits'
+    elif written or '{' in texts[place]:
         return why_not_numbered(texts, place, first, when)
-    near = GREETING.fullmatch(' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower())))
-    matters = 'Upper and lower case, spaces and punctuation matter.'
-    slip = matters if near else 'The text has a different form.'
-    return Cause('wrong_text', slip, "Publish String(data=f'hello {self.count}').", [texts[place]])
+    else:
+        words = ' '.join(re.findall(r'[a-z]+|\d+', texts[place].lower()))
+        why = 'other_form' if GREETING.fullmatch(words) else 'other_text'
+    return WHY.of(why, about=[texts[place]])
 
 
 def offers_reliable_qos(run: Run) -> None:
@@ -140,8 +126,9 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     """
     # Neither must affect the messages: a loop with spin_once() ends its pause for each event.
     service = 'rcl_interfaces/srv/GetParameters'
-    guest = Join('guest', f'{space}/chatter', TYPE, listen_s=0.0)
-    call = Call(f'{space}/talker', 'get_parameters', service, patience_s=GUEST_S)
+    name, topic = f'{space}/talker', f'{space}/chatter'
+    guest = Join('guest', topic, TYPE, listen_s=0.0)
+    call = Call(name, 'get_parameters', service, patience_s=GUEST_S)
     visits = (guest, call) if comes else ()
     exam = Exam(
         'talker',
@@ -151,20 +138,20 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
         scenario=Scenario(
             file='talker.py',
             arguments=('-r', f'__ns:={space}'),
-            watch={f'{space}/chatter': TYPE, ABSOLUTE: TYPE},
+            watch={topic: TYPE, ABSOLUTE: TYPE},
             steps=(
-                Unheard(f'{space}/chatter', UNHEARD_S),
+                Unheard(topic, UNHEARD_S),
                 Advance(seconds / 2 - UNHEARD_S - GUEST_S),
                 *visits,
                 Advance(seconds / 2 - GUEST_S * len(visits)),
             ),
         ),
         read='Part 2: Names',
-        facts={'space': space, 'seconds': seconds},
+        facts={'node': name, 'topic': topic, 'seconds': seconds},
     )
     exam.check(points=1)(
         node(
-            f'{space}/talker',
+            name,
             sentence='Your program starts a node called talker, in the namespace it was given.',
         )
     )

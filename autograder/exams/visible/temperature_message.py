@@ -11,8 +11,9 @@ from collections.abc import Sequence
 import random
 from typing import Any
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
+from autograder.exam.words import Causes
 from autograder.judging.message_package import (
     commands_of,
     mistake_in_build,
@@ -31,6 +32,7 @@ FIELDS = (
 TYPE = 'temp_monitor_pkg/msg/Temperature'
 NEEDED = ('builtin_interfaces', 'rosidl_default_generators')
 MSG, MANIFEST, CMAKE = 'msg/Temperature.msg', 'package.xml', 'CMakeLists.txt'
+WHY = Causes(__file__)
 
 
 def defines_the_fields(run: Run) -> None:
@@ -51,12 +53,7 @@ def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
                 expected=f'find_package({words[0]} REQUIRED)',
                 observed=f'find_package({" ".join(words)[:60]})',
                 share=0.5,
-                why=Cause(
-                    'not_required',
-                    'Without REQUIRED, CMake continues if the package is missing, and stops later'
-                    ' with an error that does not name the package.',
-                    f'Write find_package({words[0]} REQUIRED).',
-                ),
+                why=WHY.of('not_required', package=words[0]),
             )
 
 
@@ -89,12 +86,7 @@ def generates_the_interface(run: Run) -> None:
             share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
             why=why_no_build(run)
             if CMAKE in mistake_in_build(run).where
-            else Cause(
-                'cmake',
-                'CMake generates only the messages that you list, with packages that it has '
-                'found.',
-                f'Add {missing[0]}.',
-            ),
+            else WHY.of('cmake', missing=missing[0]),
         )
 
 
@@ -124,11 +116,7 @@ def builds_and_travels(run: Run) -> None:
     raise Failed(
         expected=expected,
         observed=f'the package builds, but {len(echoed)} messages come back',
-        why=Cause(
-            'different_type',
-            f'Your type is a different one: {ends[0]["type"] if ends else "no Temperature"}.',
-            'Name, field types and field order all belong to a message type.',
-        ),
+        why=WHY.of('different_type', type=ends[0]['type'] if ends else 'no Temperature'),
     )
 
 

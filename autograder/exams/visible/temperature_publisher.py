@@ -19,6 +19,7 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, Unheard
+from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
@@ -41,37 +42,10 @@ COLDEST_C, HOTTEST_C = -40.0, 125.0
 UNHEARD_S = 1.2  # at the start, without a subscription [s]
 STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exactly one second
 BEGINS_S = 1.0 + STEP_S  # latest first message, after the node is seen [s of ROS time]
-OTHER_CLOCK = Cause(
-    'other_clock',
-    "Your messages do not follow the node's own clock.",
-    'Use self.create_timer(1.0, ...), and leave use_sim_time as the command line sets it.',
-)
-IMPLAUSIBLE = Cause(
-    'implausible',
-    f'No common sensor gives this value: {COLDEST_C:g} to {HOTTEST_C:g} °C is usual.',
-    'Check your formula: does the value grow without limit?',
-)
-NOT_FINITE = Cause(
-    'not_finite',
-    'NaN and infinity are floats, but not temperatures.',
-    'Publish a finite number each time.',
-)
-SEEDED = Cause(
-    'seeded_each_time',
-    'Each call of your callback restarts the random numbers with the same seed, so every reading '
-    'is the first random number.',
-    'Seed once, in __init__() or above the class; in the callback, only draw numbers.',
-    act='seed()@to:create_timer() Random()@to:create_timer() RandomState()@to:create_timer() '
-    'default_rng()@to:create_timer()',
-)
-CONSTANT = Cause(
-    'constant',
-    'The value never changes.',
-    'Compute it in the callback, not once in __init__(), and from something that changes from '
-    'call to call, such as self.elapsed.',
-    closer=[SEEDED],
-)
 EXERCISE = 'Exercise 2: the publisher node'
+
+
+WHY = Causes(__file__, COLDEST_C=COLDEST_C, HOTTEST_C=HOTTEST_C)
 
 
 def readings(run: Run) -> list[Event]:
@@ -153,7 +127,7 @@ def _why_wrong_rhythm(run: Run, found: Sequence[Event]) -> Cause | None:
         return why
     gaps = [later['clock_ns'] - earlier['clock_ns'] for earlier, later in pairwise(found)]
     if gaps and all(abs(gap / SECOND - 1.0) <= GRAIN_S for gap in gaps):
-        return OTHER_CLOCK
+        return WHY['other_clock']
     clock: RosClock = run.facts['clock']
     if why := why_paced(run) or why_disturbed(run, found, 1.0 / clock.rate, True, 'message'):
         return why
@@ -203,13 +177,13 @@ def readings_are_plausible(run: Run) -> None:
         raise Failed(
             expected=f'values from {COLDEST_C:g} to {HOTTEST_C:g} °C',
             observed=f'a reading of {shown} °C',
-            why=IMPLAUSIBLE if math.isfinite(odd[0]) else NOT_FINITE,
+            why=WHY['implausible'] if math.isfinite(odd[0]) else WHY['not_finite'],
         )
     if len(set(values)) == 1:
         raise Failed(
             expected='readings that change from one to the next, as a real sensor has',
             observed=f'{values[0]:.4g} °C in all {len(values)} readings',
-            why=CONSTANT,
+            why=WHY['constant'],
         )
 
 

@@ -15,10 +15,9 @@ import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import feeds, Scenario
-from autograder.exam.slips import in_quick_succession, NO_WARNING, REPEATED, SKIPS_EQUAL
+from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
-from autograder.exams import readings as monitor
-from autograder.exams.readings import Reading
+from autograder.exams.readings import Reading, slips, warns, WHY
 from autograder.judging.causes.ended import close_name, nobody_answers, why_silent
 from autograder.judging.causes.missing_logs import (
     why_elsewhere,
@@ -71,7 +70,7 @@ def logs_every_reading(run: Run) -> None:
         raise Failed(
             expected='one INFO line with the value for each reading',
             observed='more than one such line for each of them',
-            why=monitor.LOGGED_TWICE,
+            why=WHY['logged_twice'],
         )
 
 
@@ -88,13 +87,13 @@ def _why_not_logged(
     if group.row is None:
         return None
     if len(group.inputs) > 1:
-        return monitor.BURST_IS_CUT
+        return WHY['burst_is_cut']
     if group.count(INFO):
         came = [None if one.row is None else one.numbers(INFO) for _, one in proper]
-        return run.asked('shown').cause(came, place) or monitor.NO_VALUE
+        return run.asked('shown').cause(came, place) or WHY['no_value']
     warnings = [line for line in group.logs if line['level'] == WARN]
     if reading.hot and warnings:
-        return replace(monitor.ONLY_WARNED, line=warnings[0].get('line'))
+        return replace(WHY['only_warned'], line=warnings[0].get('line'))
     before = sent(run)[: sent(run).index(group)][-1:]
     if any(one.showing(reading) and one.inputs == group.inputs for one in before):
         return SKIPS_EQUAL
@@ -102,7 +101,7 @@ def _why_not_logged(
         _why_unit_refused(run, group)
         or why_not_logged(run, group.row, INFO, reading.is_in)
         or _why_other_error(run, [group])
-        or monitor.NOT_LOGGED
+        or WHY['not_logged']
     )
 
 
@@ -165,7 +164,7 @@ def _why_no_warning(run: Run, group: Followed) -> Cause | None:
     if why := _why_unit_refused(run, group):
         return why
     if len(group.inputs) > 1 and not all(map(group.showing, group.inputs)):
-        return monitor.BURST_IS_CUT
+        return WHY['burst_is_cut']
     others = [line for line in group.logs if line['level'] not in (INFO, WARN)]
     if others or not run.recording.logs(level=WARN):
         return _why_none(run, others)
@@ -187,11 +186,10 @@ def _why_other_error(run: Run, groups: Sequence[Followed]) -> Cause | None:
     if not found or (why := why_exception_logged(run, [found[0][1]])):
         return why if found else None
     text, reading = str(found[0][1]['text']), found[0][0].inputs[0]
-    if 'unit' in text.lower():
-        return monitor.NO_UNIT
-    if reading.is_in(text):
+    if reading.is_in(text) and 'unit' not in text.lower():
         return None
-    return monitor.NO_UNIT if reading.unit.lower() in text.lower() else why_error_logged(run, text)
+    of_unit = any(word in text.lower() for word in ('unit', reading.unit.lower()))
+    return WHY['unit_text'] if of_unit else why_error_logged(run, text)
 
 
 def _why_unit_refused(run: Run, group: Followed) -> Cause | None:
@@ -204,9 +202,9 @@ def _why_unit_refused(run: Run, group: Followed) -> Cause | None:
         return why
     written = close_name('Fahrenheit', Code(run.files).texts)
     if written in ('', 'Fahrenheit'):
-        return monitor.FAHRENHEIT_REFUSED
+        return WHY['fahrenheit_refused']
     hint = f"Your code has '{written}'; the unit is 'Fahrenheit', letter by letter."
-    return replace(monitor.FAHRENHEIT_REFUSED, try_this=hint)
+    return replace(WHY['fahrenheit_refused'], try_this=hint)
 
 
 def _can_warn(run: Run) -> None:
@@ -237,7 +235,7 @@ def reports_an_unknown_unit(run: Run) -> None:
             raise Failed(
                 expected=f'no ERROR line after {group.inputs[0].kind}',
                 observed=lines(group.count(ERROR), ERROR),
-                why=monitor.NEEDLESS_ERROR,
+                why=WHY['needless_error'],
             )
     _goes_on(run)
 
@@ -250,7 +248,7 @@ def _is_right(group: Followed) -> bool:
 
 def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
     if group.count(ERROR) and not group.count(WARN):
-        return monitor.ONE_LINE
+        return WHY['several_errors']
     groups = sent(run)
     if groups[-1].count(WARN) > len(groups[-1].inputs):
         return REPEATED
@@ -258,13 +256,13 @@ def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
         return why
     if group.count(WARN):
         came = warnings_after([one.row for one in groups])
-        return run.asked('warnings').cause(came, groups.index(group)) or monitor.UNKNOWN_UNIT
+        return run.asked('warnings').cause(came, groups.index(group)) or WHY['unknown_unit']
     before = [
         one for one in groups[: groups.index(group)] if one.inputs[0].unit == group.inputs[0].unit
     ]
     if any(one.count(ERROR) for one in before):
-        return monitor.ERROR_ONCE
-    return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or monitor.NO_ERROR
+        return WHY['error_once']
+    return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or WHY['no_error']
 
 
 def _goes_on(run: Run) -> None:
@@ -281,11 +279,8 @@ def _goes_on(run: Run) -> None:
 def _why_deaf(run: Run) -> Cause | None:
     """Explain why a node does not log the readings that it receives."""
     proper = [one for one in run.asked('warnings').inputs if not one.odd]
-
-    def shows_one(text: str) -> bool:
-        return any(one.is_in(text) for one in proper)
-
-    return why_not_logged(run, [], INFO, shows_one) or monitor.NOT_LOGGED
+    why = why_not_logged(run, [], INFO, lambda text: any(one.is_in(text) for one in proper))
+    return why or WHY['not_logged']
 
 
 def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
@@ -297,7 +292,6 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
         hot; at most five, the depth of the sensor-data profile
     """
     messages = [reading.message(number) for number, reading in enumerate(readings)]
-    slips = (*monitor.SLIPS, *in_quick_succession(monitor.warns(), burst))
     exam = Exam(
         'temperature_subscriber',
         title='The temperature subscriber',
@@ -310,7 +304,7 @@ def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
         ),
         read='Part 3: The subscriber',
         asks={
-            'warnings': Specification(readings, monitor.warns(), slips, burst),
+            'warnings': Specification(readings, warns(), slips(burst), burst),
             'shown': shown([one for one in readings if not one.odd], lambda one: one.numbers),
         },
     )

@@ -7,49 +7,53 @@ its slips.  So the exam treats the check like any other program: its inputs are 
 correct answer is True for a correct monitor and False for one with a slip.  A check can have slips
 too: it compares too little, or it computes the expected warnings with one of the monitor's
 mistakes.
+
+No monitor runs: its specification, or a slip, determines what it logs after each reading.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import accumulate
 import json
+import math
 import operator
 
 from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
-from autograder.exams.monitor_runs import celsius, fahrenheit, made_run, MadeRun, NAN
-from autograder.exams.readings import Reading, warns
-from autograder.exams.readings import SLIPS as OF_A_MONITOR
+from autograder.exam.words import Causes
+from autograder.exams.readings import Reading, slips, warns
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.claims import claim
 from autograder.judging.rows import published
+from autograder.simulated import LogRecord, Simulation, TopicRecord
 
 FILE = 'warning_check.py'
 NO_ACCEPTS = "has no attribute 'accepts'"
 RUNS, ANSWERS, TYPE = '/runs', '/answers', 'std_msgs/msg/String'
 EXERCISE = 'Exercise 11: the check'
+MONITOR, READINGS = 'temperature_subscriber', '/temperature_topic'
+WORDS = (
+    ('{:.2f} {} from temp_sensor_01', 'Too warm: {:.2f} {}'),
+    ('Received temperature: {:.1f} {}', 'TEMPERATURE WARNING: {:.1f} {}'),
+    ('Lectura de {:.3f} {}', 'Demasiado caliente'),
+    ('', 'hot!'),
+)
+"""Log texts of different monitors at INFO and at WARN; the last one logs only WARN lines."""
+NAN = Reading(math.nan, 'a reading that is not a number')
 
 DUE = warns()
 """The rule of a correct monitor."""
-LATE = Slip(
-    'one_late',
-    'The warning comes with the next reading, and not with the one that is too warm.',
-    'Compare the reading of this message, not one that was kept.',
-    lambda readings: [0, *DUE(readings)[:-1]],
-)
-LAGS = Slip(
-    'warns_later',
-    'The warning comes some time after its reading.',
-    'Compare in the callback of the subscription, and log the warning there.',
-    DUE,
-)
+OF_A_MONITOR = slips()
+WHY = Causes(__file__)
+LATE = WHY.slip('one_late', lambda readings: [0, *DUE(readings)[:-1]])
+LAGS = WHY.slip('warns_later', DUE)
 MISSES = ('no_warning', 'warns_once', 'warns_of_changes', 'upper_bound', 'cut_off')
 UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
@@ -67,52 +71,100 @@ OWN = (
 """Names of slips that a check itself may contain when it computes the expected warnings."""
 
 BY_READING = 'For each reading, compare the warnings at its time with those that are due.'
-NO_FUNCTION = Cause(
-    'no_accepts',
-    'Your file does not define the function accepts.',
-    'Write def accepts(run): and below it, indented, the check.',
-)
-NO_RETURN = Cause(
-    'no_return',
-    'Your function ends without return, so its answer is None.',
-    'End each way through the function with return True, return False or return a comparison.',
-)
-NO_BOOLEAN = Cause(
-    'no_boolean',
-    'Your function returns something else than True or False.',
-    'Return a comparison, such as warned == due, or put bool(...) around the value.',
-)
-RAISES = Cause(
-    'raises',
-    'Your function raises an exception instead of returning an answer.',
-    'Return False for a wrong run. A run may have no warning, or a unit that nobody knows.',
-)
 UNHELPFUL = ('exception', 'assertion')
 """Causes whose text is about a node that ended with an exception."""
-REFUSES_RIGHT = Cause(
-    'refuses_right',
-    'The node of this run warns of each reading above 30.0 °C once, and of no other.',
-    'Work out by hand which of its readings are above 30.0 °C, and compare with what your check '
-    'takes for due. Ask for nothing but the WARN lines, in any words.',
-)
-ONE_SIDED = Cause(
-    'one_sided',
-    'Your check is wrong about most runs of the other kind, so this does not count yet.',
-    'First make it right for those runs.',
-)
-ACCEPTS_ALL = Slip(
-    'accepts_all',
-    'Your check accepts each run, so it finds no mistake.',
-    'Return False if the warnings of the run are not those that are due.',
-    each(lambda run: True),
-)
-REFUSES_ALL = Slip(
-    'refuses_all',
-    'Your check refuses each run, including those of right nodes.',
-    "Print both lists for a right run. Is the level 'WARN'?",
-    each(lambda run: False),
-)
+ACCEPTS_ALL = WHY.slip('accepts_all', each(lambda run: True))
+REFUSES_ALL = WHY.slip('refuses_all', each(lambda run: False))
 OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of the two.'}
+
+
+@dataclass(frozen=True)
+class MadeRun:
+    """
+    The log of a correct monitor, or of one with a slip, for some readings.
+
+    :param kind: description of the readings that feedback may show
+    :param readings: in the order in which they are sent
+    :param answers: number of WARN lines after each reading
+    :param slip: the monitor's mistake, None for a correct monitor
+    :param steps_s: time before each reading [s]
+    :param words: index of the monitor's log texts in :data:`WORDS`
+    :param lag_s: time from a reading to its WARN lines [s]
+    """
+
+    kind: str
+    readings: Sequence[Reading]
+    answers: Sequence[int]
+    slip: Slip | None
+    steps_s: Sequence[float]
+    words: int
+    lag_s: float = 0.0
+
+    @property
+    def simulation(self) -> Simulation:
+        """Return the run in the form that ``simulate()`` returns."""
+        times = [sum(self.steps_s[: place + 1]) for place in range(len(self.readings))]
+        seconds = times[-1] + 1.0
+        data = tuple(one.message(number) for number, one in enumerate(self.readings))
+        kind = 'temp_monitor_pkg/msg/Temperature'
+        sent = TopicRecord(f'{READINGS} (input)', kind, tuple(times), data, seconds)
+        logs = [
+            LogRecord(time + self.lag_s * (level == 'WARN'), level, MONITOR, text)
+            for time, reading, count in zip(times, self.readings, self.answers)
+            for level, text in self._lines(reading, count)
+        ]
+        return Simulation('monitor.py', {}, {}, {READINGS: sent}, tuple(logs), 'complete', seconds)
+
+    def _lines(self, reading: Reading, count: int) -> list[tuple[str, str]]:
+        info, warning = (one.format(reading.value, reading.unit) for one in WORDS[self.words])
+        refused = info and reading.celsius is None and not count
+        lines = [('INFO', info)] if info else []
+        lines += [('ERROR', f'Unknown unit {reading.unit!r}')] if refused else []
+        return lines + [('WARN', warning)] * count
+
+
+def made_run(
+    kind: str,
+    readings: Sequence[Reading],
+    name: str = '',
+    words: int = 0,
+    steps_s: Sequence[float] = (),
+) -> MadeRun:
+    """
+    Return the run of a monitor.
+
+    :param name: the monitor's slip, empty for a correct monitor; the other parameters are fields
+        of :class:`MadeRun`
+    :param steps_s: by default 1 s
+    :raises ExamInvalid: if the readings do not reveal the slip
+    """
+    due = list(DUE(readings))
+    slip, answers = of_monitor(name, readings) if name else (None, due)
+    return MadeRun(kind, readings, answers, slip, steps_s or [1.0] * len(readings), words)
+
+
+def of_monitor(name: str, readings: Sequence[Reading]) -> tuple[Slip, list[int]]:
+    """
+    Return the first slip of a name that the given readings reveal, and its answers.
+
+    :raises ExamInvalid: if there is no such slip
+    """
+    due = list(DUE(readings))
+    for slip in (*OF_A_MONITOR, LATE):
+        for rule in slip.rules if slip.cause_id == name else ():
+            if (answers := list(rule(readings))) != due:
+                return slip, answers
+    raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
+
+
+def celsius(*values: float) -> list[Reading]:
+    """Return readings in Celsius."""
+    return [Reading(value, 'a reading in Celsius') for value in values]
+
+
+def fahrenheit(*values: float) -> list[Reading]:
+    """Return readings in Fahrenheit."""
+    return [Reading(value, 'a reading in Fahrenheit', 'Fahrenheit') for value in values]
 
 
 def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) -> Rule:
@@ -120,82 +172,29 @@ def compares(like: Callable[[int, int], bool] = operator.eq, due: Rule = DUE) ->
     return each(lambda run: not run.lag_s and all(map(like, run.answers, due(run.readings))))
 
 
-def _moments(counts: Sequence[int]) -> list[int]:
-    """Return the index of the reading for each warning."""
-    return [place for place, count in enumerate(counts) for _ in range(count)]
-
-
 def compares_first(run: MadeRun) -> bool:
     """Return the answer of a check that compares only as many warnings as are due."""
-    return not run.lag_s and all(
-        map(operator.eq, _moments(run.answers), _moments(DUE(run.readings)))
+    warned, due = (
+        [place for place, count in enumerate(counts) for _ in range(count)]
+        for counts in (run.answers, DUE(run.readings))
     )
-
-
-def of_monitor(name: str, readings: Sequence[Reading]) -> Slip:
-    """
-    Return the first slip of a name that the given readings reveal.
-
-    :raises ExamInvalid: if there is no such slip
-    """
-    due = list(DUE(readings))
-    for slip in (*OF_A_MONITOR, LATE):
-        if slip.cause_id == name and any(list(rule(readings)) != due for rule in slip.rules):
-            return slip
-    raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
+    return not run.lag_s and all(map(operator.eq, warned, due))
 
 
 SLIPS = (
     ACCEPTS_ALL,
     REFUSES_ALL,
-    Slip(
+    WHY.slip(
         'keeps_lists',
-        'Your check refuses every run after the first wrong one: it keeps what it has stored.',
-        'Make the lists inside accepts(), so that each call begins with empty ones.',
         lambda runs: list(accumulate((run.slip is None for run in runs), operator.and_)),
     ),
-    Slip(
-        'counts_only',
-        'Your check counts the warnings and does not ask which reading each belongs to.',
-        'Compare times: a warning has the time of its reading.',
-        each(lambda run: sum(run.answers) == sum(DUE(run.readings))),
-    ),
-    Slip(
-        'any_warning',
-        'One warning in the run is enough for your check.',
-        'Ask for a warning at the time of each reading that is too warm.',
-        each(lambda run: any(run.answers) == any(DUE(run.readings))),
-    ),
-    Slip(
-        'no_needless',
-        'Your check finds missing warnings, and no warning that comes without a reason.',
-        'Also ask whether each WARN line belongs to a reading that is too warm.',
-        compares(operator.ge),
-    ),
-    Slip(
-        'no_missing',
-        'Your check finds warnings without a reason, and no warning that is missing.',
-        'Also ask whether each reading that is too warm has its WARN line.',
-        compares(operator.le),
-    ),
-    Slip(
-        'tolerant',
-        'A warning some time after its reading is right for your check.',
-        'The times are exact: compare them with ==.',
-        each(lambda run: list(run.answers) == list(DUE(run.readings))),
-    ),
-    Slip(
-        'ends_early',
-        'Your check compares only as far as the shorter of two lists, as zip() does.',
-        'Also compare the lengths, or compare whole lists: warned == due.',
-        each(compares_first),
-    ),
-    Slip(
-        'repeats',
-        'A warning that comes twice counts as one in your check.',
-        'Compare lists, not sets: a set has each time once.',
-        compares(lambda count, due: bool(count) == bool(due)),
-    ),
+    WHY.slip('counts_only', each(lambda run: sum(run.answers) == sum(DUE(run.readings)))),
+    WHY.slip('any_warning', each(lambda run: any(run.answers) == any(DUE(run.readings)))),
+    WHY.slip('no_needless', compares(operator.ge)),
+    WHY.slip('no_missing', compares(operator.le)),
+    WHY.slip('tolerant', each(lambda run: list(run.answers) == list(DUE(run.readings)))),
+    WHY.slip('ends_early', each(compares_first)),
+    WHY.slip('repeats', compares(lambda count, due: bool(count) == bool(due))),
     *(
         Slip(
             f'check_{slip.cause_id}',
@@ -213,13 +212,11 @@ def answers_of(run: Run) -> list[bool | str]:
     """Return the answer to each run; answers other than True and False as a string."""
     rows = published(run, 'answers', ANSWERS)
     truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
-    words = [', '.join(_word(str(one)) for one in row or ()) for row in rows]
-    return [truth.get(one, one) for one in words]
-
-
-def _word(answer: str) -> str:
-    """Return an answer, replaced if it might contain parts of a hidden run."""
-    return answer if answer.isidentifier() else 'another text'
+    # Any other text might contain parts of a hidden run.
+    words = [
+        [one if str(one).isidentifier() else 'another text' for one in row or ()] for row in rows
+    ]
+    return [truth.get(one, one) for one in map(', '.join, words)]
 
 
 def returns_true_or_false(run: Run) -> None:
@@ -238,12 +235,12 @@ def _why_no_answer(run: Run, text: str) -> Cause | None:
     if text == 'exception' and trace:
         why = exception_cause(trace)
         helpful = why.cause_id not in UNHELPFUL
-        return why if helpful else replace(RAISES, line=trace.place)
+        return why if helpful else replace(WHY['raises'], line=trace.place)
     if NO_ACCEPTS in str(run.recording.process.get('stderr', '')):
-        return NO_FUNCTION
+        return WHY['no_accepts']
     if text == 'no answer':
         return why_silent(run)
-    return NO_RETURN if text == 'NoneType' else NO_BOOLEAN
+    return WHY['no_return'] if text == 'NoneType' else WHY['no_boolean']
 
 
 def _name(run: Run, place: int) -> str:
@@ -278,7 +275,7 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
         raise Failed(
             expected=f'{due} here, and {not due} for most runs of {_kind(not due)} nodes',
             observed=f'{not due} for {known} of these {len(others)}',
-            why=ONE_SIDED,
+            why=WHY['one_sided'],
         )
 
 
@@ -294,7 +291,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     slip: Slip | None = asked.inputs[place].slip
     own = asked.cause(came, place)
     if slip is None:
-        return own or REFUSES_RIGHT
+        return own or WHY['refuses_right']
     does = f'The node of this run is wrong. Its author is told: {slip.text}'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
@@ -344,29 +341,30 @@ def build(runs: Sequence[MadeRun]) -> Exam:
     return exam
 
 
-def _run(kind: str, readings: Sequence[Reading], name: str = '', words: int = 0) -> MadeRun:
-    slip = of_monitor(name, readings) if name else None
-    return made_run(kind, readings, DUE, slip, words)
-
-
 _UNKNOWN = Reading(300.0, 'a reading in the unit Kelvin', 'Kelvin')
 exam = build(
     [
-        _run('readings in Celsius', celsius(21.5, 31.0, 25.0, 30.2, 22.0)),
-        _run('readings at the limit', celsius(28.0, 30.0, 32.0, 30.0, 29.0), 'warns_at_threshold'),
-        _run(
+        made_run('readings in Celsius', celsius(21.5, 31.0, 25.0, 30.2, 22.0)),
+        made_run(
+            'readings at the limit', celsius(28.0, 30.0, 32.0, 30.0, 29.0), 'warns_at_threshold'
+        ),
+        made_run(
             'warm readings in a row', celsius(25.0, 31.0, 33.0, 36.0, 28.0), 'warns_of_changes', 1
         ),
-        _run('no reading above 30 °C', celsius(12.0, 30.0, 29.9, -35.0, 18.0), words=1),
-        _run('readings in Celsius', celsius(22.0, 34.0, 26.0, 32.0, 27.0), 'one_late'),
-        _run(
+        made_run('no reading above 30 °C', celsius(12.0, 30.0, 29.9, -35.0, 18.0), words=1),
+        made_run('readings in Celsius', celsius(22.0, 34.0, 26.0, 32.0, 27.0), 'one_late'),
+        made_run(
             'readings in Fahrenheit', fahrenheit(70.0, 95.0, 86.0, 88.0) + celsius(31.0), words=2
         ),
-        _run('readings in Fahrenheit', fahrenheit(70.0, 50.0, 95.0, 20.0), 'ignores_unit', 3),
-        _run('an unknown unit and NaN', [*celsius(35.0), _UNKNOWN, NAN, *celsius(31.0)], words=2),
-        _run('a reading that is NaN', [*celsius(35.0), NAN, *celsius(24.0)], 'nan'),
-        _run('a reading in an unknown unit', [_UNKNOWN, *celsius(20.0, 32.0)], 'unknown_unit', 1),
-        _run('readings in Celsius', celsius(24.0, 38.0, 41.0, 26.0), 'no_warning', 2),
-        _run('readings in Celsius', celsius(24.0, 33.0, 26.0), 'repeated_warning', 3),
+        made_run('readings in Fahrenheit', fahrenheit(70.0, 50.0, 95.0, 20.0), 'ignores_unit', 3),
+        made_run(
+            'an unknown unit and NaN', [*celsius(35.0), _UNKNOWN, NAN, *celsius(31.0)], words=2
+        ),
+        made_run('a reading that is NaN', [*celsius(35.0), NAN, *celsius(24.0)], 'nan'),
+        made_run(
+            'a reading in an unknown unit', [_UNKNOWN, *celsius(20.0, 32.0)], 'unknown_unit', 1
+        ),
+        made_run('readings in Celsius', celsius(24.0, 38.0, 41.0, 26.0), 'no_warning', 2),
+        made_run('readings in Celsius', celsius(24.0, 33.0, 26.0), 'repeated_warning', 3),
     ]
 )

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-import re
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
+from autograder.exam.words import rows
 from autograder.submission.code.acts import find
 from autograder.submission.code.learners_code import Code
 
@@ -40,17 +40,6 @@ class Row(NamedTuple):
         about = [str(words[name]) for name in _ABOUT if name in words]
         text, try_this = self.text.format(**words), self.try_this.format(**words)
         return Cause(self.cause_id.format(**words), text, try_this, about)
-
-
-def rows(text: str) -> list[list[str]]:
-    """
-    Return the rows of a table, each as a list of cells.
-
-    :param text: rows are separated by an empty line, and each line is a cell.  An indented line
-        continues the previous one after a space.  A block that begins with # is a comment
-    """
-    blocks = (block for block in text.strip().split('\n\n') if block[0] != '#')
-    return [re.sub(r'\n +', ' ', block).split('\n') for block in blocks]
 
 
 @cache

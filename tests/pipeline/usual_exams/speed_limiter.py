@@ -1,7 +1,7 @@
 """Between a joystick and a robot: no faster than the parameter limit, 0.5 m/s at first."""
 
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Feed, Scenario, set_parameter
+from autograder.exam.scenario import Feed, Scenario, set_parameters
 from autograder.exam.specification import each, Slip, Specification
 from autograder.judging.claims import node, one_for_one, passes, publishes
 
@@ -49,7 +49,7 @@ exam = Exam(
         steps=(
             *(
                 Feed('/wanted', [{'linear': {'x': speed}} for speed in FIRST]),
-                set_parameter('/speed_limiter', 'limit', 0.25),
+                set_parameters('/speed_limiter', {'limit': 0.25}),
             ),
             Feed('/wanted', [{'linear': {'x': speed}} for speed in THEN]),
         ),

@@ -1,0 +1,83 @@
+"""
+Read the words of causes and slips from the text file beside a module.
+
+So an exam shows what it judges, and its text file what learners read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+import re
+from typing import Any
+
+from autograder.errors import ExamInvalid
+from autograder.exam.specification import Cause, Rule, Slip
+
+
+def rows(text: str) -> list[list[str]]:
+    """
+    Return the rows of a table, each as a list of cells.
+
+    :param text: rows are separated by an empty line, and each line is a cell.  An indented line
+        continues the previous one after a space.  A block that begins with # is a comment
+    """
+    blocks = (block for block in text.strip().split('\n\n') if block[0] != '#')
+    return [re.sub(r'\n +', ' ', block).split('\n') for block in blocks]
+
+
+class Causes:
+    """
+    The causes of one module, by name.
+
+    A row of the file has these lines: ``cause`` or ``cause|name``, if several have the same cause
+    id; what is wrong; the repair.  Further lines are fields of
+    :class:`autograder.exam.specification.Cause`: ``act: ...``, ``about:`` and ``closer:`` with
+    words, or names of causes, that blanks separate.
+
+    :param module: path of the module, ``__file__``; its text file has the same name
+    :param words: values for the names in braces
+    """
+
+    def __init__(self, module: str, **words: Any) -> None:
+        """
+        Read the file.
+
+        :raises ExamInvalid: if a row has no repair
+        """
+        self._file, self._words = Path(module).with_suffix('.txt'), words
+        self._rows: dict[str, list[str]] = {}
+        for head, *lines in rows(self._file.read_text(encoding='utf-8')):
+            if len(lines) < 2:
+                raise ExamInvalid(f'{self._file.name}, {head}: expected a text and a repair.')
+            cause_id, _, name = head.partition('|')
+            self._rows[name or cause_id] = [cause_id, *lines]
+
+    def __getitem__(self, name: str) -> Cause:
+        """Return a cause that needs no further values."""
+        return self.of(name)
+
+    def of(
+        self, name: str, /, about: Sequence[str] = (), line: int | None = None, **words: Any
+    ) -> Cause:
+        """
+        Return a cause, with values for further names in braces.
+
+        :param about: see :class:`autograder.exam.specification.Cause`, as ``line``
+        :raises ExamInvalid: if the file has no such row
+        """
+        if name not in self._rows:
+            known = ', '.join(self._rows)
+            raise ExamInvalid(
+                f'{self._file.name}: there is no cause {name!r}.', f'Known: {known}.'
+            )
+        cause_id, *lines = self._rows[name]
+        text, try_this, *more = (one.format(**self._words, **words) for one in lines)
+        fields = dict(one.split(': ', 1) for one in more)
+        about = about or fields.get('about', '').split()
+        closer = [self[one] for one in fields.get('closer', '').split()]
+        return Cause(cause_id, text, try_this, about, fields.get('act', ''), line, closer)
+
+    def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: Any) -> Slip:
+        """Return a cause with its rules, see :class:`autograder.exam.specification.Slip`."""
+        return Slip.of(self.of(name, **words), *rules, sometimes=sometimes)

@@ -1,0 +1,87 @@
+"""The text files of exams have the words of each cause that the code names, and of no other."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+
+import pytest
+
+from autograder.errors import ExamInvalid
+from autograder.exam.words import Causes
+from autograder.layout import Layout
+
+GRADER = Layout.here().root / 'autograder'
+TABLES = sorted(GRADER.glob('exam*/**/*.txt'))
+USERS = {
+    'readings': [GRADER / 'exams/visible/temperature_subscriber.py'],
+    'check_your_understanding': [GRADER / 'submission/cells.py'],
+}
+"""Other modules that name causes of a table."""
+
+
+def words_in(module):
+    """Return the names by which a module takes causes, and all of its strings."""
+    names, strings = set(), set()
+    for node in ast.walk(ast.parse(module.read_text(encoding='utf-8'))):
+        key = None
+        if isinstance(node, ast.Constant):
+            strings.add(node.value)
+        elif isinstance(node, ast.Subscript) and ast.unparse(node.value).endswith('WHY'):
+            key = node.slice
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) in ('WHY.of', 'WHY.slip'):
+            key = node.args[0]
+        if isinstance(key, ast.Constant):
+            names.add(key.value)
+    return names, strings
+
+
+@pytest.mark.parametrize('table', TABLES, ids=lambda path: path.stem)
+def test_table_has_the_causes_of_its_module_and_no_other(table):
+    """A name without a row would break a check when a learner makes the mistake."""
+    users = [table.with_suffix('.py'), *USERS.get(table.stem, ())]
+    rows = importlib.import_module(_name_of(table)).WHY._rows
+    closer = {name for row in rows.values() for name in ' '.join(row[3:]).split()}
+    names, strings = (set().union(*some) for some in zip(*map(words_in, users)))
+
+    assert names <= set(rows)
+    assert set(rows) <= strings | closer
+
+
+def _name_of(table):
+    return '.'.join(table.with_suffix('').relative_to(GRADER.parent).parts)
+
+
+def test_row_gives_all_fields_of_a_cause(tmp_path):
+    """Constants are put in first, and the rest where the cause is given."""
+    (tmp_path / 'exam.txt').write_text(
+        'late\nIt is\n  {how} late.\nRun {TOPIC}.\n'
+        'act: reset()\nabout: a {TOPIC}\ncloser: late_too\n\n'
+        'late|late_too\nIt is {{late}}.\nRun.\n',
+        encoding='utf-8',
+    )
+    causes = Causes(str(tmp_path / 'exam.py'), TOPIC='/map')
+
+    found = causes.of('late', how='very', line=3)
+    slip = causes.slip('late_too', list)
+
+    assert (found.cause_id, found.text, found.try_this) == (
+        'late',
+        'It is very late.',
+        'Run /map.',
+    )
+    assert (found.act, found.about, found.line) == ('reset()', ['a', '/map'], 3)
+    assert [one.text for one in found.closer] == [slip.text] == ['It is {late}.']
+    assert (slip.cause_id, slip.rules) == ('late', (list,))
+
+
+def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
+    """The error names the file."""
+    table, module = tmp_path / 'exam.txt', str(tmp_path / 'exam.py')
+    table.write_text('late\nIt is late.\nRun.\n', encoding='utf-8')
+    with pytest.raises(ExamInvalid, match=r"exam\.txt: there is no cause 'early'.*Known: late"):
+        Causes(module)['early']
+
+    table.write_text('late\nIt is late.\n', encoding='utf-8')
+    with pytest.raises(ExamInvalid, match=r'exam\.txt, late: expected a text and a repair'):
+        Causes(module)
