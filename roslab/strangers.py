@@ -15,7 +15,8 @@ from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from roslab.output import say
-from roslab.ros2.discovery import full_name, node_names, wait_for_graph
+from roslab.ros2.discovery import wait_for_graph
+from roslab.ros2.graph import full_name, node_names
 
 LOOK_S = 0.3
 """Duration of the search [s]; the course's kernels announce themselves ten times a second."""

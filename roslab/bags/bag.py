@@ -8,8 +8,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 _NS = 10**9
 _VERSION = 9
 """Of the format of metadata.yaml that ROS 2 Jazzy writes."""
@@ -114,20 +112,6 @@ class Bag:
 
     def __repr__(self) -> str:
         return str(self)
-
-
-def to_yaml(values: Any) -> str:
-    """Return values as YAML, in their order."""
-    text: str = yaml.dump(values, Dumper=_Dumper, sort_keys=False)
-    return text
-
-
-class _Dumper(yaml.SafeDumper):
-    """Writes repeated objects in full instead of naming the first."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        """Prevent PyYAML from writing anchors."""
-        return True
 
 
 def _plain(topic: BagTopic) -> dict[str, Any]:

@@ -10,9 +10,10 @@ from types import TracebackType
 from mcap.writer import CompressionType, Writer
 from rclpy.qos import QoSProfile
 
-from roslab.bags.bag import Bag, BagTopic, to_yaml
+from roslab.bags.bag import Bag, BagTopic
 from roslab.bags.definition import definition_of, hash_of
 from roslab.bags.qos import plain_profiles
+from roslab.cli_text import to_yaml
 
 _PROFILE = 'ros2'
 _ENCODING = 'ros2msg'

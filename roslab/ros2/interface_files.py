@@ -13,6 +13,10 @@ from ament_index_python.resources import get_resource, get_resources
 KINDS = {'msg': 'Messages', 'srv': 'Services', 'action': 'Actions'}
 
 
+class InterfaceError(LookupError, RuntimeError):
+    """An interface or its package that is not installed; ``ros2`` prints it as one line."""
+
+
 def packages_with_interfaces() -> list[str]:
     """Return the names of all packages that have interfaces, sorted."""
     return sorted(get_resources('rosidl_interfaces'))
@@ -23,12 +27,12 @@ def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
     Return the interfaces of a package, such as msg/String, sorted.
 
     :param kinds: which of msg, srv and action to include
-    :raises LookupError: if the package does not exist or has no interfaces
+    :raises InterfaceError: if the package does not exist or has no interfaces
     """
     try:
         text, _ = get_resource('rosidl_interfaces', package)
     except LookupError:
-        raise LookupError(f"Unknown package '{package}'") from None
+        raise InterfaceError(f"Unknown package '{package}'") from None
     wanted = tuple(f'{kind}/' for kind in kinds)
     return sorted(
         {
@@ -45,20 +49,19 @@ def interface_file(name: str) -> Path:
     Return the path of the file that defines an interface.
 
     :param name: name of the interface, such as std_msgs/msg/String
-    :raises ValueError: if the name is malformed
-    :raises LookupError: if there is no such package or interface
+    :raises InterfaceError: if the name is malformed, or there is no such package or interface
     """
     parts = name.split('/')
     if len(parts) != 3 or not all(parts):
-        raise ValueError(f"Invalid name '{name}'. Expected three parts separated by '/'")
+        raise InterfaceError(f"Invalid name '{name}'. Expected three parts separated by '/'")
     package, kind, interface = parts
     try:
         share = Path(get_package_share_directory(package))
     except (PackageNotFoundError, ValueError):
-        raise LookupError(f"Unknown package '{package}'") from None
+        raise InterfaceError(f"Unknown package '{package}'") from None
     path = share / kind / f'{interface}.{kind}'
     if not path.is_file():
-        raise LookupError(f"Could not find the interface '{path}'")
+        raise InterfaceError(f"Could not find the interface '{path}'")
     return path
 
 
@@ -68,15 +71,14 @@ def interface_class(name: str, kind: str = 'msg') -> Any:
 
     :param name: name of the interface, such as std_msgs/msg/String or std_msgs/String
     :param kind: the middle part to use if the name has only two parts
-    :raises ValueError: if the name is malformed
-    :raises LookupError: if the class cannot be imported
+    :raises InterfaceError: if the name is malformed or the class cannot be imported
     """
     parts = name.split('/')
     if len(parts) == 2:
         parts.insert(1, kind)
     if len(parts) != 3 or not all(parts):
-        raise ValueError(f"'{name}' is no interface name such as std_msgs/msg/String")
+        raise InterfaceError(f"'{name}' is no interface name such as std_msgs/msg/String")
     try:
         return getattr(import_module(f'{parts[0]}.{parts[1]}'), parts[2])
     except (ImportError, AttributeError) as error:
-        raise LookupError(f"'{name}' cannot be imported: {error}") from None
+        raise InterfaceError(f"'{name}' cannot be imported: {error}") from None

@@ -4,68 +4,63 @@ from __future__ import annotations
 
 import argparse
 
-from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.discovery import add_node_arguments, knowing_node, service_types, wait_for
+from roslab.ros2.cli import flag, option, verb
+from roslab.ros2.discovery import knowing_node, NODE, wait_for
 from roslab.ros2.filling import fill, parsed
+from roslab.ros2.graph import is_hidden, service_types
 from roslab.ros2.interface_files import interface_class
 from roslab.ros2.service_calls import ANSWER_S, meet
 
-
-def add_arguments(group: argparse.ArgumentParser) -> None:
-    """Add the verbs."""
-    add = verbs_of(group)
-    parser = add('call', call_service, 'Call a service')
-    parser.add_argument('service_name', help="Name of the ROS service, '/add_two_ints'")
-    parser.add_argument('service_type', help="Type of the ROS service, 'std_srvs/srv/Empty'")
-    parser.add_argument('values', nargs='?', default='{}', help='the request as YAML')
-    add_node_arguments(parser)
-    parser = add('list', list_services, 'Output a list of available services')
-    parser.add_argument('-t', '--show-types', action='store_true', help='also their types')
-    parser.add_argument('-c', '--count-services', action='store_true', help='only their number')
-    parser.add_argument(
-        '-a', '--include-hidden-services', action='store_true', help='also hidden services'
-    )
-    add_node_arguments(parser)
-    parser = add('type', show_type, "Output a service's type")
-    parser.add_argument('service_name', help="Name of the ROS service, '/add_two_ints'")
-    add_node_arguments(parser)
+_SERVICE = option('service_name', help="Name of the ROS service, '/add_two_ints'")
 
 
-def list_services(args: argparse.Namespace) -> Outcome:
-    """Print the names of the services."""
+@verb(
+    'service list',
+    flag('-t', '--show-types', 'also their types'),
+    flag('-c', '--count-services', 'only their number'),
+    flag('-a', '--include-hidden-services', 'also hidden services'),
+    *NODE,
+)
+def list_services(args: argparse.Namespace) -> None:
+    """Output a list of available services."""
     with knowing_node(args) as node:
         found = sorted(node.get_service_names_and_types())
-    hidden = args.include_hidden_services
-    services = [(name, types) for name, types in found if hidden or '/_' not in name]
+    services = [one for one in found if args.include_hidden_services or not is_hidden(one[0])]
     if args.count_services:
         print(len(services))
-        return None
+        return
     for name, types in services:
         print(f'{name} [{", ".join(types)}]' if args.show_types else name)
-    return None
 
 
-def show_type(args: argparse.Namespace) -> Outcome:
-    """Print the types of a service."""
+@verb('service type', _SERVICE, *NODE)
+def show_type(args: argparse.Namespace) -> None:
+    """Output a service's type."""
     with knowing_node(args, lambda node: service_types(node, args.service_name)) as node:
         types = service_types(node, args.service_name)
     if not types:
-        return 1
+        raise SystemExit(1)
     print('\n'.join(types))
-    return None
 
 
-def call_service(args: argparse.Namespace) -> Outcome:
-    """Call a service and print its response."""
+@verb(
+    'service call',
+    _SERVICE,
+    option('service_type', help="Type of the ROS service, 'std_srvs/srv/Empty'"),
+    option('values', nargs='?', default='{}', help='the request as YAML'),
+    *NODE,
+)
+def call_service(args: argparse.Namespace) -> None:
+    """Call a service."""
     try:
         kind = interface_class(args.service_type, 'srv')
-    except (LookupError, ValueError):
-        return 'The passed service type is invalid'
+    except LookupError:
+        raise RuntimeError('The passed service type is invalid') from None
     request = kind.Request()
     try:
         fill(request, parsed(args.values))
     except (AttributeError, TypeError, ValueError, AssertionError) as problem:
-        return f'Failed to populate field: {problem}'
+        raise RuntimeError(f'Failed to populate field: {problem}') from None
     with knowing_node(args) as node:
         client = node.create_client(kind, args.service_name)
         if not client.service_is_ready():
@@ -76,4 +71,3 @@ def call_service(args: argparse.Namespace) -> Outcome:
         future = client.call_async(request)
         wait_for(node, future.done, float('inf'))
         print(f'response:\n{future.result()!r}\n')
-    return None

@@ -10,7 +10,7 @@ from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from roslab.ros2.discovery import topic_types
+from roslab.ros2.graph import topic_types
 from roslab.ros2.interface_files import interface_class
 
 
@@ -22,7 +22,7 @@ def named_class(name: str) -> Any:
     """
     try:
         return interface_class(name)
-    except (LookupError, ValueError):
+    except LookupError:
         raise RuntimeError('The passed message type is invalid') from None
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-import math
 import time
 from typing import Any
 
@@ -12,59 +11,50 @@ import rclpy
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from roslab.cli_text import hz_text
-from roslab.ros2.cli import Outcome
-from roslab.ros2.discovery import add_node_arguments, knowing_node
-from roslab.ros2.qos_options import qos_for_publishers
+from roslab.cli_text import hz_text, spread_text
+from roslab.ros2.cli import flag, Option, option, positive_int, verb
+from roslab.ros2.discovery import knowing_node, NODE
+from roslab.ros2.graph import qos_for_publishers
 from roslab.ros2.topic_class import class_of_topic, known_class
 
-_WINDOW = 10000
 _BETWEEN_S = 1.0
 
 
-def positive_int(text: str) -> int:
-    """Parse an integer greater than zero; for argparse."""
-    if (number := int(text)) <= 0:
-        raise argparse.ArgumentTypeError('value must be a positive integer')
-    return number
+def _options(window: int = 10000) -> list[Option]:
+    """Return the options; ``window`` is the default number of messages per statistic."""
+    return [
+        option('topic_name', help="Name of the ROS topic to listen to, '/chatter'"),
+        option(
+            '-w',
+            '--window',
+            type=positive_int,
+            default=window,
+            metavar='N',
+            help=f'how many messages are counted together (default: {window})',
+        ),
+        *NODE,
+    ]
 
 
-def add_rate_arguments(parser: argparse.ArgumentParser, window: int = _WINDOW) -> None:
-    """
-    Add the options.
-
-    :param window: default number of messages per statistic
-    """
-    parser.add_argument('topic_name', help="Name of the ROS topic to listen to, '/chatter'")
-    parser.add_argument(
-        '-w',
-        '--window',
-        type=positive_int,
-        default=window,
-        metavar='N',
-        help=f'how many messages are counted together (default: {window})',
-    )
-    add_node_arguments(parser)
-
-
-def hz(args: argparse.Namespace) -> Outcome:
-    """Print the rate at which messages arrive."""
+@verb('topic hz', *_options(), flag('--wall-time', 'measure with the wall clock'))
+def hz(args: argparse.Namespace) -> None:
+    """Print the average receiving rate to screen."""
     times: list[float] = []
 
     def heard(_: bytes, node: Node) -> None:
         # With --use-sim-time, the node's clock follows /clock.
-        wall = getattr(args, 'wall_time', False)
-        times.append(time.time() if wall else node.get_clock().now().nanoseconds * 1e-9)
+        times.append(time.time() if args.wall_time else node.get_clock().now().nanoseconds * 1e-9)
         if times[-1] < times[0]:
             print('time has reset, resetting counters')
             times.clear()
         del times[: -args.window - 1]
 
-    return _report(args, heard, lambda: hz_text(times) if len(times) > 1 else '')
+    _report(args, heard, lambda: hz_text(times) if len(times) > 1 else '')
 
 
-def bw(args: argparse.Namespace) -> Outcome:
-    """Print the bandwidth of the messages that arrive."""
+@verb('topic bw', *_options(100))
+def bw(args: argparse.Namespace) -> None:
+    """Display bandwidth used by topic."""
     heard_at: list[tuple[float, int]] = []
 
     def heard(data: bytes, _: Node) -> None:
@@ -82,7 +72,7 @@ def bw(args: argparse.Namespace) -> Outcome:
             f'\tMessage size mean: {mean} min: {low} max: {high}'
         )
 
-    return _report(args, heard, text, f'Subscribed to [{args.topic_name}]')
+    _report(args, heard, text, f'Subscribed to [{args.topic_name}]')
 
 
 def _bytes(number: float) -> str:
@@ -92,8 +82,9 @@ def _bytes(number: float) -> str:
     return f'{number:.0f} B'
 
 
-def delay(args: argparse.Namespace) -> Outcome:
-    """Print the age of messages on arrival, from the stamps in their headers."""
+@verb('topic delay', *_options())
+def delay(args: argparse.Namespace) -> None:
+    """Display delay of topic from timestamp in header."""
     delays: list[float] = []
 
     def heard(data: bytes, node: Node) -> None:
@@ -108,14 +99,9 @@ def delay(args: argparse.Namespace) -> Outcome:
     def text() -> str:
         if not delays:
             return ''
-        mean = sum(delays) / len(delays)
-        deviation = math.sqrt(sum((one - mean) ** 2 for one in delays) / len(delays))
-        return (
-            f'average delay: {mean:.3f}\n\tmin: {min(delays):.3f}s max: {max(delays):.3f}s '
-            f'std dev: {deviation:.5f}s window: {len(delays)}'
-        )
+        return f'average delay: {sum(delays) / len(delays):.3f}\n{spread_text(delays)}'
 
-    return _report(args, heard, text)
+    _report(args, heard, text)
 
 
 def _report(
@@ -123,7 +109,7 @@ def _report(
     heard: Callable[[bytes, Node], None],
     text: Callable[[], str],
     greeting: str = '',
-) -> Outcome:
+) -> None:
     """
     Subscribe, and print a text once a second if messages have arrived since the last one.
 
