@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import ClassVar
 
+from rclpy.node import Node
+
 from drawing import svg
-from roslab.callbacks import Call, Watch
+from roslab.callbacks import Call, Watch, watching
 from roslab.timeline_picture import draw_rows, Place, Row
 
 _COLOURS = (svg.BLUE, svg.ORANGE, svg.GREEN, svg.RED)
@@ -153,3 +156,18 @@ def _content(row: CallRow, y: float, place: Place, _: int) -> str:
             middle = begin + width / 2
             parts.append(svg.text(middle, top + 13, f'{call.thread}', anchor='middle', size=11))
     return ''.join(parts)
+
+
+def watch_callbacks(*nodes: Node | str) -> AbstractContextManager[Callbacks]:
+    """
+    Record the callbacks that executors of this notebook run until the end of a ``with`` block.
+
+    The record shows a picture as the last line of a cell, and a plain-text table with ``str()``.
+    It knows lost messages only of publishers in this notebook, and late or skipped ticks only of
+    timers on a real clock.
+
+    :param nodes: nodes or their names; none for all nodes that are not hidden
+    :returns: a context manager that gives the record, whose ``calls`` are the callbacks so far
+    :raises RoslabError: if something else is given
+    """
+    return watching(Callbacks(nodes))

@@ -18,11 +18,15 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 
-from roslab.lookup import is_hidden, nodes_now
+from roslab.ros2.graph import (
+    full_name,
+    is_hidden,
+    node_names,
+    QUIET_TOPICS,
+    topics_of,
+    UNKNOWN,
+)
 from roslab.session import HELPER_NAME
-
-QUIET_TOPICS = ('/parameter_events', '/rosout')
-"""Every node has endpoints on these topics; showing them would make pictures unreadable."""
 
 NOBODY_SUBSCRIBES = 'nobody subscribes'
 NOBODY_PUBLISHES = 'nobody publishes'
@@ -31,7 +35,6 @@ ANOTHER_LISTENS = 'another notebook listens'
 HIDDEN_LISTENS = 'only a hidden node listens'
 HIDDEN_PUBLISHES = 'only a hidden node publishes'
 
-_UNKNOWN = '_NODE_NAME_UNKNOWN_'
 _POLICIES = ('reliability', 'durability', 'deadline', 'liveliness', 'liveliness_lease_duration')
 
 
@@ -66,9 +69,14 @@ class Topic:
     subscriptions: tuple[Endpoint, ...] = ()
 
     @property
+    def ends(self) -> tuple[Endpoint, ...]:
+        """All its endpoints."""
+        return (*self.publishers, *self.subscriptions)
+
+    @property
     def types(self) -> list[str]:
         """All types of its endpoints; more than one type is an error."""
-        return sorted({end.type for end in (*self.publishers, *self.subscriptions)})
+        return sorted({end.type for end in self.ends})
 
 
 @dataclass(frozen=True)
@@ -154,7 +162,7 @@ class Facts:
 
         :param node: its full name
         """
-        if node.endswith(_UNKNOWN):
+        if node.endswith(UNKNOWN):
             return '(a node not yet known)'
         same = self.nodes.count(node)
         return f'{node} ({same} nodes)' if same > 1 else node
@@ -238,28 +246,21 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
     :param node: any node; it sees what its process has discovered
     :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``
     """
-    helpers = nodes_now(node, hidden=True).count(f'/{HELPER_NAME}')
-    own = _participant_of(node) if helpers > 1 else b''
+    known = node_names(node, hidden=True)
+    own = _participant_of(node) if known.count(f'/{HELPER_NAME}') > 1 else b''
     topics = []
-    for name, _ in sorted(node.get_topic_names_and_types()):
-        if not everything and (name in QUIET_TOPICS or is_hidden(name)):
-            continue
-        topic = Topic(
-            name,
-            _endpoints(node.get_publishers_info_by_topic(name), own),
-            _endpoints(node.get_subscriptions_info_by_topic(name), own),
-        )
-        ends = (*topic.publishers, *topic.subscriptions)
-        if everything or any(not end.hidden for end in ends):
-            topics.append(topic)
-    names = nodes_now(node, hidden=everything)
-    missing = {end.node for topic in topics for end in (*topic.publishers, *topic.subscriptions)}
-    known = [*names, *(missing - set(names))]
-    return Facts(
-        tuple(sorted(name for name in known if everything or not is_hidden(name))),
-        tuple(topics),
-        everything,
-    )
+    for name in topics_of(node, hidden=everything):
+        if everything or name not in QUIET_TOPICS:
+            topic = Topic(
+                name,
+                _endpoints(node.get_publishers_info_by_topic(name), own),
+                _endpoints(node.get_subscriptions_info_by_topic(name), own),
+            )
+            if everything or any(not end.hidden for end in topic.ends):
+                topics.append(topic)
+    missing = {end.node for topic in topics for end in topic.ends} - set(known)
+    shown = (name for name in (*known, *missing) if everything or not is_hidden(name))
+    return Facts(tuple(sorted(shown)), tuple(topics), everything)
 
 
 def only_topic(facts: Facts, topic: str) -> Facts:
@@ -269,7 +270,7 @@ def only_topic(facts: Facts, topic: str) -> Facts:
     :param topic: its full name
     """
     topics = tuple(found for found in facts.topics if found.name == topic)
-    ends = {end.node for found in topics for end in (*found.publishers, *found.subscriptions)}
+    ends = {end.node for found in topics for end in found.ends}
     return Facts(tuple(n for n in facts.nodes if n in ends), topics, facts.everything)
 
 
@@ -287,9 +288,9 @@ def _participant_of(node: Node) -> bytes:
 def _endpoints(infos: Iterable[Any], own: bytes) -> tuple[Endpoint, ...]:
     found = []
     for info in infos:
-        name = info.node_name
         # Discovery may report an endpoint shortly before it reports the endpoint's node.
-        full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
+        unknown = info.node_name == UNKNOWN
+        full = f'/?{UNKNOWN}' if unknown else full_name(info.node_name, info.node_namespace)
         here = bytes(info.endpoint_gid).startswith(own)
         found.append(Endpoint(full, info.topic_type, info.qos_profile, here))
     return tuple(sorted(found, key=lambda end: (end.node, end.type)))

@@ -8,9 +8,10 @@ import textwrap
 
 from drawing import svg
 from drawing.graph_layout import arrange, Arrow, Layout, Spot
-from roslab.graph_facts import Edge, Facts, only_topic, QUIET_TOPICS, read_graph, Topic
-from roslab.lookup import DISCOVERY_S, not_here, resolved, topics_now
-from roslab.session import Session
+from roslab.graph_facts import Edge, Facts, only_topic, read_graph, Topic
+from roslab.lookup import DISCOVERY_S, not_here, resolved
+from roslab.ros2.graph import QUIET_TOPICS, topic_types, topics_of
+from roslab.session import session
 from roslab.waiting import wait_in
 
 _MARGIN = 10.0
@@ -52,22 +53,23 @@ class Graph:
         return graph_html(self.facts)
 
 
-def graph_now(session: Session, topic: str | None = None, everything: bool = False) -> Graph:
+def graph(topic: str | None = None, *, all: bool = False) -> Graph:
     """
-    Return the current graph of this kernel.
+    Return the nodes and topics of the current graph: a picture, or lines of text with ``str()``.
+
+    Nodes of this notebook appear at once, those of other programs after discovery.
 
     :param topic: show only this topic and its nodes
-    :param everything: include hidden nodes and topics
+    :param all: include hidden nodes, ``/rosout`` and ``/parameter_events``
     :raises NotHereError: if the topic has no endpoint
     """
-    node = session.helper
+    node = session().helper
     if topic is None:
-        return Graph(read_graph(node, everything))
+        return Graph(read_graph(node, all))
     name = resolved(node, topic)
-    if not wait_in(session, lambda: name in topics_now(node), DISCOVERY_S):
-        raise not_here('topic', name, topics_now(node))
-    facts = read_graph(node, everything=everything or name in QUIET_TOPICS)
-    return Graph(only_topic(facts, name))
+    if not wait_in(lambda: topic_types(node, name), DISCOVERY_S):
+        raise not_here('topic', name, topics_of(node))
+    return Graph(only_topic(read_graph(node, all or name in QUIET_TOPICS), name))
 
 
 def graph_text(facts: Facts) -> str:

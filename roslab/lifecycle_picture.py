@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from html import escape
 from typing import Any
 
@@ -13,7 +12,7 @@ from rclpy.node import Node
 from drawing.svg import data_table, FONT, Table
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.service_calls import meet
-from roslab.session import Session, session
+from roslab.session import session
 from roslab.waiting import wait_in
 
 STATES = {
@@ -159,11 +158,10 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
     :raises RoslabError: if the node is not a lifecycle node
     :raises NotHereError: if the node was stopped, or no node with this name answers
     """
-    current = session()
     if isinstance(node, str):
-        node = current.nodes().get(node.lstrip('/'), node)
+        node = session().nodes().get(node.lstrip('/'), node)
     if isinstance(node, str):
-        return LifecyclePicture(f'/{node.lstrip("/")}', _asked(current, f'/{node.lstrip("/")}'))
+        return LifecyclePicture(f'/{node.lstrip("/")}', _asked(f'/{node.lstrip("/")}'))
     if not isinstance(node, LifecycleNodeMixin):
         raise RoslabError(
             f'lifecycle({node.get_name()}) expected a LifecycleNode, got a {type(node).__name__}, '
@@ -175,15 +173,15 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 
 
-def _asked(current: Session, name: str) -> str:
+def _asked(name: str) -> str:
     """Request the current state of a node in another process."""
-    helper = current.helper
+    helper = session().helper
     client: Any = helper.create_client(GetState, f'{name}/get_state')
     try:
-        ready = wait_in(current, client.service_is_ready, _PATIENCE_S)
-        if ready and meet(helper, client.service_name, _PATIENCE_S, partial(wait_in, current)):
+        ready = wait_in(client.service_is_ready, _PATIENCE_S)
+        if ready and meet(helper, client.service_name, _PATIENCE_S, wait_in):
             future = client.call_async(GetState.Request())
-            if wait_in(current, future.done, _PATIENCE_S):
+            if wait_in(future.done, _PATIENCE_S):
                 return str(future.result().current_state.label)
     finally:
         helper.destroy_client(client)

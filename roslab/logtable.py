@@ -16,6 +16,7 @@ import time
 from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 
 _MOST_LINES = 5000
 _LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
@@ -119,38 +120,30 @@ class _Recorder:
 _recorder: _Recorder | None = None
 
 
-def record_logs() -> None:
-    """Start recording log lines; later calls do nothing."""
+def record_logs(on_line: Callable[[LogLine], object] | None = None) -> None:
+    """
+    Start recording log lines, unless that has been done.
+
+    :param on_line: called with each line immediately, in the thread that logs it
+    """
     global _recorder
-    if _recorder is None:
-        _recorder = _Recorder()
+    _recorder = _recorder or _Recorder()
+    _recorder.on_line = on_line or _recorder.on_line
 
 
-def show_logs(on_line: Callable[[LogLine], object]) -> None:
+def logs(node: Node | str | None = None) -> LogTable:
     """
-    Show each line immediately, in the thread that logs it.
+    Return the log lines recorded in this notebook so far, as a table.
 
-    :param on_line: called with each line
-    """
-    record_logs()
-    if _recorder is not None:
-        _recorder.on_line = on_line
-
-
-def log_table(logger: str | None = None) -> LogTable:
-    """
-    Return the lines logged in this kernel so far.
-
-    :param logger: return only lines of this logger and its children
+    :param node: return only the lines of this node (a node or its name) and its child loggers
     """
     lines = tuple(_recorder.lines) if _recorder else ()
-    if logger is None:
+    if node is None:
         return LogTable(lines)
-    return LogTable(
-        tuple(
-            line for line in lines if line.logger == logger or line.logger.startswith(f'{logger}.')
-        )
-    )
+    name = node if isinstance(node, str) else node.get_fully_qualified_name()
+    logger = name.strip('/').replace('/', '.')
+    own = (line for line in lines if f'{line.logger}.'.startswith(f'{logger}.'))
+    return LogTable(tuple(own))
 
 
 def _clock(stamp_s: float) -> str:

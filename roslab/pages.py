@@ -26,7 +26,7 @@ import uuid
 
 from roslab.console import ConsoleLines, log_text, MARK, mark_console, spare_the_terminal
 from roslab.interrupts import no_interrupts
-from roslab.logtable import LogLine, show_logs
+from roslab.logtable import LogLine, record_logs
 from roslab.output import Cell, current_cell
 
 MOST_IN_CELL = 50
@@ -243,7 +243,7 @@ def lay_out(shell: Any) -> None:
     # A kernel that does not read its own stdout never shows lines of C code, so no line can
     # appear twice.
     if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
-        show_logs(_pages.write_log)
+        record_logs(_pages.write_log)
     shell.events.register('pre_run_cell', _pages.begin_cell)
     shell.events.register('post_run_cell', _pages.end_cell)
 

@@ -10,7 +10,7 @@ from drawing import svg
 from drawing.slider import cursor, slider
 from roslab.cli_text import message_yaml
 from roslab.errors import RoslabError
-from roslab.silence import type_name
+from roslab.lookup import type_name
 
 _WIDTH = 760.0
 _MARGIN = 10.0
@@ -94,29 +94,29 @@ class Timeline:
         return _draw(self)
 
 
-def make_timeline(
-    sources: Sequence[Any],
+def timeline(
+    *sources: Any,
     marks: Mapping[str, Iterable[float]] | None = None,
     seconds: float | None = None,
 ) -> Timeline:
     """
-    Return the timeline of listeners, plots, simulations or recorded topics.
+    Show messages on a time axis: a picture, or a plain-text table with ``str()``.
 
     :param sources: listeners, plots, simulations or recorded topics. The axis begins when the
         first listener began to listen; a simulation contributes all its topics
-    :param marks: names and times of other events, on the time scale of the first listener [s]
+    :param marks: names and times of other events, on the scale of the first listener's ``now`` [s]
     :param seconds: show only this much time before the newest event [s]
     :raises RoslabError: if a source has an unknown type, or a mark has no times
     """
-    sources = [one for source in sources for one in getattr(source, 'listeners', (source,))]
-    sources = [getattr(source, 'listener', source) for source in sources]  # a plot has one
-    if not sources:
+    found = [one for source in sources for one in getattr(source, 'listeners', (source,))]
+    found = [getattr(source, 'listener', source) for source in found]  # a plot has one
+    if not found:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."
         )
     # A simulation begins at 0, and its times are those of the axis.
-    zero = next((began for one in sources if (began := getattr(one, 'began', 0.0))), 0.0)
-    rows = [_row_of(source, zero) for source in sources]
+    zero = next((began for one in found if (began := getattr(one, 'began', 0.0))), 0.0)
+    rows = [_row_of(source, zero) for source in found]
     rows += [_row_of_mark(label, times) for label, times in (marks or {}).items()]
     stamps = [stamp for row in rows for stamp in row.times]
     end = max([*stamps, 0.1])

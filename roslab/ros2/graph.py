@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile, ReliabilityPolicy
 
 UNKNOWN = '_NODE_NAME_UNKNOWN_'
 """Name of a node whose endpoint was discovered shortly before the node."""
+QUIET_TOPICS = ('/parameter_events', '/rosout')
+"""Every node has endpoints on these topics, so pictures and hints leave them out."""
 _STRONG = {
     'reliability': (ReliabilityPolicy.RELIABLE, 'BEST_EFFORT'),
     'durability': (DurabilityPolicy.TRANSIENT_LOCAL, 'VOLATILE'),
@@ -60,6 +63,18 @@ def topics_of(node: Node, *, hidden: bool = False) -> dict[str, list[str]]:
 def topic_types(node: Node, name: str) -> list[str]:
     """Return the types of a topic, empty if the graph does not contain its full name."""
     return topics_of(node, hidden=True).get(name, [])
+
+
+def topic_endpoints(node: Node, name: str) -> tuple[list[Any], list[Any]]:
+    """Return the publishers and the subscriptions of a topic, each sorted by node."""
+    publishers, subscriptions = (
+        sorted(infos, key=lambda info: (info.node_namespace, info.node_name))
+        for infos in (
+            node.get_publishers_info_by_topic(name),
+            node.get_subscriptions_info_by_topic(name),
+        )
+    )
+    return publishers, subscriptions
 
 
 def service_types(node: Node, name: str) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from roslab.cli_text import topic_info_text, topic_list_text
 from roslab.ros2.cli import flag, option, verb
 from roslab.ros2.discovery import knowing_node, NODE
-from roslab.ros2.graph import topic_types, topics_of
+from roslab.ros2.graph import topic_endpoints, topic_types, topics_of
 
 _TOPIC = option('topic_name', help="Name of the ROS topic, '/chatter'")
 _LIST = (
@@ -64,9 +64,8 @@ def info(args: argparse.Namespace) -> None:
         types = topic_types(node, args.topic_name)
         if not types:
             raise RuntimeError(f"Unknown topic '{args.topic_name}'")
-        publishers = node.get_publishers_info_by_topic(args.topic_name)
-        subscriptions = node.get_subscriptions_info_by_topic(args.topic_name)
-        text = topic_info_text(types, publishers, subscriptions, args.verbose)
+        ends = topic_endpoints(node, args.topic_name)
+        text = topic_info_text(types, *ends, verbose=args.verbose)
         print(text, end='\n\n' if args.verbose else '\n')
 
 
