@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from drawing import svg
 from roslab.callbacks import Call, Watch, watching
+from roslab.output import text_table
 from roslab.timeline_picture import draw_rows, Place, Row
 
 _COLOURS = (svg.BLUE, svg.ORANGE, svg.GREEN, svg.RED)
@@ -68,12 +69,7 @@ class Callbacks(Watch):
     """A record of callbacks: a picture as the last line of a cell, a table with ``str()``."""
 
     def __repr__(self) -> str:
-        table = self._table()
-        widths = [max(len(row[column]) for row in table) for column in range(len(_HEAD))]
-        return '\n'.join(
-            '  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
-            for row in table
-        )
+        return text_table(self._table())
 
     def _repr_html_(self) -> str | None:
         rows = self._rows()

@@ -43,11 +43,8 @@ class Graph:
         """Full names of the topics."""
         return [topic.name for topic in self.facts.topics]
 
-    def __str__(self) -> str:
-        return graph_text(self.facts)
-
     def __repr__(self) -> str:
-        return str(self)
+        return graph_text(self.facts)
 
     def _repr_html_(self) -> str:
         return graph_html(self.facts)

@@ -14,7 +14,7 @@ from roslab.live_picture import LivePicture
 from roslab.plot_picture import Curve, curve_html, curve_text
 
 
-class Plot:
+class Plot(LivePicture):
     """
     A picture that follows a topic, or that shows one topic of a simulation.
 
@@ -45,10 +45,7 @@ class Plot:
             self.listener.stop()
             raise
         # A picture of a simulation does not end the one that follows the topic of that name.
-        key = 'plot', self.topic, field, isinstance(topic, TopicRecord)
-        self._picture = LivePicture(
-            key, self._bundle, self._newest, lambda: self.listener.alive, self.listener.stop
-        )
+        super().__init__(('plot', self.topic, field, isinstance(topic, TopicRecord)))
 
     @property
     def topic(self) -> str:
@@ -73,17 +70,9 @@ class Plot:
         try:
             self.listener.wait(count, timeout)
         finally:
-            self._picture.keep_up()
-            self._picture.paint()
+            self._keep_up()
+            self._paint()
         return self.values
-
-    def begin(self) -> None:
-        """Show the picture in the running cell and keep it up to date."""
-        self._picture.begin()
-
-    def stop(self) -> None:
-        """Stop listening and drawing; the picture no longer changes."""
-        self._picture.stop()
 
     def _newest(self) -> tuple[int, float]:
         times = self.listener.times
@@ -101,18 +90,17 @@ class Plot:
             self.marks,
         )
 
-    def _bundle(self) -> dict[str, str]:
-        curve = self._curve()
-        return {'text/plain': curve_text(curve), 'text/html': curve_html(curve)}
+    def _can_change(self) -> bool:
+        return self.listener.alive
 
-    def __str__(self) -> str:
-        return curve_text(self._curve())
+    def _finish(self) -> None:
+        self.listener.stop()
+
+    def _html(self) -> str:
+        return curve_html(self._curve())
 
     def __repr__(self) -> str:
-        return str(self)
-
-    def _ipython_display_(self) -> None:
-        self._picture.show_again()
+        return curve_text(self._curve())
 
 
 def _require_numbers(seconds: float, threshold: float | None) -> None:

@@ -18,6 +18,8 @@ from typing import Any
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
+from roslab.output import text_table
+
 _MOST_LINES = 5000
 _LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
 _COLOURS = {'WARN': '#b8860b', 'ERROR': '#c0392b', 'FATAL': '#c0392b', 'DEBUG': '#888888'}
@@ -75,18 +77,15 @@ class LogTable:
     def __repr__(self) -> str:
         if not self.lines:
             return 'No log lines.'
-        width = max(len(line.logger) for line in self.lines)
-        return '\n'.join(
-            f'{_clock(line.stamp_s)}  {line.level:<5}  {line.logger:<{width}}  {line.message}'
-            for line in self.lines
-        )
+        return text_table([_cells(line) for line in self.lines])
 
     def _repr_html_(self) -> str:
         rows = ''.join(
             f'<tr style="color: {_COLOURS.get(line.level, "inherit")}">'
-            f'<td>{_clock(line.stamp_s)}</td><td>{line.level}</td>'
-            f'<td>{html.escape(line.logger)}</td>'
-            f'<td style="text-align: left">{html.escape(line.message)}</td></tr>'
+            + ''.join(
+                f'<td style="text-align: left">{html.escape(cell)}</td>' for cell in _cells(line)
+            )
+            + '</tr>'
             for line in self.lines
         )
         head = ''.join(
@@ -146,5 +145,7 @@ def logs(node: Node | str | None = None) -> LogTable:
     return LogTable(tuple(own))
 
 
-def _clock(stamp_s: float) -> str:
-    return f'{time.strftime("%H:%M:%S", time.localtime(stamp_s))}.{int(stamp_s % 1 * 1000):03d}'
+def _cells(line: LogLine) -> tuple[str, str, str, str]:
+    clock = time.strftime('%H:%M:%S', time.localtime(line.stamp_s))
+    clock = f'{clock}.{int(line.stamp_s % 1 * 1000):03d}'
+    return clock, line.level, line.logger, line.message

@@ -8,7 +8,7 @@ nbgrader treats a single line there as a failed cell.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 import sys
 from typing import Any
@@ -63,6 +63,22 @@ def has_frontend() -> bool:
 def say(text: str) -> None:
     """Print a message at once, so that it keeps its position among the log lines of nodes."""
     print(text, flush=True)
+
+
+def text_table(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
+    """
+    Return rows as lines with aligned columns.
+
+    :param right: numbers of the columns that are aligned to the right
+    """
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return '\n'.join(
+        '  '.join(
+            cell.rjust(width) if number in right else cell.ljust(width)
+            for number, (cell, width) in enumerate(zip(row, widths))
+        ).rstrip()
+        for row in rows
+    )
 
 
 def show(text: str, html: str) -> None:

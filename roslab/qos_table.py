@@ -36,6 +36,7 @@ from std_msgs.msg import Empty
 
 from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
+from roslab.output import text_table
 
 _PATIENCE_S = 10.0
 """Time limit [s], reached only on a very busy machine; a table usually takes 0.2 s."""
@@ -197,12 +198,7 @@ class QosTable:
     def __repr__(self) -> str:
         head = ['offered \\ requested', *CHOICES[self.policy]]
         rows = [head, *([name, *(cell.text for cell in cells)] for name, cells in self._rows())]
-        widths = [max(len(row[column]) for row in rows) for column in range(len(head))]
-        lines = [
-            '  '.join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        ]
-        return '\n'.join([self.caption, *lines])
+        return f'{self.caption}\n{text_table(rows)}'
 
     def _repr_html_(self) -> str:
         """Return a table with a caption and header cells, readable without colours."""

@@ -106,7 +106,7 @@ class CheckReport:
                 remarks.append(_NO_SANDBOX)
         return remarks
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         lines = [self._headline]
         for remark in self._remarks:
             lines += textwrap.wrap(remark, WIDTH, initial_indent='  ', subsequent_indent='  ')
@@ -116,9 +116,6 @@ class CheckReport:
                 lines += check_lines(check, titles)
         lines += ['', self.worked[0]] if self.worked[0] else []
         return '\n'.join(lines)
-
-    def __repr__(self) -> str:
-        return str(self)
 
     def _repr_html_(self) -> str:
         remarks = ''.join(paragraph(remark) for remark in self._remarks)

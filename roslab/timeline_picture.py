@@ -11,6 +11,7 @@ from drawing.slider import cursor, slider
 from roslab.cli_text import message_yaml
 from roslab.errors import RoslabError
 from roslab.lookup import type_name
+from roslab.output import text_table
 
 _WIDTH = 760.0
 _MARGIN = 10.0
@@ -78,17 +79,13 @@ class Timeline:
         self.begin = begin
         self.end = end
 
-    def __str__(self) -> str:
-        width = max([len(row.label) for row in self.rows], default=0)
-        lines = [f'{"row":<{width}}  {"count":>5}  {"rate":>8}  times [s]']
+    def __repr__(self) -> str:
+        table = [('row', 'count', 'rate', 'times [s]')]
         for row in self.rows:
             rate = 'mark' if row.mark else '-' if row.rate is None else f'{row.rate:.1f} Hz'
             times = svg.listed(row.times, _MOST_TIMES)
-            lines.append(f'{row.label:<{width}}  {len(row.times):>5}  {rate:>8}  {times}')
-        return '\n'.join(lines)
-
-    def __repr__(self) -> str:
-        return str(self)
+            table.append((row.label, str(len(row.times)), rate, times))
+        return text_table(table, right=(1, 2))
 
     def _repr_html_(self) -> str:
         return _draw(self)

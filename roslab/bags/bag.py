@@ -89,7 +89,7 @@ class Bag:
             'ros_distro': self.distro,
         }
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         pad = ' ' * 19
         topics = [
             f'Topic: {topic.name} | Type: {topic.type} | Count: {topic.count} | '
@@ -109,9 +109,6 @@ class Bag:
                 f'Topic information: {f"{chr(10)}{pad}".join(topics)}',
             ]
         )
-
-    def __repr__(self) -> str:
-        return str(self)
 
 
 def _plain(topic: BagTopic) -> dict[str, Any]:
