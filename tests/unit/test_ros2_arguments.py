@@ -13,7 +13,16 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Empty, Float64MultiArray, Header, String
 
 from environment.ros import ros_environment
-from roslab.ros2 import cli, filling, interface, interface_files, pkg_files, qos_options
+from roslab.ros2 import (
+    cli,
+    daemon,  # noqa: F401 - adds its verbs to the table
+    filling,
+    graph,
+    interface,
+    interface_files,
+    pkg_files,
+    qos_options,
+)
 from roslab.ros2.interface import definition
 from roslab.ros2.topic_echo import _selected
 
@@ -63,7 +72,7 @@ def test_command_that_a_signal_ends_prints_no_error(monkeypatch, words):
     def asks_the_graph(_):
         raise RuntimeError(words)
 
-    monkeypatch.setattr('roslab.ros2.daemon.status', asks_the_graph)
+    monkeypatch.setitem(cli._verbs, 'daemon status', (asks_the_graph, ()))
 
     assert cli.main(['daemon', 'status']) == signal.SIGINT
 
@@ -115,7 +124,8 @@ def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, c
 def qos_of(*words):
     """Return the QoS that options ask for."""
     parser = ArgumentParser()
-    qos_options.add_qos_arguments(parser, 'publish', 'default')
+    for names, how, _ in qos_options.qos_arguments('publish', 'default'):
+        parser.add_argument(*names, **how)
     return qos_options.qos_asked_for(parser.parse_args(words), 'default')
 
 
@@ -127,7 +137,7 @@ def test_qos_options_change_their_profile():
     assert qos_of() is None
     assert (quick.depth, quick.reliability) == (3, ReliabilityPolicy.BEST_EFFORT)
     assert (kept.depth, kept.durability) == (10, DurabilityPolicy.TRANSIENT_LOCAL)
-    assert qos_options.preset('default').durability == DurabilityPolicy.VOLATILE
+    assert graph.preset('default').durability == DurabilityPolicy.VOLATILE
 
 
 class Graph:
@@ -156,7 +166,7 @@ BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 )
 def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines, capsys):
     """The strongest that everybody offers; what is given up is said."""
-    qos = qos_options.qos_for_publishers(Graph(*publishers), '/x')
+    qos = graph.qos_for_publishers(Graph(*publishers), '/x')
 
     assert (qos.reliability.name, qos.durability.name) == (reliability, durability)
     assert capsys.readouterr().out.count('Falling back to') == lines

@@ -289,7 +289,7 @@ def listener(topic, began, times):
 
 def test_timeline_puts_all_sources_on_the_axis_of_the_first():
     """A listener that began two seconds later has its messages two seconds later."""
-    line = timeline(*[listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5])])
+    line = timeline(listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5]))
 
     assert line.rows[0].times == (0.5, 1.0)
     assert line.rows[1].times == (2.5,)
@@ -301,7 +301,7 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
     """The simulation begins at 0, the live plot when its listener began."""
     record = TopicRecord('/a', STRING, (1.0, 2.0), ({}, {}), 2.0)
     run = SimpleNamespace(listeners=[record])
-    line = timeline(*[run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5]))])
+    line = timeline(run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5])))
 
     assert [row.times for row in line.rows] == [(1.0, 2.0), (0.5, 1.5)]
     assert [row.more for row in line.rows] == [STRING, STRING]
@@ -310,7 +310,7 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
     """What happened beside the messages differs from them and from each other in shape."""
     line = timeline(
-        [listener('/a', 0.0, [0.0, 1.0, 2.0])], marks={'stopped': [1.5], 'started': [1.8]}
+        listener('/a', 0.0, [0.0, 1.0, 2.0]), marks={'stopped': [1.5], 'started': [1.8]}
     )
     page = line._repr_html_()
     shapes = {
@@ -325,7 +325,7 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
 
 def test_timeline_of_the_last_seconds_leaves_older_messages_out():
     """`seconds` cuts the axis at its newest end."""
-    line = timeline(*[listener('/a', 0.0, [0.0, 4.0, 5.0])], seconds=2.0)
+    line = timeline(listener('/a', 0.0, [0.0, 4.0, 5.0]), seconds=2.0)
 
     assert line.rows[0].times == (4.0, 5.0)
     assert (line.begin, line.end) == (3.0, 5.0)
@@ -335,7 +335,7 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
     """The last step is shown first; live messages have none."""
     one = TopicRecord('/a', STRING, (1.0, 3.0), ({'data': 'x'}, {'data': '<y>'}), 4.0)
     other = TopicRecord('/b', STRING, (2.0,), ({'data': 'z'},), 4.0)
-    page = timeline(*[SimpleNamespace(listeners=[one, other])])._repr_html_()
+    page = timeline(SimpleNamespace(listeners=[one, other]))._repr_html_()
     held = html.unescape(re.search('data-moments="([^"]*)"', page)[1])
     places, words = zip(*json.loads(held))
 
@@ -347,7 +347,7 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
     assert places[1] - places[0] == pytest.approx(places[2] - places[1], abs=0.2)
     assert f'translate({places[2]})' in page
     assert '<y>' not in page
-    assert 'type="range"' not in timeline(*[listener('/a', 0.0, [1.0])])._repr_html_()
+    assert 'type="range"' not in timeline(listener('/a', 0.0, [1.0]))._repr_html_()
 
 
 def test_slider_of_many_moments_is_short_and_keeps_the_last():
