@@ -193,15 +193,10 @@ def hz_text(times: Sequence[float]) -> str:
     :param times: arrival times of at least two messages [s]
     """
     gaps = [later - earlier for earlier, later in pairwise(times)]
-    total = sum(gaps)
-    return f'average rate: {len(gaps) / total if total > 0 else 0.0:.3f}\n{spread_text(gaps)}'
-
-
-def spread_text(values: Sequence[float]) -> str:
-    """Return the line of statistics that ``ros2 topic hz`` and ``delay`` print [s]."""
-    mean = sum(values) / len(values)
-    deviation = math.sqrt(sum((value - mean) ** 2 for value in values) / len(values))
+    mean = sum(gaps) / len(gaps)
+    deviation = math.sqrt(sum((gap - mean) ** 2 for gap in gaps) / len(gaps))
     return (
-        f'\tmin: {min(values):.3f}s max: {max(values):.3f}s '
-        f'std dev: {deviation:.5f}s window: {len(values)}'
+        f'average rate: {1.0 / mean if mean > 0 else 0.0:.3f}\n'
+        f'\tmin: {min(gaps):.3f}s max: {max(gaps):.3f}s '
+        f'std dev: {deviation:.5f}s window: {len(gaps)}'
     )

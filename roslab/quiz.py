@@ -18,8 +18,7 @@ the result of the last answer is stored, see :mod:`roslab.progress`.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -35,9 +34,6 @@ from roslab.errors import RoslabError
 FOLDER = Path(__file__).parent / 'quizzes'
 LETTERS = 'abcd'
 _KEY = re.compile(r'^\d\d-[a-z0-9]+(-[a-z0-9]+)*$')
-_FILE = re.compile(r'^\d\d_[a-z0-9_]+\.yaml$')
-_ENOUGH = 20
-_MOST_IN_ONE_PLACE = 0.5
 
 
 class QuizError(RoslabError):
@@ -211,51 +207,3 @@ def _plain(text: str) -> str:
 
 def _one_line(error: Exception) -> str:
     return ' '.join(str(error).split())
-
-
-# -- for authors ----------------------------------------------------------------------------
-
-
-def problems(folder: Path = FOLDER) -> list[str]:
-    """
-    Return the mistakes in the course's questions, one line each; empty if there are none.
-
-    :param folder: folder of the questions; tests pass another one
-    """
-    found: list[str] = []
-    loaded: list[Question] = []
-    for path in files(folder):
-        try:
-            questions = load(path)
-        except QuizError as error:
-            found.append(str(error))
-            continue
-        loaded += questions
-        found += _misplaced(path, questions)
-    repeated = [key for key, count in Counter(one.key for one in loaded).items() if count > 1]
-    found += [f'The key {key} is used more than once.' for key in repeated]
-    return found + list(_unbalanced(loaded))
-
-
-def _misplaced(path: Path, questions: Iterable[Question]) -> Iterator[str]:
-    """Yield a problem for each key that does not begin with the number of its file."""
-    if not _FILE.match(path.name):
-        yield f'{path.name}: expected a name of the form NN_topic.yaml.'
-        return
-    for question in questions:
-        if question.key[:2] != path.name[:2]:
-            yield f'{path.name}: the key {question.key} does not begin with {path.name[:2]}-.'
-
-
-def _unbalanced(questions: list[Question]) -> Iterator[str]:
-    """Yield a problem if one letter is right so often that always choosing it would pay."""
-    right = Counter(
-        LETTERS[[option.right for option in question.options].index(True)]
-        for question in questions
-    )
-    for letter, count in right.items():
-        if len(questions) >= _ENOUGH and count > _MOST_IN_ONE_PLACE * len(questions):
-            yield (
-                f'{count} of {len(questions)} right answers are {letter}; '
-                'change some keys, the order depends on them.'
-            )

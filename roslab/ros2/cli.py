@@ -60,12 +60,11 @@ GROUPS = {
     'param': Group('Various param related sub-commands', ('param',)),
     'pkg': Group('Various package related sub-commands', ('pkg', 'pkg_create')),
     'run': Group('Run a package specific executable', ('pkg',)),
-    'service': Group('Various service related sub-commands', ('service',)),
     'topic': Group(
         'Various topic related sub-commands', ('topic', 'topic_echo', 'topic_pub', 'topic_rate')
     ),
 }
-ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security')
+ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security', 'service')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = ('the given context is not valid', "rcl node's context is invalid")
 """Parts of rcl's errors after Ctrl-C or SIGTERM, which alone shut down early."""

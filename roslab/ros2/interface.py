@@ -7,10 +7,8 @@ from collections.abc import Iterator
 import re
 import sys
 
-from roslab.cli_text import COMPLETE, message_yaml
 from roslab.ros2.cli import flag, option, verb
 from roslab.ros2.interface_files import (
-    interface_class,
     interface_file,
     interfaces_of,
     KINDS,
@@ -50,28 +48,6 @@ def package(args: argparse.Namespace) -> None:
     """Output a list of available interface types of one package."""
     for interface in interfaces_of(args.package_name, args.kinds or KINDS):
         print(f'{args.package_name}/{interface}')
-
-
-@verb('interface packages', *_ONLY)
-def packages(args: argparse.Namespace) -> None:
-    """Output a list of packages that provide interfaces."""
-    for name in packages_with_interfaces():
-        if interfaces_of(name, args.kinds or KINDS):
-            print(name)
-
-
-@verb(
-    'interface proto',
-    option('type', help="Name of the interface, 'std_msgs/msg/String'"),
-    flag('--no-quotes', 'leave the quotes out'),
-)
-def proto(args: argparse.Namespace) -> None:
-    """Output an interface prototype."""
-    interface = interface_class(args.type)
-    for part in ('Request', 'Goal'):
-        interface = getattr(interface, part, interface)
-    quote = '' if args.no_quotes else '"'
-    print(f'{quote}{message_yaml(interface(), COMPLETE)}{quote}')
 
 
 @verb(

@@ -6,7 +6,6 @@ import argparse
 import os
 from pathlib import Path
 import shlex
-from xml.etree import ElementTree
 
 from ament_index_python.packages import (
     get_package_prefix,
@@ -75,20 +74,6 @@ def prefix(args: argparse.Namespace) -> None:
     """Output the prefix path of a package."""
     path = prefix_of(args.package_name)
     print(path / 'share' / args.package_name if args.share else path)
-
-
-@verb('pkg xml', _PACKAGE, option('-t', '--tag', help='only the text of this tag, version'))
-def xml(args: argparse.Namespace) -> None:
-    """Output the XML of the package manifest or a specific tag."""
-    path = prefix_of(args.package_name) / 'share' / args.package_name / 'package.xml'
-    text = path.read_text(encoding='utf-8')
-    if args.tag is None:
-        print(text.rstrip('\n'))
-        return
-    tags = [found.text or '' for found in ElementTree.fromstring(text).iter(args.tag)]
-    if not tags:
-        raise RuntimeError(f"No tag '{args.tag}' found in '{path}'")
-    print('\n'.join(tags))
 
 
 def executable_of(package: str, name: str) -> Path | None:

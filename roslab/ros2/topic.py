@@ -11,7 +11,12 @@ from roslab.ros2.discovery import knowing_node, NODE
 from roslab.ros2.graph import topic_endpoints, topic_types, topics_of
 
 _TOPIC = option('topic_name', help="Name of the ROS topic, '/chatter'")
-_LIST = (
+
+
+@verb(
+    'topic list',
+    flag('-t', '--show-types', 'also the topic type'),
+    flag('-v', '--verbose', 'full details'),
     flag('-c', '--count-topics', 'only the number of topics'),
     option(
         '-a',
@@ -21,14 +26,6 @@ _LIST = (
         help='also hidden topics',
     ),
     *NODE,
-)
-
-
-@verb(
-    'topic list',
-    flag('-t', '--show-types', 'also the topic type'),
-    flag('-v', '--verbose', 'full details'),
-    *_LIST,
 )
 def list_topics(args: argparse.Namespace) -> None:
     """Output a list of available topics."""
@@ -77,19 +74,3 @@ def show_type(args: argparse.Namespace) -> None:
     if not types:
         raise SystemExit(1)
     print('\n'.join(types))
-
-
-@verb(
-    'topic find',
-    option('topic_type', help="Name of the ROS topic type, 'std_msgs/msg/String'"),
-    *_LIST,
-)
-def find(args: argparse.Namespace) -> None:
-    """Output a list of available topics of a given type."""
-    with knowing_node(args) as node:
-        topics = topics_of(node, hidden=args.include_hidden_topics)
-    found = [name for name, types in topics.items() if args.topic_type in types]
-    if args.count_topics:
-        print(len(found))
-    elif found:
-        print('\n'.join(found))

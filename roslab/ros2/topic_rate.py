@@ -1,4 +1,4 @@
-"""Implement ``ros2 topic hz``, ``bw`` and ``delay``, which print one line a second."""
+"""Implement ``ros2 topic hz`` and ``bw``, which print one line a second."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from typing import Any
 
 import rclpy
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 
-from roslab.cli_text import hz_text, spread_text
+from roslab.cli_text import hz_text
 from roslab.ros2.cli import flag, Option, option, positive_int, verb
 from roslab.ros2.discovery import knowing_node, NODE
 from roslab.ros2.graph import qos_for_publishers
@@ -82,28 +81,6 @@ def _bytes(number: float) -> str:
     return f'{number:.0f} B'
 
 
-@verb('topic delay', *_options())
-def delay(args: argparse.Namespace) -> None:
-    """Display delay of topic from timestamp in header."""
-    delays: list[float] = []
-
-    def heard(data: bytes, node: Node) -> None:
-        message = deserialize_message(data, args.message_class)
-        if not hasattr(message, 'header'):
-            raise RuntimeError('msg does not have header')
-        stamp = message.header.stamp
-        now = node.get_clock().now().nanoseconds * 1e-9
-        delays.append(now - stamp.sec - stamp.nanosec * 1e-9)
-        del delays[: -args.window]
-
-    def text() -> str:
-        if not delays:
-            return ''
-        return f'average delay: {sum(delays) / len(delays):.3f}\n{spread_text(delays)}'
-
-    _report(args, heard, text)
-
-
 def _report(
     args: argparse.Namespace,
     heard: Callable[[bytes, Node], None],
@@ -124,9 +101,9 @@ def _report(
         heard(data, node)
 
     with knowing_node(args, lambda node: known_class(node, args.topic_name)) as node:
-        args.message_class = class_of_topic(node, args.topic_name, wait=True)
+        kind = class_of_topic(node, args.topic_name, wait=True)
         qos = qos_for_publishers(node, args.topic_name)
-        node.create_subscription(args.message_class, args.topic_name, callback, qos, raw=True)
+        node.create_subscription(kind, args.topic_name, callback, qos, raw=True)
         if greeting:
             print(greeting, flush=True)
         told_at, told = time.monotonic(), 0

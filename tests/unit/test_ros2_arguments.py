@@ -29,15 +29,14 @@ from roslab.ros2.topic_echo import _selected
 VERBS = {
     'bag': ('info', 'play', 'record'),
     'daemon': ('start', 'status', 'stop'),
-    'interface': ('list', 'package', 'packages', 'proto', 'show'),
+    'interface': ('list', 'package', 'show'),
     'launch': (),
     'lifecycle': ('get', 'list', 'nodes', 'set'),
     'node': ('info', 'list'),
-    'param': ('describe', 'dump', 'get', 'list', 'load', 'set'),
-    'pkg': ('create', 'executables', 'list', 'prefix', 'xml'),
+    'param': ('get', 'list', 'load', 'set'),
+    'pkg': ('create', 'executables', 'list', 'prefix'),
     'run': (),
-    'service': ('call', 'list', 'type'),
-    'topic': ('bw', 'delay', 'echo', 'find', 'hz', 'info', 'list', 'pub', 'type'),
+    'topic': ('bw', 'echo', 'hz', 'info', 'list', 'pub', 'type'),
 }
 
 
