@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count
 import threading
 import time
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import await_or_execute, Executor
@@ -31,8 +30,7 @@ MAX_CALLS = 300
 """Callbacks that a watch records; it ignores those that begin later."""
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(NamedTuple):
     """
     A timer, subscription, service or event whose callback an executor calls.
 
@@ -48,8 +46,7 @@ class Source:
     group: str
 
 
-@dataclass(frozen=True)
-class Call:
+class Call(NamedTuple):
     """
     One callback, or an event that got none; times begin with the watch [s].
 
@@ -176,7 +173,7 @@ class Watch:
                 await run()
             finally:
                 if number and self.end is None:
-                    self._found[number] = replace(call, ended=self._seconds(time.time_ns()))
+                    self._found[number] = call._replace(ended=self._seconds(time.time_ns()))
 
         return noted
 
@@ -211,9 +208,8 @@ class Watch:
         if not watched or callback is None:
             return None
         function = getattr(getattr(callback, 'func', callback), '__name__', '')
-        source = Source(
-            name, _name(entity), function.replace('<lambda>', ''), self._group(node, entity)
-        )
+        function = function.replace('<lambda>', '')
+        source = Source(name, _name(entity), function, self._group(node, entity))
         self._sources[id(entity)] = entity, source
         self._taken[id(entity)] = []
         return source

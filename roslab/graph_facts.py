@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple
 import uuid
 
 from rcl_interfaces.msg import ParameterEvent
@@ -79,8 +80,7 @@ class Topic:
         return sorted({end.type for end in self.ends})
 
 
-@dataclass(frozen=True)
-class Edge:
+class Edge(NamedTuple):
     """
     An arrow between a node and a topic.
 
@@ -96,8 +96,7 @@ class Edge:
     remark: str = ''
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """
     A publisher and a subscription on the same topic.
 
@@ -126,20 +125,19 @@ class Facts:
     @cached_property
     def pairs(self) -> list[Pair]:
         """All pairs of visible endpoints, sorted."""
-        found = {
-            Pair(out.node, topic.name, into.node, mismatch(out, into))
-            for topic in self.topics
-            for out in self._shown(topic.publishers)
-            for into in self._shown(topic.subscriptions)
-        }
-        connected = {(p.publisher, p.topic, p.subscription) for p in found if not p.reason}
+        found: dict[tuple[str, str, str], set[str]] = {}
+        for topic in self.topics:
+            for out, into in product(
+                self._shown(topic.publishers), self._shown(topic.subscriptions)
+            ):
+                names = topic.name, out.node, into.node
+                found.setdefault(names, set()).add(mismatch(out, into))
         # If two nodes have several pairs of endpoints, one matched pair is enough.
-        kept = (
-            pair
-            for pair in found
-            if not pair.reason or (pair.publisher, pair.topic, pair.subscription) not in connected
-        )
-        return sorted(kept, key=lambda pair: (pair.topic, pair.publisher, pair.subscription))
+        return [
+            Pair(publisher, topic, subscription, reason)
+            for (topic, publisher, subscription), reasons in sorted(found.items())
+            for reason in ([''] if '' in reasons else sorted(reasons))
+        ]
 
     @cached_property
     def edges(self) -> list[Edge]:

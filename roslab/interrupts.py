@@ -18,7 +18,7 @@ from pathlib import Path
 import signal
 import sys
 import threading
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any
 import weakref
 
@@ -55,12 +55,7 @@ class HeldInterrupts:
             self._previous = signal.signal(signal.SIGINT, self._hold)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
         if self._active:
             signal.signal(signal.SIGINT, self._previous)
         if self._held and error is None:

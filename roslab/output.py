@@ -8,7 +8,7 @@ nbgrader treats a single line there as a failed cell.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence, Sized
 from dataclasses import dataclass
 import sys
 from typing import Any
@@ -63,6 +63,11 @@ def has_frontend() -> bool:
 def say(text: str) -> None:
     """Print a message at once, so that it keeps its position among the log lines of nodes."""
     print(text, flush=True)
+
+
+def counted(things: Sized, word: str) -> str:
+    """Return a number of things with their name, such as ``1 node`` or ``2 nodes``."""
+    return f'{len(things)} {word}{"s" * (len(things) != 1)}'
 
 
 def text_table(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:

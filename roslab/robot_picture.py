@@ -97,18 +97,11 @@ def _groups(track: Track) -> list[tuple[str, Happened, int]]:
 
 
 def _rows(track: Track) -> list[tuple[str, str, int, str, str, str, str]]:
-    return [
-        (
-            f'{first.time_s:.2f}',
-            sign,
-            count,
-            f'{first.speed:g}',
-            f'{first.turn:g}',
-            _number(first.pose.x),
-            _number(first.pose.y),
-        )
-        for sign, first, count in _groups(track)
-    ]
+    rows = []
+    for sign, one, count in _groups(track):
+        x, y = _number(one.pose.x), _number(one.pose.y)
+        rows.append((f'{one.time_s:.2f}', sign, count, f'{one.speed:g}', f'{one.turn:g}', x, y))
+    return rows
 
 
 def _sign(one: Happened) -> str:

@@ -82,7 +82,7 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     if notebook is None:
         return []
     shown_s = notebook.stat().st_mtime
-    cells = list(_cell_files(notebook))
+    cells = list(_cell_files())
     found = []
     for file in files:
         bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
@@ -96,8 +96,8 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     return found
 
 
-def _cell_files(notebook: Path) -> Iterable[CellFile]:
-    for cell in read_cells(notebook):
+def _cell_files() -> Iterable[CellFile]:
+    for cell in read_cells():
         with suppress(CellSyntaxError):
             if (file := parse_cell(cell.source)) is not None:
                 yield file

@@ -50,22 +50,19 @@ class Player:
                 profile = profile_to_offer(list(topic.profiles))
             except ValueError as error:
                 raise BagError(f'{bag.path}: {topic.name}: {error}.') from None
-            self._publishers[topic.name] = node.create_publisher(
-                kinds[topic.name], topic.name, profile
-            )
+            kind = kinds[topic.name]
+            self._publishers[topic.name] = node.create_publisher(kind, topic.name, profile)
 
     def connected(self) -> bool:
         """Return whether every subscription that can connect has done so."""
         return all(
-            one.get_subscription_count() >= self._possible(name, one)
+            one.get_subscription_count()
+            >= sum(
+                qos_check_compatible(one.qos_profile, info.qos_profile)[0]
+                != QoSCompatibility.ERROR
+                for info in self._node.get_subscriptions_info_by_topic(name)
+            )
             for name, one in self._publishers.items()
-        )
-
-    def _possible(self, name: str, publisher: Publisher) -> int:
-        offered = publisher.qos_profile
-        return sum(
-            qos_check_compatible(offered, info.qos_profile)[0] != QoSCompatibility.ERROR
-            for info in self._node.get_subscriptions_info_by_topic(name)
         )
 
     def play(self, rate: float, wait: Callable[[float], object] = time.sleep) -> int:

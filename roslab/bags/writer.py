@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 import os
 from pathlib import Path
-from types import TracebackType
 
 from mcap.writer import CompressionType, Writer
 from rclpy.qos import QoSProfile
@@ -15,8 +15,6 @@ from roslab.bags.definition import definition_of, hash_of
 from roslab.bags.qos import plain_profiles
 from roslab.cli_text import to_yaml
 
-_PROFILE = 'ros2'
-_ENCODING = 'ros2msg'
 DISTRO = 'jazzy'
 
 
@@ -38,7 +36,7 @@ class BagWriter:
         self._file = self._unfinished.open('wb')
         # Not compressed, as ros2 bag does it: some readers lack zstd.
         self._mcap = Writer(self._file, compression=CompressionType.NONE)
-        self._mcap.start(profile=_PROFILE, library='roslab')
+        self._mcap.start(profile='ros2', library='roslab')
         self._topics: dict[str, BagTopic] = {}
         self._channels: dict[str, int] = {}
         self._counts: dict[str, int] = {}
@@ -59,9 +57,8 @@ class BagWriter:
         :raises LookupError: if the type is not installed
         """
         made = BagTopic(name, type_name, plain_profiles(profiles), hash_of(type_name), 0)
-        schema = self._mcap.register_schema(
-            type_name, _ENCODING, definition_of(type_name).encode()
-        )
+        definition = definition_of(type_name).encode()
+        schema = self._mcap.register_schema(type_name, 'ros2msg', definition)
         about = {
             'offered_qos_profiles': to_yaml(list(made.profiles)),
             'topic_type_hash': made.hash,
@@ -86,16 +83,15 @@ class BagWriter:
     def __enter__(self) -> BagWriter:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
         """Complete the file, except after an error that is not an interrupt."""
         try:
             if self._times and (error is None or not isinstance(error, Exception)):
-                bag = self._summary(*self._times)
+                topics = (
+                    replace(one, count=self._counts[name])
+                    for name, one in sorted(self._topics.items())
+                )
+                bag = Bag(self.path, (self.path,), tuple(topics), *self._times, DISTRO)
                 self._mcap.add_metadata(
                     'rosbag2', {'serialized_metadata': to_yaml(bag.metadata())}
                 )
@@ -106,10 +102,3 @@ class BagWriter:
         finally:
             self._file.close()
             self._unfinished.unlink(missing_ok=True)
-
-    def _summary(self, start_ns: int, end_ns: int) -> Bag:
-        topics = (
-            BagTopic(name, one.type, one.profiles, one.hash, self._counts[name])
-            for name, one in sorted(self._topics.items())
-        )
-        return Bag(self.path, (self.path,), tuple(topics), start_ns, end_ns, DISTRO)
