@@ -49,9 +49,6 @@ def picture(
     Return a complete picture as HTML, with its data in a table that opens below it.
 
     :param width: width of the drawing; it shrinks to fit a narrow page
-    :param title: the subject of the picture
-    :param description: the contents of the picture as text
-    :param parts: elements of the drawing, as SVG
     :param table: the data, for :func:`data_table`; empty if the page shows the data elsewhere
     :param below: HTML below the drawing, as wide as the drawing
     """
@@ -77,11 +74,7 @@ def picture(
 
 
 def data_table(title: str, table: Table) -> str:
-    """
-    Return the data of a picture as HTML: a line that opens a table.
-
-    :param title: the subject of the picture
-    """
+    """Return the data of a picture as HTML: a line that opens a table."""
     head, *rows = ([escape(cell) for cell in row] for row in table)
     cell = 'style="text-align: left; padding: 2px 12px 2px 0"'
     names = ''.join(f'<th scope="col" {cell}>{name}</th>' for name in head)
@@ -172,11 +165,7 @@ SHAPES = {
 
 
 def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
-    """
-    Return a small symbol, such as a diamond.
-
-    :param kind: a key of :data:`SHAPES`
-    """
+    """Return a small symbol, such as a diamond."""
     path = SHAPES[kind].format(
         x=f'{x:.1f}',
         y=f'{y:.1f}',
@@ -190,11 +179,7 @@ def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
 
 
 def text_width(words: str, size: float = 12) -> float:
-    """
-    Estimate the width of a text; generously, because fonts differ between machines.
-
-    :param size: font size
-    """
+    """Estimate the width of a text; generously, because fonts differ between machines."""
     wide = sum(
         1.45 if letter in 'mwMW@' else 0.62 if letter in 'iljft/.:,|() ' else 1.0
         for letter in words
@@ -203,11 +188,7 @@ def text_width(words: str, size: float = 12) -> float:
 
 
 def ticks(low: float, high: float, most: int = 8) -> list[float]:
-    """
-    Return round numbers between two limits, for an axis.
-
-    :param most: approximate maximum of their number
-    """
+    """Return round numbers between two limits, for an axis."""
     span = max(high - low, 1e-9)
     raw = span / max(most, 1)
     power = 10.0 ** _floor_log10(raw)

@@ -229,11 +229,7 @@ WatchT = TypeVar('WatchT', bound=Watch)
 
 @contextmanager
 def watching(watch: WatchT) -> Iterator[WatchT]:
-    """
-    Record callbacks until the end of the block.
-
-    :param watch: what records them
-    """
+    """Record callbacks until the end of the block."""
     make, publish = Executor._make_handler, Publisher.publish
 
     def make_handler(self: Executor, entity: Any, node: Node, take: Any) -> Any:

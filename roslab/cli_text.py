@@ -48,12 +48,7 @@ AS_ECHO, COMPLETE = Shorten(), Shorten(None)
 
 
 def message_yaml(message: Any, shorten: Shorten = AS_ECHO, *, flow: bool = False) -> str:
-    """
-    Return a message as YAML, with a line break at the end.
-
-    :param message: an instance of any generated message class
-    :param flow: write everything on one line
-    """
+    """Return a message as YAML, with a line break at the end."""
     return to_yaml(message_dict(message, shorten), flow)
 
 
@@ -136,7 +131,6 @@ def topic_list_text(topics: NamesAndTypes, types: bool = False) -> str:
     """
     Return what ``ros2 topic list`` prints.
 
-    :param topics: names with their types, in any order
     :param types: include the types, as ``-t`` does
     """
     return '\n'.join(

@@ -82,11 +82,7 @@ def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]
 
 @contextmanager
 def constructing(construction: Construction) -> Iterator[None]:
-    """
-    Apply a construction to the nodes that this thread creates inside the ``with`` block.
-
-    :param construction: collects the nodes in ``made``
-    """
+    """Apply a construction to the nodes that this thread creates inside the ``with`` block."""
     original = Node.__init__
     thread = threading.get_ident()
 

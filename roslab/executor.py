@@ -119,11 +119,7 @@ class BackgroundExecutor(Executor):
         self.wake()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """
-        Run the requested actions, then wait for one callback and run it.
-
-        :param timeout_sec: how long to wait [s], None for no limit
-        """
+        """Run the requested actions, then wait for one callback and run it."""
         while not self._asked.empty():
             self._asked.get()()
             self._progress.notify()
@@ -138,12 +134,7 @@ class BackgroundExecutor(Executor):
     def spin_once_until_future_complete(
         self, future: Future, timeout_sec: Any | None = None
     ) -> None:
-        """
-        Do the same as :meth:`spin_once`.
-
-        :param future: wakes this executor when it is done
-        :param timeout_sec: how long to wait [s]
-        """
+        """Do the same as :meth:`spin_once`."""
         future.add_done_callback(lambda _: self.wake())
         self.spin_once(timeout_sec)
 
@@ -203,7 +194,6 @@ class BackgroundExecutor(Executor):
         Stop the thread.
 
         :param patience_s: how long to wait for a running callback [s]
-        :returns: whether the thread has ended
         """
         self._stopping = True
         self.ask(lambda: None)
@@ -274,11 +264,7 @@ class _Request:
         self._done.put(error)
 
     def wait(self, timeout_s: float) -> bool:
-        """
-        Wait until the action has run; withdraw it after the timeout.
-
-        :returns: whether it ran
-        """
+        """Wait until the action has run; withdraw it after the timeout."""
         try:
             error = self._done.get(timeout=timeout_s)
         except Empty:

@@ -22,11 +22,7 @@ _DEEPEST = 4
 
 
 def numeric_fields(msg_type: Any) -> list[str]:
-    """
-    Return the paths of all numeric fields of a message, with ``[0]`` for the items of arrays.
-
-    :param msg_type: class of the message
-    """
+    """Return the paths of all numeric fields of a message; arrays have ``[0]`` for an item."""
     return list(_numeric(msg_type, '', _DEEPEST))
 
 

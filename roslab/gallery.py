@@ -85,11 +85,7 @@ def entries() -> tuple[Entry, ...]:
 
 
 def nearest(text: str) -> list[Entry]:
-    """
-    Return the entries that match a message, best match first.
-
-    :param text: an error message, or the end of a log
-    """
+    """Return the entries that match a message, best match first."""
     line = ' '.join(text.split())
     found = [(entry.matched(line), entry) for entry in entries()]
     found = sorted((pair for pair in found if pair[0]), key=lambda pair: -pair[0])

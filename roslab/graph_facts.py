@@ -155,11 +155,7 @@ class Facts:
         return found
 
     def label(self, node: str) -> str:
-        """
-        Return the label of a node in the text and the picture.
-
-        :param node: its full name
-        """
+        """Return the label of a node in the text and the picture."""
         if node.endswith(UNKNOWN):
             return '(a node not yet known)'
         same = self.nodes.count(node)
@@ -200,12 +196,7 @@ def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
 
 
 def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
-    """
-    Return why two endpoints of a topic do not match, or an empty string if they do.
-
-    :param publisher: the offering side
-    :param subscription: the requesting side
-    """
+    """Return why two endpoints of a topic do not match, or an empty string if they do."""
     if publisher.type != subscription.type:
         return f'type differs: {publisher.type} | {subscription.type}'
     offers, wants = publisher.qos, subscription.qos
@@ -262,11 +253,7 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
 
 
 def only_topic(facts: Facts, topic: str) -> Facts:
-    """
-    Return the part of a graph that concerns one topic.
-
-    :param topic: its full name
-    """
+    """Return the part of a graph that concerns one topic."""
     topics = tuple(found for found in facts.topics if found.name == topic)
     ends = {end.node for found in topics for end in found.ends}
     return Facts(tuple(n for n in facts.nodes if n in ends), topics, facts.everything)

@@ -25,11 +25,7 @@ _MOST_PORTS = 3
 
 
 class Graph:
-    """
-    The nodes and topics at one moment: a picture in a notebook, lines of text elsewhere.
-
-    :param facts: the graph as read from ROS
-    """
+    """The nodes and topics at one moment: a picture in a notebook, lines of text elsewhere."""
 
     def __init__(self, facts: Facts) -> None:
         self.facts = facts

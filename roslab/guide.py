@@ -91,11 +91,7 @@ class NotebookCell:
 
 
 def load_ipython_extension(shell: Any) -> None:
-    """
-    Install the handler that shows one sentence instead of a traceback if the sentence helps more.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Install the handler that shows a sentence instead of a traceback if that helps more."""
     if _show not in getattr(shell, '_course_guides', ()):
         shell._course_guides = (_show,)
         shell.set_custom_exc((Exception, KeyboardInterrupt), _show)
@@ -106,7 +102,6 @@ def advice(error: BaseException, shell: Any) -> str | None:
     """
     Return the text that replaces the traceback of an error.
 
-    :param error: any error that a cell has raised
     :returns: None if the usual traceback should be shown
     """
     at_once = isinstance(error, KeyboardInterrupt) or isinstance(
@@ -165,11 +160,7 @@ def notebook_path() -> Path | None:
 
 
 def running_cell(shell: Any) -> NotebookCell | None:
-    """
-    Return the running cell as last saved, or None if it is unknown.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Return the running cell as last saved, or None if it is unknown."""
     cells = read_cells()
     here = _running_index(cells, shell)
     return cells[here] if here is not None else None
@@ -195,7 +186,6 @@ def texts_now(shell: Any) -> list[str]:
     """
     Return the source of the notebook's code cells, as last run or otherwise as saved.
 
-    :param shell: what ``get_ipython()`` returns
     :returns: an empty list if the notebook is unknown
     """
     saved = read_cells()
@@ -209,11 +199,7 @@ def texts_now(shell: Any) -> list[str]:
 
 
 def defined_names(source: str) -> frozenset[str]:
-    """
-    Return the names that a cell binds at the top level: by assignment, import, loop, def or class.
-
-    :param source: text of a cell, which may contain magics and shell commands
-    """
+    """Return the names that a cell binds at the top level; it may contain magics."""
     first, _, below = source.partition('\n')
     captured = re.match(r'%%capture\s+([A-Za-z_]\w*)', first)
     names = {captured[1]} if captured else set()

@@ -101,11 +101,7 @@ def no_interrupts() -> Iterator[None]:
 
 
 def watch_cells(shell: Any) -> None:
-    """
-    Deliver the interrupts of this kernel's cells only at moments when they do no harm.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Deliver the interrupts of this kernel's cells only at moments when they do no harm."""
     # ipykernel installs its own handler for each message and restores the old one afterwards.
     shell.events.register('pre_run_cell', _watch_cell)
     kernel = getattr(shell, 'kernel', None)
@@ -142,7 +138,6 @@ class _Watched:
     """
     The state of the message that the kernel is handling.
 
-    :param message: number of the message
     :param interrupted: whether an interrupt was delivered since the start of the cell
     """
 
@@ -232,11 +227,7 @@ def _send_again(message: int) -> None:
 
 
 def _moment(frame: FrameType | None) -> str:
-    """
-    Return when to deliver an interrupt: ``now``, ``later`` or ``never``.
-
-    :param frame: current frame of the main thread
-    """
+    """Return when to deliver an interrupt: ``now``, ``later`` or ``never``."""
     running = False
     while frame is not None:
         name, file = frame.f_code.co_name, frame.f_code.co_filename

@@ -36,7 +36,6 @@ def listen_as_found(topic: str, qos: QoSProfile | None = None) -> Listener:
     """
     Subscribe to a topic with the type of its publishers and, by default, their QoS.
 
-    :param topic: with or without the leading slash
     :param qos: profile of the subscription; None for one that fits the publishers
     :raises NotHereError: if the topic has no endpoint, or its type cannot be imported
     """
@@ -108,11 +107,7 @@ def info(name: str) -> None:
 
 
 def topics(types: bool = True) -> None:
-    """
-    Print all topics, as ``ros2 topic list -t`` does.
-
-    :param types: print the type of each topic too
-    """
+    """Print all topics, as ``ros2 topic list -t`` does, or only their names without ``types``."""
     say(topic_list_text(topics_of(session().helper).items(), types))
 
 

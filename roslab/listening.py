@@ -32,7 +32,6 @@ class Listener:
 
     :param topic: name of the topic
     :param msg_type: class of the topic's messages
-    :param qos: profile of the subscription
     """
 
     def __init__(self, topic: str, msg_type: type, qos: QoSProfile) -> None:
@@ -107,12 +106,7 @@ class Listener:
             del self
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
-        """
-        Return the error of a wait that timed out, with possible reasons.
-
-        :param count: how many messages were expected
-        :param timeout: how long the caller waited for them [s]
-        """
+        """Return the error of a wait that timed out, with possible reasons."""
         hints = self._session.hints if self._session.nodes() else self._session.losses
         return timeout_error(
             f'Heard {len(self)} of {count} messages on {self.topic} in {timeout:g} s.',

@@ -43,11 +43,7 @@ class LogLine:
 
 
 class LogTable:
-    """
-    A sequence of log lines, shown as a table.
-
-    :param lines: oldest first
-    """
+    """A sequence of log lines, shown as a table."""
 
     def __init__(self, lines: tuple[LogLine, ...]) -> None:
         self.lines = lines
@@ -58,11 +54,7 @@ class LogTable:
         return [line.message for line in self.lines]
 
     def at_level(self, level: str) -> LogTable:
-        """
-        Return only the lines of one level.
-
-        :param level: such as 'WARN'
-        """
+        """Return only the lines of one level, such as 'WARN'."""
         return LogTable(tuple(line for line in self.lines if line.level == level.upper()))
 
     def __len__(self) -> int:
@@ -120,11 +112,7 @@ _recorder: _Recorder | None = None
 
 
 def record_logs(on_line: Callable[[LogLine], object] | None = None) -> None:
-    """
-    Start recording log lines, unless that has been done.
-
-    :param on_line: called with each line immediately, in the thread that logs it
-    """
+    """Start recording log lines, unless that has been done."""
     global _recorder
     _recorder = _recorder or _Recorder()
     _recorder.on_line = on_line or _recorder.on_line

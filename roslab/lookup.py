@@ -28,7 +28,6 @@ def resolved(node: Node, topic: str) -> str:
     """
     Return the full name of a topic.
 
-    :param topic: with or without the leading slash
     :raises RoslabError: if the name is not a valid topic name
     """
     try:
@@ -44,7 +43,6 @@ def find_topic(topic: str) -> tuple[str, str]:
     """
     Return the full name of a topic and its type.
 
-    :param topic: with or without the leading slash
     :raises NotHereError: if the topic has no endpoint
     :raises RoslabError: if the endpoints have different types
     """
@@ -62,13 +60,7 @@ def find_topic(topic: str) -> tuple[str, str]:
 
 
 def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
-    """
-    Return the error for a topic or node name that does not exist.
-
-    :param kind: 'topic', 'node', or a phrase that names both
-    :param name: the name that was not found
-    :param known: the names that exist
-    """
+    """Return the error for a topic or node name that does not exist."""
     names = [known_name for known_name in known if known_name not in QUIET_TOPICS]
     near = get_close_matches(name, names, n=1, cutoff=0.7)
     if near:
@@ -84,7 +76,6 @@ def message_class(type_name: str) -> Any:
     """
     Return the class of a message type.
 
-    :param type_name: such as ``std_msgs/msg/String``
     :raises NotHereError: if its package cannot be imported here
     """
     try:
@@ -103,14 +94,7 @@ def type_name(msg_type: type) -> str:
 
 
 def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
-    """
-    Return a sentence that explains why a subscription received too few messages.
-
-    :param node: the node that subscribes
-    :param topic: name of the topic as given to the subscription
-    :param msg_type: message class of the subscription
-    :param qos: profile of the subscription
-    """
+    """Return a sentence that explains why a subscription received too few messages."""
     publishers = node.get_publishers_info_by_topic(topic)
     if not publishers:
         return no_publisher(node, topic)

@@ -23,11 +23,7 @@ class NodeLineMissingError(RoslabError, InputRejected):
 
 
 class ProgramsRefused(ast.NodeTransformer):
-    """
-    The hook that IPython calls on the syntax tree of each cell before running it.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """The hook that IPython calls on the syntax tree of each cell before running it."""
 
     def __init__(self, shell: Any) -> None:
         self._shell = shell
@@ -61,11 +57,7 @@ class ProgramsRefused(ast.NodeTransformer):
 
 
 def refuse_programs(shell: Any) -> None:
-    """
-    Install the hook that refuses cells that are whole programs.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Install the hook that refuses cells that are whole programs."""
     shell.ast_transformers.append(ProgramsRefused(shell))
 
 

@@ -40,11 +40,7 @@ KINDS = ('node', 'rosmsg', 'rospkg', 'answer')
 
 
 def register(shell: Any) -> None:
-    """
-    Register the magics with an IPython shell.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Register the magics with an IPython shell."""
     for kind in KINDS:
         shell.register_magic_function(_magic(shell, kind), 'cell', kind)
     if _keep_empty_body not in shell.input_transformers_cleanup:
@@ -71,9 +67,6 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
     """
     Save a cell and run it if it is a ``%%node`` cell.
 
-    :param kind: one of :data:`KINDS`
-    :param line: the rest of the magic line
-    :param cell: the text below the magic line
     :param namespace: the dictionary to which a node's public names are added
     """
     __tracebackhide__ = True

@@ -182,11 +182,7 @@ def _failure(outcome: child.Outcome, package: LearnerPackage) -> Diagnosis:
 
 
 def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> child.Outcome:
-    """
-    Run colcon.
-
-    :param clean: remove older build files, because the messages have changed
-    """
+    """Run colcon."""
     workspace = package.workspace
     # Always build into an empty install folder: libraries loaded by this kernel must not be
     # overwritten in place, and files of removed messages must disappear.

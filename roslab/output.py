@@ -71,11 +71,7 @@ def counted(things: Sized, word: str) -> str:
 
 
 def text_table(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
-    """
-    Return rows as lines with aligned columns.
-
-    :param right: numbers of the columns that are aligned to the right
-    """
+    """Return rows as lines with aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows)]
     return '\n'.join(
         '  '.join(
@@ -105,7 +101,6 @@ class ElapsedTime:
     """
     One line that counts the seconds in a frontend; without a frontend, it never changes.
 
-    :param text: describes the current work
     :param always: print the line even without a frontend
     :param progress: computes the progress from the end of the output so far
     """

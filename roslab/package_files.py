@@ -26,12 +26,7 @@ _MOST_BYTES = 1_000_000
 
 @dataclass(frozen=True)
 class LearnerPackage:
-    """
-    A package in the workspace next to the notebook.
-
-    :param name: name of the package
-    :param root: folder of the notebook
-    """
+    """A package in the workspace next to the notebook."""
 
     name: str
     root: Path

@@ -42,8 +42,6 @@ class Page:
     The output lines of the nodes that one cell has started.
 
     Only the executor's thread writes to a page; all other threads only read it.
-
-    :param cell: the cell that started the nodes
     """
 
     def __init__(self, cell: Cell) -> None:
@@ -228,11 +226,7 @@ _pages: Pages | None = None
 
 
 def lay_out(shell: Any) -> None:
-    """
-    Start sending the output of nodes to the cells that started them.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Start sending the output of nodes to the cells that started them."""
     global _pages
     stream: Any = sys.stdout
     can = ('set_thread_parent', 'pub_thread')

@@ -64,7 +64,6 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
     Only a notebook inside the course's folder is recorded: a copy that is executed elsewhere, for
     example by a test, is not the learner's work.
 
-    :param kind: one of :data:`KINDS`
     :param result: points, or whether the answer was right
     :param tries: number to add to the stored tries, 1 for a check of an answer that is written
     """

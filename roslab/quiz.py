@@ -45,8 +45,6 @@ class Option:
     """
     One answer of a multiple-choice question.
 
-    :param text: the answer; may contain `code`
-    :param right: whether the answer is right
     :param why: explanation shown after the learner chooses the answer
     """
 
@@ -57,11 +55,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Question:
-    """
-    One question with three or four options, exactly one of them right.
-
-    :param options: in the order in which the learner sees them
-    """
+    """One question with three or four options, exactly one of them right."""
 
     key: str
     text: str

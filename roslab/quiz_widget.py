@@ -17,11 +17,7 @@ _HERE = Path(__file__).parent
 
 
 class QuizWidget(anywidget.AnyWidget):
-    """
-    A question with radio buttons and an explanation for each option.
-
-    :param question: the question to show
-    """
+    """A question with radio buttons and an explanation for each option."""
 
     _esm = _HERE / 'quiz.js'
     _css = _HERE / 'quiz.css'

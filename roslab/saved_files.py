@@ -66,11 +66,7 @@ def look_up(paths: Iterable[Path]) -> list[SavedFile]:
 
 
 def describe(files: Sequence[SavedFile]) -> str:
-    """
-    Return one line of text that names the judged files.
-
-    :param files: as :func:`look_up` returns them
-    """
+    """Return one line of text that names the judged files."""
     if len(files) <= _MOST_NAMED:
         return '; '.join(map(str, files))
     return f'{len(files)} files; the last one is {files[-1]}'

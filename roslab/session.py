@@ -98,11 +98,7 @@ class Session:
             return self._helper
 
     def owns(self, node: Node) -> bool:
-        """
-        Return whether a node is the current hidden node.
-
-        :param node: an earlier value of :attr:`helper`
-        """
+        """Return whether a node is the current hidden node."""
         background = self._background
         return node is self._helper and background is not None and background.alive
 

@@ -69,7 +69,6 @@ class Timeline:
     """
     Messages on a time axis: a picture, or a table where pictures are not available.
 
-    :param rows: from top to bottom
     :param begin: left end of the axis [s]
     :param end: right end of the axis [s]
     """

@@ -22,11 +22,7 @@ _LIBRARIES = tuple(
 
 
 def short_traceback(error: BaseException) -> str:
-    """
-    Return the learner's lines of a traceback, innermost last, followed by the error.
-
-    :param error: an exception that was raised
-    """
+    """Return the learner's lines of a traceback, innermost last, followed by the error."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not is_library(frame.filename)]
     lines = [_frame_text(frame) for frame in own[-_MOST_FRAMES:]]
@@ -55,7 +51,6 @@ def code_name(source: str, otherwise: str) -> str:
     """
     Return the file name under which to compile code that belongs to the running cell.
 
-    :param source: the complete text of the cell
     :param otherwise: the file name to use outside IPython
     """
     running = shell()

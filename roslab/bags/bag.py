@@ -18,7 +18,6 @@ class BagTopic:
     """
     A recorded topic.
 
-    :param name: full name
     :param type: such as ``std_msgs/msg/String``
     :param profiles: quality of service of its publishers, see :mod:`roslab.bags.qos`
     :param hash: hash of the type, '' if unknown

@@ -14,7 +14,6 @@ def definition_of(name: str) -> str:
     """
     Return the text of a message type, followed by those of all its parts.
 
-    :param name: such as ``std_msgs/msg/Header``
     :raises LookupError: if a package or a type is not installed
     """
     texts: dict[str, str] = {}
@@ -35,7 +34,6 @@ def hash_of(name: str) -> str:
     """
     Return the hash of a message type, which changes with its fields but not with its comments.
 
-    :param name: such as ``std_msgs/msg/Header``
     :returns: such as ``RIHS01_df66...``, or ``''`` if the package was built without it
     :raises LookupError: if the type is not installed
     """

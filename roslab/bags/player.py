@@ -27,8 +27,6 @@ class Player:
     """
     Publishes the messages of a bag.
 
-    :param node: has the publishers
-    :param bag: the bag
     :param topics: only these, by full name; none for all
     :raises BagError: if a topic is missing, or a type is not installed or has other fields
     """

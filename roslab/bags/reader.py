@@ -32,7 +32,6 @@ class BagMessage(NamedTuple):
 
     :param topic: full name
     :param received_ns: when the recorder received it [ns since 1970]
-    :param data: the serialised message
     """
 
     topic: str
@@ -44,7 +43,6 @@ def open_bag(path: Path) -> Bag:
     """
     Return the summary of a bag.
 
-    :param path: an MCAP file, or a folder with such files
     :raises BagError: if there is none, or it is damaged or does not hold ROS 2 messages
     """
     files = _files_in(path) if path.is_dir() else (path,)

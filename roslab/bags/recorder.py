@@ -27,8 +27,6 @@ class Recorder:
     Callbacks only store messages, because they may run in another thread; :meth:`drain` writes.
 
     :param node: a node that something else spins
-    :param writer: receives the messages
-    :param topics: full names; none for all topics that are not hidden
     :param tell: called with the name of each topic that is subscribed
     """
 

@@ -51,8 +51,6 @@ class BagWriter:
         """
         Add a topic; it may remain without messages.
 
-        :param name: full name
-        :param type_name: such as ``std_msgs/msg/String``
         :param profiles: what its publishers offer
         :raises LookupError: if the type is not installed
         """
@@ -71,7 +69,6 @@ class BagWriter:
         Add a message.
 
         :param topic: full name, of a topic that was added
-        :param data: the serialised message
         :param received_ns: when it was received [ns since 1970]
         :param sent_ns: when it was published [ns since 1970]
         """

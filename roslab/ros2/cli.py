@@ -24,8 +24,6 @@ class Option(NamedTuple):
     """
     An argument of a verb.
 
-    :param names: its names, as argparse takes them
-    :param how: keywords of ``add_argument``
     :param exclusive: whether it excludes the other exclusive options of its verb
     """
 
@@ -38,7 +36,6 @@ class Group(NamedTuple):
     """
     A group of verbs, or a command without verbs.
 
-    :param words: the line of help
     :param modules: the modules with its verbs, imported only when they are needed
     """
 
@@ -120,11 +117,7 @@ def natural(text: str) -> int:
 
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """
-    Return the parser; only the group that the arguments name is complete.
-
-    :param arguments: the arguments after ``ros2``
-    """
+    """Return the parser; only the group that the arguments name is complete."""
     epilog = 'Call `ros2 <command> -h` for more detailed usage.'
     parser = argparse.ArgumentParser(prog='ros2', description=ABOUT, epilog=epilog)
     # Options of the real ros2 that have no effect here.

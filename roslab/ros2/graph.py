@@ -86,8 +86,6 @@ def entities_of(node: Node, name: str, *, hidden: bool = False) -> dict[str, Nam
     """
     Return the entities of a node, by section of ``ros2 node info``.
 
-    :param node: a node that has discovered the graph
-    :param name: full name of the node to describe
     :param hidden: include names with a part that begins with an underscore
     """
     namespace, _, base = name.rpartition('/')

@@ -86,7 +86,6 @@ def parts_of(name: str) -> Iterator[str]:
     """
     Yield the full names of the message types in the fields of an interface.
 
-    :param name: such as std_msgs/msg/Header
     :raises InterfaceError: if there is no such interface
     """
     for line in interface_file(name).read_text(encoding='utf-8').splitlines():

@@ -48,7 +48,6 @@ def interface_file(name: str) -> Path:
     """
     Return the path of the file that defines an interface.
 
-    :param name: name of the interface, such as std_msgs/msg/String
     :raises InterfaceError: if the name is malformed, or there is no such package or interface
     """
     parts = name.split('/')

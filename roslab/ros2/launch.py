@@ -36,7 +36,6 @@ class Start(NamedTuple):
     """
     A program that a launch file starts.
 
-    :param name: name of the process in the output, such as ``talker-1``
     :param screen: whether to show the text that the program prints
     """
 

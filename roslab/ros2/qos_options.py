@@ -26,12 +26,7 @@ _POLICIES = {
 
 
 def qos_arguments(entity: str, profile: str) -> list[Option]:
-    """
-    Return the options.
-
-    :param entity: purpose of the profile, for the help: 'publish' or 'subscribe'
-    :param profile: name of the default profile
-    """
+    """Return the options."""
     return [
         option(
             '--qos-profile',
@@ -57,11 +52,7 @@ def qos_arguments(entity: str, profile: str) -> list[Option]:
 
 
 def qos_asked_for(args: argparse.Namespace, profile: str) -> QoSProfile | None:
-    """
-    Return the QoS profile given by the options, None if there are no such options.
-
-    :param profile: name of the profile that the options change
-    """
+    """Return the QoS profile given by the options, None if there are no such options."""
     wishes = {
         name: policy.get_from_short_key(value)
         for name, policy in _POLICIES.items()

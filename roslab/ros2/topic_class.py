@@ -30,7 +30,6 @@ def class_of_topic(node: Node, topic: str, *, wait: bool = False) -> Any | None:
     """
     Return the message class of a topic; print a warning if the topic has no endpoint.
 
-    :param node: a node that has discovered the graph
     :param wait: whether to wait until the topic is discovered
     :returns: None if the graph does not contain the topic
     :raises RuntimeError: see :func:`known_class`
