@@ -16,7 +16,7 @@ from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.graph import QUIET_TOPICS, topic_types, topics_of
-from roslab.ros2.interface_files import interface_class
+from roslab.ros2.interface import interface_class
 from roslab.session import session
 from roslab.waiting import wait_in
 

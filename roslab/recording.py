@@ -123,8 +123,7 @@ def _recorded(path: Path, sources: Sequence[object], seconds: float) -> Bag:
 
 
 def _saved(path: Path, sources: Sequence[object]) -> Bag:
-    from roslab.bags.simulated import write_simulation
-    from roslab.bags.writer import BagWriter
+    from roslab.bags.writer import BagWriter, write_simulation
 
     if len(sources) != 1 or not isinstance(sources[0], Simulation):
         raise RoslabError(

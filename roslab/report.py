@@ -99,7 +99,7 @@ class CheckReport:
         if self.problem is not None:
             remarks.append(self.problem.line())
         if self.result is not None:
-            remarks.extend(text for text in (self.result.note,) if text)
+            remarks += [self.result.note] if self.result.note else []
             if any(check.cause_id == _MISSING_FILE for check in self.result.checks):
                 remarks.append(_RUN_FIRST)
             if self.result.mode == 'none':

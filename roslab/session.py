@@ -31,8 +31,8 @@ from roslab.executor import BackgroundExecutor, CallbackStopped, destroy_wholly,
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
 from roslab.output import has_frontend, say
+from roslab.own_domain import tell_of_strangers
 from roslab.pages import beside, Page, page_here
-from roslab.strangers import tell_of_strangers
 from roslab.tracebacks import last_line, short_traceback
 
 HELPER_NAME = '_roslab'

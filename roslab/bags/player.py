@@ -11,10 +11,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import qos_check_compatible, QoSCompatibility, ReliabilityPolicy
 
 from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.definition import hash_of
 from roslab.bags.qos import profile_to_offer
 from roslab.bags.reader import BagError, messages_of
-from roslab.ros2.interface_files import interface_class
+from roslab.ros2.interface import hash_of, interface_class
 
 CONNECT_S = 3.0
 """Maximum time for subscriptions of other nodes to connect before the first message [s]."""

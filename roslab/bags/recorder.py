@@ -14,7 +14,7 @@ from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 
 from roslab.bags.writer import BagWriter
 from roslab.ros2.graph import qos_for_publishers
-from roslab.ros2.interface_files import interface_class
+from roslab.ros2.interface import interface_class
 
 _DEPTH = 1000
 """Messages that may wait for the next callback, so that a burst is not lost."""

@@ -6,14 +6,21 @@ from collections.abc import Iterable
 from dataclasses import replace
 import os
 from pathlib import Path
+from typing import Any, TYPE_CHECKING
 
 from mcap.writer import CompressionType, Writer
+from rcl_interfaces.msg import Log
 from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
 
 from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.definition import definition_of, hash_of
 from roslab.bags.qos import plain_profiles
 from roslab.cli_text import to_yaml
+from roslab.errors import RoslabError
+from roslab.ros2.interface import definition_of, hash_of
+
+if TYPE_CHECKING:
+    from autograder.simulated import LogRecord, Simulation
 
 DISTRO = 'jazzy'
 
@@ -99,3 +106,40 @@ class BagWriter:
         finally:
             self._file.close()
             self._unfinished.unlink(missing_ok=True)
+
+
+def write_simulation(run: Simulation, writer: BagWriter) -> None:
+    """
+    Write the messages and log lines of a simulation, and the inputs that it was sent.
+
+    Second 0 of the simulation becomes the beginning of 1970.
+
+    :raises RoslabError: if a type is not installed, or a message was too long to be kept
+    """
+    rows: list[tuple[float, str, Any]] = []
+    types: dict[str, str] = {}
+    for name, record in [*run.sent.items(), *run.heard.items()]:
+        try:
+            messages = record.messages
+        except (ImportError, AttributeError):
+            raise RoslabError(
+                f'{name}: its type {record.type} is not installed here. Try: build_messages()'
+            ) from None
+        if None in messages:
+            raise RoslabError(f'{name}: the simulation keeps no messages of more than 64 KB.')
+        types[name] = record.type
+        rows += [(time, name, message) for time, message in zip(record.times, messages)]
+    if run.logs:
+        types['/rosout'] = 'rcl_interfaces/msg/Log'
+        rows += [(line.time_s, '/rosout', _log(line)) for line in run.logs]
+    for name, kind in types.items():
+        writer.add_topic(name, kind)
+    for time, name, message in sorted(rows, key=lambda row: row[0]):
+        when = round(time * 10**9)
+        writer.write(name, serialize_message(message), when, when)
+
+
+def _log(line: LogRecord) -> Log:
+    made = Log(name=line.logger, msg=line.text, level=getattr(Log, line.level))
+    made.stamp.sec, made.stamp.nanosec = divmod(round(line.time_s * 10**9), 10**9)
+    return made

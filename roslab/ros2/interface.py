@@ -1,22 +1,95 @@
-"""Implement ``ros2 interface``."""
+"""Find installed interfaces and their definitions, and implement ``ros2 interface``."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+import json
+from pathlib import Path
 import re
 import sys
+from typing import Any
+
+from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
+from ament_index_python.resources import get_resource, get_resources
 
 from roslab.ros2.cli import flag, option, verb
-from roslab.ros2.interface_files import (
-    interface_file,
-    interfaces_of,
-    KINDS,
-    packages_with_interfaces,
-)
 
+KINDS = {'msg': 'Messages', 'srv': 'Services', 'action': 'Actions'}
+_SEPARATOR = '=' * 80
 _PRIMITIVE = re.compile(r'(bool|byte|char|float32|float64|u?int(8|16|32|64)|w?string)(<=\d+)?')
 _CONSTANT = re.compile(r'\S+\s+\w+\s*=')
+
+
+class InterfaceError(LookupError, RuntimeError):
+    """An interface or its package that is not installed; ``ros2`` prints it as one line."""
+
+
+def packages_with_interfaces() -> list[str]:
+    """Return the names of all packages that have interfaces, sorted."""
+    return sorted(get_resources('rosidl_interfaces'))
+
+
+def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
+    """
+    Return the interfaces of a package, such as msg/String, sorted.
+
+    :param kinds: which of msg, srv and action to include
+    :raises InterfaceError: if the package does not exist or has no interfaces
+    """
+    try:
+        text, _ = get_resource('rosidl_interfaces', package)
+    except LookupError:
+        raise InterfaceError(f"Unknown package '{package}'") from None
+    wanted = tuple(f'{kind}/' for kind in kinds)
+    return sorted(
+        {
+            line.rpartition('.')[0]
+            for line in text.splitlines()
+            # The index also lists several generated files per interface and the parts of services.
+            if line.endswith(('.msg', '.srv', '.action')) and line.startswith(wanted)
+        }
+    )
+
+
+def interface_file(name: str) -> Path:
+    """
+    Return the path of the file that defines an interface.
+
+    :raises InterfaceError: if the name is malformed, or there is no such package or interface
+    """
+    parts = name.split('/')
+    if len(parts) != 3 or not all(parts):
+        raise InterfaceError(f"Invalid name '{name}'. Expected three parts separated by '/'")
+    package, kind, interface = parts
+    try:
+        share = Path(get_package_share_directory(package))
+    except (PackageNotFoundError, ValueError):
+        raise InterfaceError(f"Unknown package '{package}'") from None
+    path = share / kind / f'{interface}.{kind}'
+    if not path.is_file():
+        raise InterfaceError(f"Could not find the interface '{path}'")
+    return path
+
+
+def interface_class(name: str, kind: str = 'msg') -> Any:
+    """
+    Return the Python class of an interface.
+
+    :param name: name of the interface, such as std_msgs/msg/String or std_msgs/String
+    :param kind: the middle part to use if the name has only two parts
+    :raises InterfaceError: if the name is malformed or the class cannot be imported
+    """
+    parts = name.split('/')
+    if len(parts) == 2:
+        parts.insert(1, kind)
+    if len(parts) != 3 or not all(parts):
+        raise InterfaceError(f"'{name}' is no interface name such as std_msgs/msg/String")
+    try:
+        return getattr(import_module(f'{parts[0]}.{parts[1]}'), parts[2])
+    except (ImportError, AttributeError) as error:
+        raise InterfaceError(f"'{name}' cannot be imported: {error}") from None
 
 
 _PACKAGE = option('package_name', help='Name of the ROS package, std_msgs')
@@ -109,3 +182,37 @@ def _part(line: str, package_name: str) -> str:
         return ''
     parts = kind.split('/')
     return f'{parts[0]}/msg/{parts[-1]}' if len(parts) > 1 else f'{package_name}/msg/{kind}'
+
+
+def definition_of(name: str) -> str:
+    """
+    Return the text of a message type, followed by those of all its parts.
+
+    :raises LookupError: if a package or a type is not installed
+    """
+    texts: dict[str, str] = {}
+    waiting = [name]
+    while waiting:
+        one = waiting.pop(0)
+        if one not in texts:
+            texts[one] = interface_file(one).read_text(encoding='utf-8')
+            waiting += parts_of(one)
+    own = texts.pop(name)
+    parts = (
+        f'{_SEPARATOR}\nMSG: {part.replace("/msg/", "/")}\n{text}' for part, text in texts.items()
+    )
+    return '\n'.join([own, *parts])
+
+
+def hash_of(name: str) -> str:
+    """
+    Return the hash of a message type, which changes with its fields but not with its comments.
+
+    :returns: such as ``RIHS01_df66...``, or ``''`` if the package was built without it
+    :raises LookupError: if the type is not installed
+    """
+    file = interface_file(name).with_suffix('.json')
+    if not file.is_file():
+        return ''
+    hashes = json.loads(file.read_text(encoding='utf-8'))['type_hashes']
+    return next((one['hash_string'] for one in hashes if one['type_name'] == name), '')

@@ -14,9 +14,8 @@ import yaml
 from roslab.cli_text import field_text, message_dict, Shorten, TRUNCATE_AT
 from roslab.ros2.cli import flag, option, verb
 from roslab.ros2.discovery import knowing_node, NODE
-from roslab.ros2.graph import qos_for_publishers
+from roslab.ros2.graph import class_of_topic, known_class, named_class, qos_for_publishers
 from roslab.ros2.qos_options import qos_arguments, qos_asked_for
-from roslab.ros2.topic_class import class_of_topic, known_class, named_class
 
 
 @verb(

@@ -13,8 +13,7 @@ from rclpy.node import Node
 from roslab.cli_text import hz_text
 from roslab.ros2.cli import flag, Option, option, positive_int, verb
 from roslab.ros2.discovery import knowing_node, NODE
-from roslab.ros2.graph import qos_for_publishers
-from roslab.ros2.topic_class import class_of_topic, known_class
+from roslab.ros2.graph import class_of_topic, known_class, qos_for_publishers
 
 _BETWEEN_S = 1.0
 

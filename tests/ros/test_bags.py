@@ -34,7 +34,7 @@ from roslab.cli_text import message_dict
 from roslab.errors import RoslabError
 from roslab.listening import Listener
 from roslab.recording import record, replay
-from roslab.ros2.interface_files import interface_class, interfaces_of
+from roslab.ros2.interface import interface_class, interfaces_of
 from roslab.session import Session
 from tests.own_domain import own_domain
 

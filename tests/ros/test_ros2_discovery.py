@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from roslab.ros2 import discovery, graph
-from roslab.ros2.topic_class import known_class
+from roslab.ros2.graph import known_class
 
 pytestmark = [pytest.mark.ros]
 LATE_S = 1.0

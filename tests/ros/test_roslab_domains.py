@@ -125,7 +125,7 @@ def test_graph_calls_only_its_own_listener_this_notebook(kernels, tmp_path):
 def test_nodes_that_a_notebook_made_itself_are_no_strangers(kernels):
     """The look leaves out every node of its own process, whatever context it is in."""
     kernel = kernels()
-    kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 1.0')
+    kernel.run('import roslab.own_domain; roslab.own_domain.LOOK_S = 1.0')
     kernel.run(
         'from rclpy.context import Context\nworld = Context(); world.init()\n'
         'worker = Node("worker", context=world)'

@@ -199,7 +199,7 @@ def test_nodes_that_are_here_before_the_first_are_told_once(new_kernel, tmp_path
     world = live_kernels.Kernel(tmp_path, domain=domain)
     try:
         quiet = world.run(TALKER + 'talker = start(Talker)', cell_id='a')
-        new_kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 60.0')
+        new_kernel.run('import roslab.own_domain; roslab.own_domain.LOOK_S = 60.0')
         begin = 'one = start(lambda: Node("one"))'
         first, again = new_kernel.run(begin, cell_id='b'), new_kernel.run(begin, cell_id='b')
     finally:

@@ -16,12 +16,11 @@ from environment.ros import ros_environment
 from roslab.ros2 import (
     cli,
     daemon,  # noqa: F401 - adds its verbs to the table
-    filling,
     graph,
     interface,
-    interface_files,
     pkg_files,
     qos_options,
+    topic_pub,
 )
 from roslab.ros2.interface import definition
 from roslab.ros2.topic_echo import _selected
@@ -178,9 +177,9 @@ def test_fill_sets_nested_fields_arrays_and_the_time():
     header, text = Header(), String()
     layout = '{data: [1, 2.5], layout: {dim: [{label: x, size: 2}], data_offset: 1}}'
 
-    filling.fill(array, filling.parsed(layout))
-    filling.fill(header, filling.parsed('{stamp: now, frame_id: 7}'), now)
-    filling.fill(text, filling.parsed('data: yes'))
+    topic_pub.fill(array, topic_pub.parsed(layout))
+    topic_pub.fill(header, topic_pub.parsed('{stamp: now, frame_id: 7}'), now)
+    topic_pub.fill(text, topic_pub.parsed('data: yes'))
 
     assert list(array.data) == [1.0, 2.5]
     assert (array.layout.dim[0].label, array.layout.data_offset) == ('x', 1)
@@ -191,13 +190,13 @@ def test_fill_sets_nested_fields_arrays_and_the_time():
 def test_values_that_are_no_mapping_are_refused(text):
     """The text has to give fields by name."""
     with pytest.raises(RuntimeError, match='YAML'):
-        filling.parsed(text)
+        topic_pub.parsed(text)
 
 
 def test_fill_unknown_field_names_it():
     """The error is the one that Python gives for the message."""
     with pytest.raises(AttributeError, match="'Empty' object has no attribute 'x'"):
-        filling.fill(Empty(), {'x': 1})
+        topic_pub.fill(Empty(), {'x': 1})
 
 
 def test_selected_walks_along_a_path():
@@ -259,7 +258,7 @@ def test_interface_names_are_explained(name, words, monkeypatch):
     """The form, the package and the file are three different mistakes."""
     monkeypatch.setenv('AMENT_PREFIX_PATH', ros_environment().variables['AMENT_PREFIX_PATH'])
     with pytest.raises((ValueError, LookupError), match=words):
-        interface_files.interface_file(name)
+        interface.interface_file(name)
 
 
 def new_package(build_type, node='speak'):
