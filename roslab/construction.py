@@ -48,9 +48,7 @@ class Construction:
             return name, arguments
         if self.parameters:
             overrides = {item.name: item for item in given.get('parameter_overrides') or ()}
-            overrides.update(
-                {key: Parameter(key, value=value) for key, value in self.parameters.items()}
-            )
+            overrides |= {key: Parameter(key, value=it) for key, it in self.parameters.items()}
             arguments['parameter_overrides'] = list(overrides.values())
         return self.name or name, arguments
 

@@ -20,7 +20,6 @@ import zlib
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.utilities import get_default_context
 
 from environment.ros_domain import Claim, claim, DOMAINS
@@ -103,41 +102,26 @@ def nodes_of_others() -> list[str]:
         )
         try:
             wait_for_graph(node, LOOK_S)
-            found = Counter(node_names(node, hidden=False)) - Counter(_nodes_of_this_process(node))
-            return sorted(found)
+            # Every node has a publisher on this topic; the name of this node is unique.
+            found = [
+                (info.node_name, info.node_namespace, bytes(info.endpoint_gid[:_PROCESS_BYTES]))
+                for info in node.get_publishers_info_by_topic('/parameter_events')
+            ]
+            own = {process for name, _, process in found if name == node.get_name()}
+            ours = Counter(full_name(*who) for *who, process in found if process in own)
+            return sorted(Counter(node_names(node, hidden=False)) - ours)
         finally:
             node.destroy_node()
     finally:
         context.try_shutdown()
 
 
-def _nodes_of_this_process(node: Node) -> list[str]:
-    """
-    Return the full names of the nodes in the same process as a given node.
-
-    :param node: a node with a unique name
-    """
-    # Every node has a publisher on this topic.
-    infos = node.get_publishers_info_by_topic('/parameter_events')
-    own = [_process_of(info) for info in infos if info.node_name == node.get_name()]
-    return [
-        full_name(info.node_name, info.node_namespace)
-        for info in infos
-        if _process_of(info) in own
-    ]
-
-
-def _process_of(info: TopicEndpointInfo) -> bytes:
-    return bytes(info.endpoint_gid[:_PROCESS_BYTES])
-
-
 def tell_of_strangers() -> None:
     """Print the nodes of other processes in the domain, if there are any."""
     names = nodes_of_others()
-    if not names:
-        return
-    more = f' and {len(names) - MOST_NAMED} more' if len(names) > MOST_NAMED else ''
-    say(
-        f'Note: other programs in the ROS domain of this notebook run nodes already: '
-        f'{", ".join(names[:MOST_NAMED])}{more}. This notebook hears them too.'
-    )
+    if names:
+        more = f' and {len(names) - MOST_NAMED} more' if len(names) > MOST_NAMED else ''
+        say(
+            f'Note: other programs in the ROS domain of this notebook run nodes already: '
+            f'{", ".join(names[:MOST_NAMED])}{more}. This notebook hears them too.'
+        )

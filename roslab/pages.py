@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 import os
 import stat
 import sys
@@ -94,23 +94,13 @@ class Pages:
 
     def page(self) -> Page | None:
         """Return the page of the running cell, for nodes that the cell starts."""
-        cell = self._running
-        if cell is None:
-            return None
-        if self._of_running is None:
-            self._of_running = Page(cell)
+        if self._of_running is None and self._running is not None:
+            self._of_running = Page(self._running)
         return self._of_running
 
     @contextmanager
-    def beside(self, page: Page | None) -> Iterator[None]:
-        """
-        Send what this thread prints and logs to a page inside the ``with`` block.
-
-        :param page: None changes nothing
-        """
-        if page is None:
-            yield
-            return
+    def beside(self, page: Page) -> Iterator[None]:
+        """Do what :func:`beside` does."""
         outer = getattr(self._here, 'page', None)
         token = self._stream.set_thread_parent(page.cell.request)
         self._here.page = page
@@ -242,25 +232,11 @@ def lay_out(shell: Any) -> None:
     shell.events.register('post_run_cell', _pages.end_cell)
 
 
-def pages() -> Pages | None:
-    """Return the :class:`Pages` of this kernel, or None outside a notebook."""
-    return _pages
-
-
 def page_here() -> Page | None:
     """Return the page of the running cell, for nodes that the cell starts."""
     return _pages.page() if _pages is not None else None
 
 
-@contextmanager
-def beside(page: Page | None) -> Iterator[None]:
-    """
-    Send what this thread prints and logs to a page inside the ``with`` block.
-
-    :param page: None changes nothing
-    """
-    if _pages is None:
-        yield
-        return
-    with _pages.beside(page):
-        yield
+def beside(page: Page | None) -> AbstractContextManager[None]:
+    """Send what this thread prints and logs to a page inside the ``with`` block."""
+    return nullcontext() if _pages is None or page is None else _pages.beside(page)

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import NamedTuple
 
-from autograder.submission.cells import CellFile, CellSyntaxError, parse_cell
+from autograder.submission.cells import CellSyntaxError, parse_cell
 from roslab.guide import notebook_path, read_cells
 from roslab.output import shell
 
@@ -24,8 +24,7 @@ _saves: dict[Path, tuple[int, int]] = {}
 """Execution number that saved each file, and the file's modification time after it [ns]."""
 
 
-@dataclass(frozen=True)
-class SavedFile:
+class SavedFile(NamedTuple):
     """
     A file of an exercise.
 
@@ -40,10 +39,12 @@ class SavedFile:
 
     def __str__(self) -> str:
         """Return the time of the save and the cell that saved the file, as text."""
-        by = (
-            f'In [{self.execution}]' if self.execution is not None else 'another kernel or program'
-        )
-        return f'{self.path.name}, saved {_clock(self.modified_s)} by {by}'
+        then, name = datetime.fromtimestamp(self.modified_s), self.path.name
+        today = then.date() == datetime.now().date()
+        clock = f'{then:%H:%M}' if today else f'{then:%d %b %H:%M}'
+        unknown = self.execution is None
+        by = 'another kernel or program' if unknown else f'In [{self.execution}]'
+        return f'{name}, saved {clock} by {by}'
 
 
 def note_save(path: Path) -> None:
@@ -78,29 +79,16 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     if notebook is None:
         return []
     shown_s = notebook.stat().st_mtime
-    cells = list(_cell_files())
-    found = []
-    for file in files:
-        bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
-        # Ignore a notebook saved before the cell ran: its text may be older than the file.
-        if (
-            bodies
-            and shown_s > file.modified_s
-            and file.path.read_text('utf-8', 'replace') not in bodies
-        ):
-            found.append(file.path.name)
-    return found
-
-
-def _cell_files() -> Iterable[CellFile]:
+    bodies: dict[str, set[str]] = {}
     for cell in read_cells():
         with suppress(CellSyntaxError):
             if (file := parse_cell(cell.source)) is not None:
-                yield file
-
-
-def _clock(seconds: float) -> str:
-    """Return the time as hours and minutes, with the date in front if it is not today."""
-    then = datetime.fromtimestamp(seconds)
-    today = then.date() == datetime.now().date()
-    return f'{then:%H:%M}' if today else f'{then:%d %b %H:%M}'
+                bodies.setdefault(Path(file.path).name, set()).add(file.body)
+    return [
+        saved.path.name
+        for saved in files
+        # Ignore a notebook saved before the cell ran: its text may be older than the file.
+        if saved.path.name in bodies
+        and shown_s > saved.modified_s
+        and saved.path.read_text('utf-8', 'replace') not in bodies[saved.path.name]
+    ]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, suppress
 import time
 import traceback
 from typing import Any, NamedTuple
@@ -131,11 +131,10 @@ class Session:
             if isinstance(factory, Node):
                 node = factory
             else:
-                making = Construction(executor.context, self._make_room, name, parameters or {})
+                making = Construction(executor.context, self._stop_if_any, name, parameters or {})
                 node = self._construct(factory, making, interrupts)
             key = key_of(node.get_name(), node.get_namespace())
-            if key in self._started and self._started[key].node is not node:
-                self.stop(key)
+            self._stop_if_any(key, but=node)
             # Register the node first, because its first callback may raise before `add` returns.
             self._lost.pop(key, None)
             self._started[key] = Started(node, page_here())
@@ -254,8 +253,8 @@ class Session:
             raise
         return node
 
-    def _make_room(self, key: str) -> None:
-        if key in self._started:
+    def _stop_if_any(self, key: str, but: Node | None = None) -> None:
+        if key in self._started and self._started[key].node is not but:
             self.stop(key)
 
     def _destroy(self, node: Node) -> None:
@@ -268,16 +267,12 @@ class Session:
         if isinstance(which, str):
             forms = (which, which.lstrip('/'), f'/{which}')
             return next((form for form in forms if form in self._started), which)
-        for key, started in tuple(self._started.items()):
-            if started.node is which:
-                return key
-        return repr(which)
+        keys = (key for key, one in tuple(self._started.items()) if one.node is which)
+        return next(keys, repr(which))
 
     def _beside_its_cell(self, node: Node | None) -> AbstractContextManager[None]:
-        for started in tuple(self._started.values()):
-            if started.node is node:
-                return beside(started.page)
-        return nullcontext()
+        pages = (one.page for one in tuple(self._started.values()) if one.node is node)
+        return beside(next(pages, None))
 
     def _on_failure(self, node: Node | None, error: BaseException) -> None:
         """
