@@ -9,11 +9,10 @@ are included, and a line is in the table as soon as the logging call returns.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 import html
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -26,8 +25,7 @@ _COLOURS = {'WARN': '#b8860b', 'ERROR': '#c0392b', 'FATAL': '#c0392b', 'DEBUG': 
 _HOOK = 'rclpy_logging_rcutils_log'
 
 
-@dataclass(frozen=True)
-class LogLine:
+class LogLine(NamedTuple):
     """
     One line that a node logged.
 
@@ -42,34 +40,22 @@ class LogLine:
     message: str
 
 
-class LogTable:
-    """A sequence of log lines, shown as a table."""
-
-    def __init__(self, lines: tuple[LogLine, ...]) -> None:
-        self.lines = lines
+class LogTable(tuple[LogLine, ...]):
+    """A sequence of log lines, oldest first, shown as a table."""
 
     @property
     def messages(self) -> list[str]:
         """The texts of the lines, without levels and logger names."""
-        return [line.message for line in self.lines]
+        return [line.message for line in self]
 
     def at_level(self, level: str) -> LogTable:
         """Return only the lines of one level, such as 'WARN'."""
-        return LogTable(tuple(line for line in self.lines if line.level == level.upper()))
-
-    def __len__(self) -> int:
-        return len(self.lines)
-
-    def __iter__(self) -> Iterator[LogLine]:
-        return iter(self.lines)
-
-    def __getitem__(self, index: int) -> LogLine:
-        return self.lines[index]
+        return LogTable(line for line in self if line.level == level.upper())
 
     def __repr__(self) -> str:
-        if not self.lines:
+        if not self:
             return 'No log lines.'
-        return text_table([_cells(line) for line in self.lines])
+        return text_table([_cells(line) for line in self])
 
     def _repr_html_(self) -> str:
         rows = ''.join(
@@ -78,7 +64,7 @@ class LogTable:
                 f'<td style="text-align: left">{html.escape(cell)}</td>' for cell in _cells(line)
             )
             + '</tr>'
-            for line in self.lines
+            for line in self
         )
         head = ''.join(
             f'<th scope="col" style="text-align: left">{name}</th>'
@@ -129,8 +115,7 @@ def logs(node: Node | str | None = None) -> LogTable:
         return LogTable(lines)
     name = node if isinstance(node, str) else node.get_fully_qualified_name()
     logger = name.strip('/').replace('/', '.')
-    own = (line for line in lines if f'{line.logger}.'.startswith(f'{logger}.'))
-    return LogTable(tuple(own))
+    return LogTable(line for line in lines if f'{line.logger}.'.startswith(f'{logger}.'))
 
 
 def _cells(line: LogLine) -> tuple[str, str, str, str]:

@@ -9,9 +9,8 @@ nbgrader treats a single line there as a failed cell.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence, Sized
-from dataclasses import dataclass
 import sys
-from typing import Any
+from typing import Any, NamedTuple
 
 
 def shell() -> Any | None:
@@ -23,8 +22,7 @@ def shell() -> Any | None:
     return get_ipython()
 
 
-@dataclass(frozen=True)
-class Cell:
+class Cell(NamedTuple):
     """
     The execution of a notebook cell.
 

@@ -21,26 +21,11 @@ Run = Callable[[argparse.Namespace], None]
 
 
 class Option(NamedTuple):
-    """
-    An argument of a verb.
-
-    :param exclusive: whether it excludes the other exclusive options of its verb
-    """
+    """Names and keywords of ``add_argument``, and whether exclusive options exclude it."""
 
     names: tuple[str, ...]
     how: dict[str, Any]
     exclusive: bool = False
-
-
-class Group(NamedTuple):
-    """
-    A group of verbs, or a command without verbs.
-
-    :param modules: the modules with its verbs, imported only when they are needed
-    """
-
-    words: str
-    modules: tuple[str, ...]
 
 
 ABOUT = (
@@ -48,19 +33,23 @@ ABOUT = (
     'Where a full installation of ROS 2 is in use, its own ros2 comes first.'
 )
 GROUPS = {
-    'bag': Group('Various rosbag related sub-commands', ('bag',)),
-    'daemon': Group('Tell about the daemon (this command has none)', ('daemon',)),
-    'interface': Group('Show information about ROS interfaces', ('interface',)),
-    'launch': Group('Run a launch file', ('launch',)),
-    'lifecycle': Group('Various lifecycle related sub-commands', ('lifecycle',)),
-    'node': Group('Various node related sub-commands', ('node',)),
-    'param': Group('Various param related sub-commands', ('param',)),
-    'pkg': Group('Various package related sub-commands', ('pkg', 'pkg_create')),
-    'run': Group('Run a package specific executable', ('pkg',)),
-    'topic': Group(
-        'Various topic related sub-commands', ('topic', 'topic_echo', 'topic_pub', 'topic_rate')
-    ),
+    'bag': 'Various rosbag related sub-commands',
+    'daemon': 'Tell about the daemon (this command has none)',
+    'interface': 'Show information about ROS interfaces',
+    'launch': 'Run a launch file',
+    'lifecycle': 'Various lifecycle related sub-commands',
+    'node': 'Various node related sub-commands',
+    'param': 'Various param related sub-commands',
+    'pkg': 'Various package related sub-commands',
+    'run': 'Run a package specific executable',
+    'topic': 'Various topic related sub-commands',
 }
+MODULES = {
+    'pkg': ('pkg', 'pkg_create'),
+    'run': ('pkg',),
+    'topic': ('topic', 'topic_echo', 'topic_pub', 'topic_rate'),
+}
+"""The modules with the verbs of a group, where they are not one of that name."""
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security', 'service')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = ('the given context is not valid', "rcl node's context is invalid")
@@ -124,11 +113,11 @@ def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument('--use-python-default-buffering', action='store_true', help='no effect')
     groups = parser.add_subparsers(title='Commands', metavar='<command>', dest='command')
     chosen = next((word for word in arguments if not word.startswith('-')), '')
-    for name, (words, modules) in GROUPS.items():
+    for name, words in GROUPS.items():
         group = groups.add_parser(name, help=words, description=words)
         group.set_defaults(verb=None, help_of=group)
         if name == chosen:
-            for module in modules:
+            for module in MODULES.get(name, (name,)):
                 import_module(f'roslab.ros2.{module}')
             _complete(group, name)
     return parser
