@@ -13,6 +13,7 @@ from typing import Any
 
 from rosidl_parser.definition import AbstractNestedType, BasicType, NamespacedType
 
+from roslab.cli_text import item_type
 from roslab.errors import NotHereError, RoslabError
 from roslab.lookup import message_class
 
@@ -68,7 +69,7 @@ def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
             if not isinstance(kind, AbstractNestedType):
                 raise missing
             steps.append(int(index))
-            kind = kind.value_type
+            kind, said = kind.value_type, item_type(said)
         fields = _class_of(kind) if isinstance(kind, NamespacedType) else None
     if not isinstance(kind, BasicType):
         raise _no_number(msg_type, path, kind, said)

@@ -8,6 +8,7 @@ The entries are data in ``gallery.yaml``.  Build errors are also looked up in th
 from __future__ import annotations
 
 import builtins
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 import pkgutil
@@ -53,7 +54,7 @@ class Entry(NamedTuple):
 
     key: str
     heading: str
-    patterns: tuple[str, ...]
+    patterns: Sequence[str]
     cause: str
     repair: str
 

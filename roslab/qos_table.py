@@ -49,7 +49,11 @@ def _named(field: str, kind: Any, *names: str) -> dict[str, Choice]:
     return {name: {field: kind[name]} for name in names}
 
 
-_LASTING = {'no limit': 0, '2 s': 2, '1 s': 1}
+def _lasting(field: str) -> dict[str, Choice]:
+    limits = {f'{seconds} s': {field: Duration(seconds=seconds)} for seconds in (2, 1)}
+    return {'no limit': {}, **limits}
+
+
 _UNDECIDED = ('SYSTEM_DEFAULT', 'BEST_AVAILABLE')
 _RELIABILITY = _named('reliability', ReliabilityPolicy, 'BEST_EFFORT', 'RELIABLE')
 _DURABILITY = _named('durability', DurabilityPolicy, 'VOLATILE', 'TRANSIENT_LOCAL')
@@ -61,20 +65,12 @@ CHOICES: Mapping[str, Mapping[str, Choice]] = {
         f'{one}, {other}': {**_RELIABILITY[one], **_DURABILITY[other]}
         for one, other in product(_RELIABILITY, _DURABILITY)
     },
+    'deadline': _lasting('deadline'),
     'liveliness': _named(
         'liveliness', LivelinessPolicy, 'AUTOMATIC', 'MANUAL_BY_TOPIC', *_UNDECIDED
     ),
-    **{
-        table: {
-            name: {field: Duration(seconds=seconds)} if seconds else {}
-            for name, seconds in _LASTING.items()
-        }
-        for table, field in (
-            ('deadline', 'deadline'),
-            ('lease', 'liveliness_lease_duration'),
-            ('lifespan', 'lifespan'),
-        )
-    },
+    'lease': _lasting('liveliness_lease_duration'),
+    'lifespan': _lasting('lifespan'),
     'depth': {
         'keep last 1': {'depth': 1},
         'keep last 10': {'depth': 10},
