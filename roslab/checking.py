@@ -7,7 +7,7 @@ available, and prints its verdicts as one line of JSON.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 import difflib
 import json
@@ -20,6 +20,7 @@ from IPython import get_ipython
 
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
+from autograder.exam.exam import Exam
 from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
@@ -71,8 +72,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
             'none',
             'run the cells of the exercise first, those that begin with %%',
         )
-    required = {Path(path).name for path in about.requires}
-    own = {name: text for name, text in files.items() if Path(name).name in required}
+    own = _of_exercise(about, files)
     saved = look_up(package.find(name) for name in own)
     outcome = child.run_grader(
         'autograder.commands.check',
@@ -142,6 +142,12 @@ def _no_such(exam: str, error: ExamInvalid) -> CheckReport:
     near = difflib.get_close_matches(exam, names, n=1)
     try_this = f'check({near[0]!r})' if near else error.fix
     return _not_checked(exam, 'the name of an exercise', f'{exam!r}', try_this)
+
+
+def _of_exercise(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
+    """Return the files that an exercise requires."""
+    required = {Path(path).name for path in exam.requires}
+    return {name: text for name, text in files.items() if Path(name).name in required}
 
 
 def _is_stub(name: str, text: str) -> bool:

@@ -201,7 +201,7 @@ def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
         if len(began) == 1:
             raise CallbackStopped
 
-    session.executor._between_callbacks(request, SOON_S)
+    assert session.executor._do(request, SOON_S)
 
     assert len(began) == 2
 
@@ -512,7 +512,7 @@ def test_logs_are_kept_by_node(session):
     assert lines.messages == ['said 1']
     assert lines[0].level == 'INFO'
     assert 'said 1' in repr(lines)
-    assert '<td>INFO</td>' in lines._repr_html_()
+    assert '>INFO</td>' in lines._repr_html_()
 
 
 def test_helper_is_hidden_and_alone(session):
