@@ -23,10 +23,10 @@ from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
-from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
+from autograder.submission.cells import UNSOLVED
 from roslab import child
 from roslab.errors import RoslabError, shown_as
-from roslab.guide import texts_now
+from roslab.guide import saved_file, texts_now
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.progress import remember
 from roslab.report import CheckReport
@@ -156,11 +156,8 @@ def _is_stub(name: str, text: str) -> bool:
 
 def _left_over(files: Collection[str]) -> tuple[str, ...]:
     """Return the files that no cell of the notebook saves now, for example after a rename."""
-    texts, made = _texts(), set()
-    for text in texts:
-        with suppress(CellSyntaxError):
-            if (cell := parse_cell(text)) is not None:
-                made.add(Path(cell.path).name)
+    texts = _texts()
+    made = {Path(file.path).name for file in map(saved_file, texts) if file is not None}
     return tuple(name for name in files if texts and Path(name).name not in made)
 
 

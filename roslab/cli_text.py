@@ -47,9 +47,9 @@ class Shorten(NamedTuple):
 AS_ECHO, COMPLETE = Shorten(), Shorten(None)
 
 
-def message_yaml(message: Any, shorten: Shorten = AS_ECHO, *, flow: bool = False) -> str:
+def message_yaml(message: Any, shorten: Shorten = AS_ECHO) -> str:
     """Return a message as YAML, with a line break at the end."""
-    return to_yaml(message_dict(message, shorten), flow)
+    return to_yaml(message_dict(message, shorten))
 
 
 def field_text(

@@ -33,6 +33,8 @@ OnFailure = Callable[[Node | None, BaseException], None]
 Around = Callable[[Node | None], AbstractContextManager[None]]
 
 _MOST_FAILURES_IN_A_ROW = 100
+_PATIENCE_S = 1.0
+"""How long to wait for a running callback [s]."""
 
 
 def destroy_wholly(node: Node) -> None:
@@ -166,42 +168,34 @@ class BackgroundExecutor(Executor):
 
     def add(self, node: Node) -> None:
         """Start serving a node."""
-        if not self._do(lambda: self.add_node(node), 1.0):
+        if not self._do(lambda: self.add_node(node), _PATIENCE_S):
             self.add_node(node)
 
-    def destroy(self, node: Node, patience_s: float = 1.0) -> None:
-        """
-        Stop serving a node and destroy it, even if its callback does not return.
-
-        :param patience_s: how long to wait for a running callback [s]
-        """
+    def destroy(self, node: Node) -> None:
+        """Stop serving a node and destroy it, even if its callback does not return."""
 
         def go() -> None:
             self.remove_node(node)
             destroy_wholly(node)
 
-        if self._do(go, patience_s):
+        if self._do(go, _PATIENCE_S):
             return
         running = self.running
         if running is not None and running[0] is node:
             self._break_callback()
         # Try again, because the thread may only have been slow.  Destroying a node twice is
         # harmless.
-        if not self._do(go, patience_s):
+        if not self._do(go, _PATIENCE_S):
             go()  # a callback still blocks the thread, so no wait set is in use
 
-    def stop(self, patience_s: float = 1.0) -> bool:
-        """
-        Stop the thread.
-
-        :param patience_s: how long to wait for a running callback [s]
-        """
+    def stop(self) -> bool:
+        """Stop the thread, and return whether it has ended."""
         self._stopping = True
         self.ask(lambda: None)
-        self._thread.join(patience_s)
+        self._thread.join(_PATIENCE_S)
         if self._thread.is_alive():
             self._break_callback()
-            self._thread.join(patience_s)
+            self._thread.join(_PATIENCE_S)
         if not self._thread.is_alive():
             self.shutdown()
         return not self._thread.is_alive()

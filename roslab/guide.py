@@ -25,7 +25,7 @@ from typing import Any
 from IPython.core.error import UsageError
 from IPython.core.inputtransformer2 import TransformerManager
 
-from autograder.submission.cells import CellSyntaxError, parse_cell
+from autograder.submission.cells import CellFile, CellSyntaxError, parse_cell
 from roslab.errors import RoslabError
 from roslab.interrupts import interrupted
 from roslab.output import current_cell
@@ -69,17 +69,28 @@ class NotebookCell:
 
     :param identifier: its id in the notebook file
     :param heading: heading of its section
-    :param names: the names that it defines
-    :param module: the module that a ``%%node`` cell creates
+    :param file: the file that a cell such as ``%%node`` saves
     :param grade_id: nbgrader id of an exercise's cell
     """
 
     identifier: str
     heading: str
     source: str
-    names: frozenset[str]
-    module: str | None
+    file: CellFile | None
     grade_id: str = ''
+
+    @property
+    def module(self) -> str | None:
+        """The module that a ``%%node`` cell creates."""
+        return self.file.name if self.file and self.file.kind == 'node' else None
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The names that it defines in the notebook."""
+        if self.file is None:
+            return defined_names(self.source)
+        names = defined_names(self.file.body) if self.module else frozenset()
+        return frozenset(name for name in names if name[0] != '_')
 
     @property
     def place(self) -> str:
@@ -348,19 +359,13 @@ def _code_cells(cells: Sequence[dict[str, Any]]) -> Iterator[NotebookCell]:
             titles = re.findall(r'(?m)^#{1,6}\s+(.+?)\s*$', source)
             heading = titles[-1] if titles else heading
         elif cell['cell_type'] == 'code':
-            names, module = _contents(source)
             grade_id = cell.get('metadata', {}).get('nbgrader', {}).get('grade_id', '')
-            yield NotebookCell(cell.get('id', ''), heading, source, names, module, grade_id)
+            yield NotebookCell(cell.get('id', ''), heading, source, saved_file(source), grade_id)
 
 
-def _contents(source: str) -> tuple[frozenset[str], str | None]:
-    """Return the names that a cell defines, and the module that it creates."""
+def saved_file(source: str) -> CellFile | None:
+    """Return the file that a cell saves, None if it saves none or its first line is wrong."""
     try:
-        file = parse_cell(source)
+        return parse_cell(source)
     except CellSyntaxError:
-        return frozenset(), None
-    if file is None:
-        return defined_names(source), None
-    if file.kind != 'node':
-        return frozenset(), None
-    return frozenset(name for name in defined_names(file.body) if name[0] != '_'), file.name
+        return None

@@ -9,12 +9,10 @@ which JupyterLab saves every few seconds.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from autograder.submission.cells import CellSyntaxError, parse_cell
 from roslab.guide import notebook_path, read_cells
 from roslab.output import shell
 
@@ -81,9 +79,8 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     shown_s = notebook.stat().st_mtime
     bodies: dict[str, set[str]] = {}
     for cell in read_cells():
-        with suppress(CellSyntaxError):
-            if (file := parse_cell(cell.source)) is not None:
-                bodies.setdefault(Path(file.path).name, set()).add(file.body)
+        if cell.file is not None:
+            bodies.setdefault(Path(cell.file.path).name, set()).add(cell.file.body)
     return [
         saved.path.name
         for saved in files
