@@ -70,7 +70,8 @@ def arrange(
     spots = {key: Spot(key, *size, layer=layers[key]) for key, size in sizes.items()}
     chains = {arrow: _chain(arrow, spots) for arrow in forward}
     links = sorted({link for chain in chains.values() for link in pairwise(chain)})
-    columns = _columns(spots)
+    highest = max(layers.values(), default=-1)
+    columns = [[s for s in spots.values() if s.layer == layer] for layer in range(highest + 1)]
     _order(columns, links)
     _place_x(columns)
     _place_y(columns, links)
@@ -125,11 +126,6 @@ def _chain(arrow: Arrow, spots: dict[str, Spot]) -> list[str]:
         spots[key] = Spot(key, 0.0, _LINE_HEIGHT, layer=layer)
         keys.append(key)
     return [*keys, end]
-
-
-def _columns(spots: dict[str, Spot]) -> list[list[Spot]]:
-    highest = max((spot.layer for spot in spots.values()), default=-1)
-    return [[s for s in spots.values() if s.layer == layer] for layer in range(highest + 1)]
 
 
 def _neighbours(links: list[Arrow]) -> dict[str, list[str]]:

@@ -216,14 +216,15 @@ def _deliver(number: int, frame: FrameType | None) -> None:
 
 
 def _try_later() -> None:
-    retry = threading.Timer(_RETRY_S, _send_again, (_watched.message,))
+    message = _watched.message
+
+    def send_again() -> None:
+        if message == _watched.message:  # otherwise the signal would interrupt a later cell
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+    retry = threading.Timer(_RETRY_S, send_again)
     retry.daemon = True
     retry.start()
-
-
-def _send_again(message: int) -> None:
-    if message == _watched.message:  # otherwise the signal would interrupt a later cell
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
 def _moment(frame: FrameType | None) -> str:

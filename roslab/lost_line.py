@@ -66,12 +66,8 @@ def _goes_on(tree: ast.Module) -> bool:
     nodes = list(ast.walk(tree))
     ros = any(isinstance(node, ast.Name) and node.id == 'rclpy' for node in nodes)
     loops = any(isinstance(node, ast.While) for node in nodes)
-    return ros and (loops or any(_called(node).startswith('spin') for node in nodes))
-
-
-def _called(node: ast.AST) -> str:
-    """Return the last part of a called function's name."""
-    return ast.unparse(node.func).rpartition('.')[2] if isinstance(node, ast.Call) else ''
+    called = (ast.unparse(node.func) for node in nodes if isinstance(node, ast.Call))
+    return ros and (loops or any(name.rpartition('.')[2].startswith('spin') for name in called))
 
 
 def _is_start(statement: ast.stmt) -> bool:

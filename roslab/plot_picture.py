@@ -98,10 +98,12 @@ def curve_html(curve: Curve) -> str:
         return _HEIGHT - _BOTTOM - (value - low) / (high - low) * (_HEIGHT - _TOP - _BOTTOM)
 
     right, bottom = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
+    legend = [f'diamond: {label}' for label in curve.marks]
+    legend += [] if curve.threshold is None else [f'dashed: threshold {curve.threshold:g}']
     parts = [
         svg.text(_LEFT, 18, curve.name, bold=True, size=13),
         # In the title row, no curve overlaps the legend.
-        svg.text(right, 18, _legend(curve), anchor='end', size=11),
+        svg.text(right, 18, ', '.join(legend), anchor='end', size=11),
         svg.text(right, _HEIGHT - 6, 'seconds', anchor='end', size=11, faint=True),
         svg.line(_LEFT, bottom, right, bottom),
         svg.line(_LEFT, _TOP, _LEFT, bottom),
@@ -156,12 +158,6 @@ def _thinned(points: Sequence[Point], most: int) -> list[Point]:
         stretch = points[start : start + size]
         kept += sorted({min(stretch, key=lambda p: p[1]), max(stretch, key=lambda p: p[1])})
     return kept
-
-
-def _legend(curve: Curve) -> str:
-    parts = [f'diamond: {label}' for label in curve.marks]
-    parts += [] if curve.threshold is None else [f'dashed: threshold {curve.threshold:g}']
-    return ', '.join(parts)
 
 
 def _marks(curve: Curve, x_of: Callable[[float], float]) -> Iterator[str]:

@@ -122,16 +122,14 @@ def _start_of(node: ElementTree.Element, number: int) -> Start:
     words += [f'{one.get("from")}:={one.get("to")}' for one in node.iter('remap')]
     given = [word for one in words for word in ('-r', one)]
     for param in node.iter('param'):
-        source = param.get('from')
-        given += ['-p', f'{param.get("name")}:={param.get("value")}'] if source is None else []
-        given += ['--params-file', _in_share(source)] if source is not None else []
+        if (source := param.get('from')) is None:
+            given += ['-p', f'{param.get("name")}:={param.get("value")}']
+        else:
+            path = _SHARE.sub(lambda found: f'{prefix_of(found[1])}/share/{found[1]}', source)
+            given += ['--params-file', path]
     arguments = ['--ros-args', *given] if given else []
     screen = node.get('output') == 'screen'
     return Start(f'{name}-{number}', (str(program), *arguments), screen)
-
-
-def _in_share(text: str) -> str:
-    return _SHARE.sub(lambda found: f'{prefix_of(found[1])}/share/{found[1]}', text)
 
 
 def _started(start: Start) -> subprocess.Popen[str]:
