@@ -3,36 +3,23 @@ Give each kernel a different ROS domain, so that notebooks do not receive each o
 
 ``ROS_DOMAIN_ID`` is set at the start of the kernel, before ROS starts, and processes started by
 cells inherit it.  A number set by the user is kept, so that two notebooks can share a domain.
-Nodes of a terminal or a notebook that is in the domain already can surprise the learner, so a
-notebook names them before it starts its own.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 import os
 from typing import Any
-import uuid
 import zlib
 
 import rclpy
-from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.utilities import get_default_context
 
 from environment.ros_domain import Claim, claim, DOMAINS
 from roslab.output import say
-from roslab.ros2.discovery import wait_for_graph
-from roslab.ros2.graph import full_name, node_names
 
 VARIABLE = 'ROS_DOMAIN_ID'
-LOOK_S = 0.3
-"""Duration of the search [s]; the course's kernels announce themselves ten times a second."""
-MOST_NAMED = 4
-_PROCESS_BYTES = 8
-"""Number of bytes at the beginning of an endpoint's id that are equal in one process."""
 
 _DOMAIN_0 = 'This notebook is in domain 0 and hears every program that has no domain of its own.'
 _ALL_CLAIMED = (
@@ -87,41 +74,3 @@ def _say_once(shell: Any, text: str) -> None:
         say(text)
 
     shell.events.register('pre_run_cell', tell)
-
-
-def nodes_of_others() -> list[str]:
-    """Return the full names of the nodes of other processes, without hidden nodes."""
-    context = Context()
-    context.init(args=[])
-    try:
-        node = Node(
-            f'_roslab_look_{uuid.uuid4().hex}',
-            context=context,
-            start_parameter_services=False,
-            enable_rosout=False,
-        )
-        try:
-            wait_for_graph(node, LOOK_S)
-            # Every node has a publisher on this topic; the name of this node is unique.
-            found = [
-                (info.node_name, info.node_namespace, bytes(info.endpoint_gid[:_PROCESS_BYTES]))
-                for info in node.get_publishers_info_by_topic('/parameter_events')
-            ]
-            own = {process for name, _, process in found if name == node.get_name()}
-            ours = Counter(full_name(*who) for *who, process in found if process in own)
-            return sorted(Counter(node_names(node, hidden=False)) - ours)
-        finally:
-            node.destroy_node()
-    finally:
-        context.try_shutdown()
-
-
-def tell_of_strangers() -> None:
-    """Print the nodes of other processes in the domain, if there are any."""
-    names = nodes_of_others()
-    if names:
-        more = f' and {len(names) - MOST_NAMED} more' if len(names) > MOST_NAMED else ''
-        say(
-            f'Note: other programs in the ROS domain of this notebook run nodes already: '
-            f'{", ".join(names[:MOST_NAMED])}{more}. This notebook hears them too.'
-        )

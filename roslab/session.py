@@ -30,8 +30,7 @@ from roslab.errors import NotHereError, RoslabError, shown_as
 from roslab.executor import BackgroundExecutor, CallbackStopped, destroy_wholly, Progress
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
-from roslab.output import has_frontend, say
-from roslab.own_domain import tell_of_strangers
+from roslab.output import say
 from roslab.pages import beside, Page, page_here
 from roslab.tracebacks import last_line, short_traceback
 
@@ -65,7 +64,6 @@ class Session:
         self._helper: Node | None = None
         self._started: dict[str, Started] = {}
         self._lost: dict[str, str] = {}
-        self._has_looked = False
         # A thread that still spins while the interpreter shuts down would abort the process.
         atexit.register(self.close)
 
@@ -213,9 +211,6 @@ class Session:
             return self._private
         if not rclpy.ok():
             rclpy.try_shutdown()
-            if not self._has_looked and has_frontend():
-                tell_of_strangers()
-            self._has_looked = True
             # rclpy's own handlers would shut the context down when a cell is interrupted.
             rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         return get_default_context()
