@@ -49,17 +49,10 @@ class Started(NamedTuple):
 
 
 class Session:
-    """
-    Nodes that run in the background of a kernel.
+    """Nodes that run in the background of a kernel."""
 
-    :param context: a private context; by default, the one that ``rclpy.init`` creates
-    :param domain_id: ROS domain of a private context
-    """
-
-    def __init__(self, context: Context | None = None, domain_id: int | None = None) -> None:
+    def __init__(self) -> None:
         self.progress = Progress()
-        self._private = context
-        self._domain_id = domain_id
         self._background: BackgroundExecutor | None = None
         self._helper: Node | None = None
         self._started: dict[str, Started] = {}
@@ -74,6 +67,7 @@ class Session:
             background = self._background
             if background is None or not background.alive:
                 self.close()
+                record_logs()
                 background = BackgroundExecutor(
                     self._context(), self._on_failure, self.progress, self._beside_its_cell
                 )
@@ -177,7 +171,7 @@ class Session:
             for node in filter(None, nodes):
                 _destroy_quietly(node)
             background.context.try_shutdown()
-            if self._private is None and not rclpy.ok():
+            if not rclpy.ok():
                 rclpy.try_shutdown()  # so that rclpy can create a new default context
 
     def losses(self) -> str:
@@ -203,12 +197,6 @@ class Session:
 
     def _context(self) -> Context:
         """Return an initialised context."""
-        record_logs()
-        if self._private is not None:
-            if not self._private.ok():
-                self._private = self._private if self._private.handle is None else Context()
-                self._private.init(args=[], domain_id=self._domain_id)
-            return self._private
         if not rclpy.ok():
             rclpy.try_shutdown()
             # rclpy's own handlers would shut the context down when a cell is interrupted.

@@ -16,7 +16,7 @@ rclpy = pytest.importorskip('rclpy')
 
 from mcap.reader import make_reader
 from mcap.writer import Writer
-from rclpy.context import Context
+from private_session import PrivateSession
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
@@ -35,7 +35,6 @@ from roslab.errors import RoslabError
 from roslab.listening import Listener
 from roslab.recording import record, replay
 from roslab.ros2.interface import interface_class, interfaces_of
-from roslab.session import Session
 from tests.own_domain import own_domain
 
 pytestmark = pytest.mark.ros
@@ -164,7 +163,7 @@ def domain():
 @pytest.fixture
 def session(domain, monkeypatch):
     """Return a session in the domain of the test."""
-    made = Session(Context(), domain)
+    made = PrivateSession(domain)
     monkeypatch.setattr('roslab.session._session', made)
     yield made
     made.close()

@@ -10,8 +10,7 @@ import pytest
 rclpy = pytest.importorskip('rclpy')
 
 from live_kernels import execute, kernel, kernel_to_share  # noqa: F401 - fixtures
-from private_session import session  # noqa: F401 - fixture
-from rclpy.context import Context
+from private_session import PrivateSession, session  # noqa: F401 - fixture
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from std_msgs.msg import Float64, String
@@ -21,7 +20,6 @@ from roslab.graph_picture import graph
 from roslab.introspection import echo, hz, info, topics
 from roslab.listening import Listener
 from roslab.live_plot import Plot
-from roslab.session import Session
 from roslab.timeline_picture import timeline
 from roslab.waiting import wait_in
 
@@ -98,7 +96,7 @@ def test_live_nodes_whose_qos_differs_are_not_connected(session):
 def test_live_nodes_of_different_types_are_not_connected(session):
     """Two programs can use one name for two types, and neither hears the other."""
     session.start(Wave)
-    other = Session(Context(), domain_id=session.helper.context.get_domain_id())
+    other = PrivateSession(session.domain)
     try:
         other.start(lambda: Hearing(String))
         text = seen(session, 'type differs')

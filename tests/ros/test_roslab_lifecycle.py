@@ -6,14 +6,13 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-from private_session import session  # noqa: F401 - fixture
+from private_session import PrivateSession, session  # noqa: F401 - fixture
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
 from roslab import lifecycle_picture
 from roslab.errors import NotHereError, RoslabError
 from roslab.lifecycle_picture import lifecycle, LifecyclePicture
-from roslab.session import Session
 from roslab.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -43,8 +42,7 @@ def test_name_is_as_good_as_the_node(session):
 
 def test_node_elsewhere_is_asked_over_its_service(session):
     """What is not a node of this kernel answers get_state."""
-    domain = session.helper.context.get_domain_id()
-    elsewhere = Session(rclpy.context.Context(), domain_id=domain)
+    elsewhere = PrivateSession(session.domain)
     try:
         elsewhere.start(lambda: LifecycleNode('far')).trigger_configure()
 
