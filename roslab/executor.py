@@ -10,7 +10,6 @@ two callbacks, so that entities are added and destroyed while no wait set uses t
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent import futures
 from contextlib import AbstractContextManager, suppress
 import ctypes
 from queue import Empty, SimpleQueue
@@ -205,26 +204,9 @@ class BackgroundExecutor(Executor):
         if self.is_this_thread or not self._thread.is_alive():
             action()
             return True
-        request: futures.Future[None] = futures.Future()
-
-        def go() -> None:
-            if not request.set_running_or_notify_cancel():
-                return
-            try:
-                try:
-                    action()
-                except CallbackStopped:  # intended for a callback that has already returned
-                    action()
-                request.set_result(None)
-            except Exception as error:
-                request.set_exception(error)
-
-        self.ask(go)
-        try:
-            request.result(patience_s)
-        except futures.TimeoutError:
-            return not request.cancel()  # an action that is already running counts as completed
-        return True
+        request = _Request(action)
+        self.ask(request)
+        return request.wait(patience_s)
 
     def _break_callback(self) -> None:
         """Raise :class:`CallbackStopped` at the next Python line that the thread executes."""
@@ -248,3 +230,46 @@ class BackgroundExecutor(Executor):
                 if failures >= _MOST_FAILURES_IN_A_ROW:
                     print(f'roslab: the executor stopped. {type(error).__name__}: {error}')
                     return
+
+
+class _Request:
+    """
+    An action that is either run by the executor or withdrawn by the requester, never both.
+
+    Queues instead of a future: :class:`CallbackStopped` could leave the lock of a future held.
+    """
+
+    def __init__(self, action: Callable[[], object]) -> None:
+        self._action = action
+        self._tickets: SimpleQueue[None] = SimpleQueue()
+        self._tickets.put(None)
+        self._done: SimpleQueue[BaseException | None] = SimpleQueue()
+
+    def __call__(self) -> None:
+        """Run the action unless it was withdrawn."""
+        try:
+            self._tickets.get_nowait()
+        except Empty:
+            return
+        error = None
+        try:
+            try:
+                self._action()
+            except CallbackStopped:  # intended for a callback that has already returned
+                self._action()
+        except Exception as raised:
+            error = raised
+        self._done.put(error)
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until the action has run; withdraw it after the timeout."""
+        try:
+            error = self._done.get(timeout=timeout_s)
+        except Empty:
+            with suppress(Empty):
+                self._tickets.get_nowait()
+                return False
+            error = None  # the action is already running and counts as completed
+        if error is not None:
+            raise error
+        return True
