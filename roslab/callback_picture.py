@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from functools import partial
 
 from rclpy.node import Node
 
 from drawing import svg
-from roslab.callbacks import Call, Watch, watching
+from roslab.callbacks import Call, Watch
 from roslab.output import counted, text_table
 from roslab.timeline_picture import draw_lanes, Lane, Place
 
@@ -126,7 +125,7 @@ def _content(calls: list[Call], levels: list[int], end: float, y: float, place: 
     return ''.join(parts)
 
 
-def watch_callbacks(*nodes: Node | str) -> AbstractContextManager[Callbacks]:
+def watch_callbacks(*nodes: Node | str) -> Callbacks:
     """
     Record the callbacks that executors of this notebook run until the end of a ``with`` block.
 
@@ -135,7 +134,7 @@ def watch_callbacks(*nodes: Node | str) -> AbstractContextManager[Callbacks]:
     timers on a real clock.
 
     :param nodes: nodes or their names; none for all nodes that are not hidden
-    :returns: a context manager that gives the record, whose ``calls`` are the callbacks so far
+    :returns: the record, for ``with``; its ``calls`` are the callbacks so far
     :raises RoslabError: if something else is given
     """
-    return watching(Callbacks(nodes))
+    return Callbacks(nodes)
