@@ -116,7 +116,9 @@ def build_messages(package_dir: str | Path | None = None) -> BuildReport:
     :raises NotHereError: if there is no package to build
     """
     package = _package(package_dir)
-    report = _unfinished(package) or _built(package)
+    report = _unfinished(package)
+    if report is None:  # a report of a failure is false
+        report = _built(package)
     show(str(report), report._repr_html_())
     return report
 
