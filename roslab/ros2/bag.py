@@ -45,7 +45,13 @@ def info(args: argparse.Namespace) -> None:
 @verb(
     'bag play',
     _PATH,
-    option('-r', '--rate', type=positive_float, default=1.0, help='how many times as fast'),
+    option(
+        '-r',
+        '--rate',
+        type=positive_float,
+        default=1.0,
+        help='how many times as fast (default: 1)',
+    ),
     _TOPICS,
     option(
         '-d', '--delay', type=float, default=0.0, metavar='S', help='wait before the first message'
