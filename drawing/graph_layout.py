@@ -70,7 +70,8 @@ def arrange(
     spots = {key: Spot(key, *size, layer=layers[key]) for key, size in sizes.items()}
     chains = {arrow: _chain(arrow, spots) for arrow in forward}
     links = sorted({link for chain in chains.values() for link in pairwise(chain)})
-    columns = _columns(spots)
+    highest = max(layers.values(), default=-1)
+    columns = [[s for s in spots.values() if s.layer == layer] for layer in range(highest + 1)]
     _order(columns, links)
     _place_x(columns)
     _place_y(columns, links)
@@ -125,11 +126,6 @@ def _chain(arrow: Arrow, spots: dict[str, Spot]) -> list[str]:
         spots[key] = Spot(key, 0.0, _LINE_HEIGHT, layer=layer)
         keys.append(key)
     return [*keys, end]
-
-
-def _columns(spots: dict[str, Spot]) -> list[list[Spot]]:
-    highest = max((spot.layer for spot in spots.values()), default=-1)
-    return [[s for s in spots.values() if s.layer == layer] for layer in range(highest + 1)]
 
 
 def _neighbours(links: list[Arrow]) -> dict[str, list[str]]:
@@ -208,11 +204,12 @@ def _stack(column: list[Spot], wanted: Mapping[str, float]) -> None:
     blocks: list[tuple[float, list[Spot], list[float]]] = []  # mean, spots, offsets
     for spot in column:
         mean, spots, offsets = wanted[spot.key], [spot], [0.0]
-        while blocks and _bottom(blocks[-1]) + GAP_Y > mean + offsets[0] - spots[0].height / 2:
-            above_mean, above, above_offsets = blocks.pop()
-            shift = (
-                above_offsets[-1] + above[-1].height / 2 + GAP_Y + spots[0].height / 2 - offsets[0]
-            )
+        while blocks:
+            above_mean, above, above_offsets = blocks[-1]
+            shift = above_offsets[-1] + above[-1].height / 2 + GAP_Y + spots[0].height / 2
+            if above_mean + shift <= mean:
+                break
+            blocks.pop()
             total = len(above) + len(spots)
             mean = (above_mean * len(above) + (mean - shift) * len(spots)) / total
             offsets = [*above_offsets, *(offset + shift for offset in offsets)]
@@ -221,11 +218,6 @@ def _stack(column: list[Spot], wanted: Mapping[str, float]) -> None:
     for mean, spots, offsets in blocks:
         for spot, offset in zip(spots, offsets):
             spot.y = mean + offset
-
-
-def _bottom(block: tuple[float, list[Spot], list[float]]) -> float:
-    mean, spots, offsets = block
-    return mean + offsets[-1] + spots[-1].height / 2
 
 
 def _finish(
@@ -242,8 +234,8 @@ def _finish(
     layout.width = max((spot.x + spot.width for spot in spots.values()), default=0.0)
     layout.height = max((spot.y + spot.height / 2 for spot in spots.values()), default=0.0)
     ends: dict[tuple[str, str], list[tuple[float, Arrow]]] = {}
-    for arrow in arrows:
-        chain = chains.get(arrow) or chains[arrow[1], arrow[0]]
+    lines = {arrow: chains.get(arrow) or chains[arrow[::-1]] for arrow in arrows}
+    for arrow, chain in lines.items():
         for side, key, beside in (('e', chain[0], chain[1]), ('w', chain[-1], chain[-2])):
             ends.setdefault((key, side), []).append((spots[beside].y, arrow))
     ports = {
@@ -251,17 +243,12 @@ def _finish(
         for (key, side), found in ends.items()
         for index, (_, arrow) in enumerate(sorted(found))
     }
-    for arrow in arrows:
-        turned = arrow not in chains
-        chain = chains[arrow[1], arrow[0]] if turned else chains[arrow]
-        points = [(spots[chain[0]].x + spots[chain[0]].width, ports[chain[0], 'e', arrow])]
-        for key in chain[1:-1]:
-            points += [
-                (spots[key].x, spots[key].y),
-                (spots[key].x + spots[key].width, spots[key].y),
-            ]
-        points.append((spots[chain[-1]].x, ports[chain[-1], 'w', arrow]))
-        layout.routes[arrow] = points[::-1] if turned else points
+    for arrow, (first, *between, last) in lines.items():
+        points = [(spots[first].x + spots[first].width, ports[first, 'e', arrow])]
+        for spot in (spots[key] for key in between):
+            points += [(spot.x, spot.y), (spot.x + spot.width, spot.y)]
+        points.append((spots[last].x, ports[last, 'w', arrow]))
+        layout.routes[arrow] = points if arrow in chains else points[::-1]
     return layout
 
 

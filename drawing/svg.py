@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 import hashlib
 import html
+import math
 
 FONT = 'system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif'
 
@@ -49,9 +50,6 @@ def picture(
     Return a complete picture as HTML, with its data in a table that opens below it.
 
     :param width: width of the drawing; it shrinks to fit a narrow page
-    :param title: the subject of the picture
-    :param description: the contents of the picture as text
-    :param parts: elements of the drawing, as SVG
     :param table: the data, for :func:`data_table`; empty if the page shows the data elsewhere
     :param below: HTML below the drawing, as wide as the drawing
     """
@@ -77,11 +75,7 @@ def picture(
 
 
 def data_table(title: str, table: Table) -> str:
-    """
-    Return the data of a picture as HTML: a line that opens a table.
-
-    :param title: the subject of the picture
-    """
+    """Return the data of a picture as HTML: a line that opens a table."""
     head, *rows = ([escape(cell) for cell in row] for row in table)
     cell = 'style="text-align: left; padding: 2px 12px 2px 0"'
     names = ''.join(f'<th scope="col" {cell}>{name}</th>' for name in head)
@@ -119,14 +113,9 @@ def text(
     :param anchor: which point of the line is at x: 'start', 'middle' or 'end'
     :param faint: use a weaker colour for less important text
     """
-    style = ''.join(
-        (
-            f' font-size="{size:g}"' if size != 12 else '',
-            ' font-weight="600"' if bold else '',
-            ' font-style="italic"' if italic else '',
-            ' fill-opacity=".75"' if faint else '',
-        )
-    )
+    style = f' font-size="{size:g}"' if size != 12 else ''
+    style += ' font-weight="600"' * bold + ' font-style="italic"' * italic
+    style += ' fill-opacity=".75"' * faint
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{style}>{escape(words)}</text>'
 
 
@@ -161,7 +150,7 @@ def box(
     )
 
 
-SHAPES = {
+_SHAPES = {
     'circle': 'M{x} {t}a{r} {r} 0 1 0 .01 0z',
     'triangle': 'M{x} {t}L{e} {b}L{w} {b}z',
     'diamond': 'M{x} {t}L{e} {y}L{x} {b}L{w} {y}z',
@@ -172,29 +161,15 @@ SHAPES = {
 
 
 def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
-    """
-    Return a small symbol, such as a diamond.
-
-    :param kind: a key of :data:`SHAPES`
-    """
-    path = SHAPES[kind].format(
-        x=f'{x:.1f}',
-        y=f'{y:.1f}',
-        t=f'{y - radius:.1f}',
-        b=f'{y + radius:.1f}',
-        w=f'{x - radius:.1f}',
-        e=f'{x + radius:.1f}',
-        r=f'{radius:g}',
-    )
+    """Return a small symbol: circle, triangle, diamond, square, cross or plus."""
+    places = {'x': x, 'y': y, 't': y - radius, 'b': y + radius, 'w': x - radius, 'e': x + radius}
+    texts = {name: f'{place:.1f}' for name, place in places.items()}
+    path = _SHAPES[kind].format(**texts, r=f'{radius:g}')
     return f'<path d="{path}" fill="{colour}" stroke="{colour}" stroke-width="1.6"/>'
 
 
 def text_width(words: str, size: float = 12) -> float:
-    """
-    Estimate the width of a text; generously, because fonts differ between machines.
-
-    :param size: font size
-    """
+    """Estimate the width of a text; generously, because fonts differ between machines."""
     wide = sum(
         1.45 if letter in 'mwMW@' else 0.62 if letter in 'iljft/.:,|() ' else 1.0
         for letter in words
@@ -203,27 +178,9 @@ def text_width(words: str, size: float = 12) -> float:
 
 
 def ticks(low: float, high: float, most: int = 8) -> list[float]:
-    """
-    Return round numbers between two limits, for an axis.
-
-    :param most: approximate maximum of their number
-    """
-    span = max(high - low, 1e-9)
-    raw = span / max(most, 1)
-    power = 10.0 ** _floor_log10(raw)
+    """Return round numbers between two limits, for an axis."""
+    raw = max(high - low, 1e-9) / max(most, 1)
+    power = 10.0 ** math.floor(math.log10(raw))
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= raw * 0.999)
-    first = int(-(-low // step))
-    found = []
-    while first * step <= high + step * 1e-6:
-        found.append(round(first * step, 10))
-        first += 1
-    return found
-
-
-def _floor_log10(value: float) -> int:
-    exponent = 0
-    while 10.0**exponent > value:
-        exponent -= 1
-    while 10.0 ** (exponent + 1) <= value:
-        exponent += 1
-    return exponent
+    first, last = math.ceil(low / step), math.floor(high / step + 1e-6)
+    return [round(number * step, 10) for number in range(first, last + 1)]

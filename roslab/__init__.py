@@ -10,32 +10,18 @@ from __future__ import annotations
 from typing import Any
 
 from roslab import guide
-from roslab.api import (
-    echo,
-    graph,
-    hz,
-    info,
-    listen,
-    logs,
-    nodes,
-    plot,
-    record,
-    replay,
-    start,
-    stop,
-    stop_all,
-    timeline,
-    topics,
-    wait_until,
-    watch_callbacks,
-)
+from roslab.callback_picture import watch_callbacks
 from roslab.checking import check
 from roslab.errors import NameRefusedError, NotHereError, RoslabError
 from roslab.gallery import explain
+from roslab.graph_picture import graph
 from roslab.interrupts import watch_cells
+from roslab.introspection import echo, hz, info, topics
 from roslab.lifecycle_picture import lifecycle
+from roslab.listening import listen
 from roslab.live_picture import paint_all
-from roslab.logtable import record_logs
+from roslab.live_plot import plot
+from roslab.logtable import logs, record_logs
 from roslab.lost_line import refuse_programs
 from roslab.magics import register
 from roslab.messages import build_messages
@@ -46,9 +32,13 @@ from roslab.pages import lay_out
 from roslab.progress import progress
 from roslab.qos_table import qos_table
 from roslab.quiz import quiz
+from roslab.recording import record, replay
 from roslab.robot import robot
+from roslab.session import nodes, start, stop, stop_all
 from roslab.simulating import recorded_runs, simulate
 from roslab.spinning import make_spinning_interruptible, refuse_to_spin_twice
+from roslab.timeline_picture import timeline
+from roslab.waiting import wait_until
 from roslab.worked_answers import answer
 
 __all__ = [

@@ -8,14 +8,12 @@ with those that were created before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 from functools import partial
 from itertools import count
 import threading
 import time
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import await_or_execute, Executor
@@ -27,12 +25,14 @@ from rclpy.timer import Timer
 
 from roslab.errors import RoslabError
 
+if TYPE_CHECKING:
+    from typing import Self
+
 MAX_CALLS = 300
 """Callbacks that a watch records; it ignores those that begin later."""
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(NamedTuple):
     """
     A timer, subscription, service or event whose callback an executor calls.
 
@@ -48,8 +48,7 @@ class Source:
     group: str
 
 
-@dataclass(frozen=True)
-class Call:
+class Call(NamedTuple):
     """
     One callback, or an event that got none; times begin with the watch [s].
 
@@ -76,7 +75,7 @@ class Call:
 
 class Watch:
     """
-    A record of callbacks.
+    A record of the callbacks in a ``with`` block.
 
     :param nodes: nodes, their names or full names; if empty, all nodes that are not hidden
     :raises RoslabError: if something else is given
@@ -121,8 +120,26 @@ class Watch:
         """All that is known, callbacks first."""
         return sorted(self._found.values(), key=lambda call: (call.began is None, call.began or 0))
 
-    def close(self) -> None:
+    def __enter__(self) -> Self:
+        """Replace the functions of rclpy."""
+        make, publish = self._originals = Executor._make_handler, Publisher.publish
+
+        def make_handler(executor: Executor, entity: Any, node: Node, take: Any) -> Any:
+            return make(executor, entity, node, partial(self.take, node, take))
+
+        def publish_noted(publisher: Publisher, msg: Any) -> None:
+            topic, began_ns = publisher.topic_name, time.time_ns()
+            publish(publisher, msg)
+            if len(self._published) < MAX_CALLS:
+                self._published.append((topic, began_ns, time.time_ns()))
+
+        Executor._make_handler = make_handler  # type: ignore[method-assign]
+        Publisher.publish = publish_noted  # type: ignore[method-assign]
+        return self
+
+    def __exit__(self, *_: object) -> None:
         """End the record, and add the messages that got no callback."""
+        Executor._make_handler, Publisher.publish = self._originals  # type: ignore[method-assign]
         self.end = self._seconds(time.time_ns())
         for key, (entity, source) in tuple(self._sources.items()):
             if isinstance(entity, Subscription):
@@ -130,13 +147,6 @@ class Watch:
         self._nodes = ()  # the record keeps no node alive, and no entity
         self._sources.clear()
         self._groups.clear()
-
-    def publish(self, original: Callable[..., None], publisher: Publisher, msg: Any) -> None:
-        """Publish a message, and record when."""
-        topic, began_ns = publisher.topic_name, time.time_ns()
-        original(publisher, msg)
-        if len(self._published) < MAX_CALLS:
-            self._published.append((topic, began_ns, time.time_ns()))
 
     def take(self, node: Node, take: Callable[[Any], Any], entity: Any) -> Any:
         """Take what is ready, as ``take`` does, and return the callback's coroutine function."""
@@ -176,7 +186,7 @@ class Watch:
                 await run()
             finally:
                 if number and self.end is None:
-                    self._found[number] = replace(call, ended=self._seconds(time.time_ns()))
+                    self._found[number] = call._replace(ended=self._seconds(time.time_ns()))
 
         return noted
 
@@ -211,9 +221,8 @@ class Watch:
         if not watched or callback is None:
             return None
         function = getattr(getattr(callback, 'func', callback), '__name__', '')
-        source = Source(
-            name, _name(entity), function.replace('<lambda>', ''), self._group(node, entity)
-        )
+        function = function.replace('<lambda>', '')
+        source = Source(name, _name(entity), function, self._group(node, entity))
         self._sources[id(entity)] = entity, source
         self._taken[id(entity)] = []
         return source
@@ -226,33 +235,6 @@ class Watch:
             self._groups.append(group)
         kind = 'reentrant ' * isinstance(group, ReentrantCallbackGroup)
         return f'{kind}group {self._groups.index(group) + 1}'
-
-
-WatchT = TypeVar('WatchT', bound=Watch)
-
-
-@contextmanager
-def watching(watch: WatchT) -> Iterator[WatchT]:
-    """
-    Record callbacks until the end of the block.
-
-    :param watch: what records them
-    """
-    make, publish = Executor._make_handler, Publisher.publish
-
-    def make_handler(self: Executor, entity: Any, node: Node, take: Any) -> Any:
-        return make(self, entity, node, partial(watch.take, node, take))
-
-    def publish_noted(self: Publisher, msg: Any) -> None:
-        watch.publish(publish, self, msg)
-
-    Executor._make_handler = make_handler  # type: ignore[method-assign]
-    Publisher.publish = publish_noted  # type: ignore[method-assign]
-    try:
-        yield watch
-    finally:
-        Executor._make_handler, Publisher.publish = make, publish  # type: ignore[method-assign]
-        watch.close()
 
 
 def _name(entity: Any) -> str:

@@ -23,10 +23,10 @@ from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
-from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
+from autograder.submission.cells import UNSOLVED
 from roslab import child
 from roslab.errors import RoslabError, shown_as
-from roslab.guide import texts_now
+from roslab.guide import saved_file, texts_now
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.progress import remember
 from roslab.report import CheckReport
@@ -34,6 +34,7 @@ from roslab.saved_files import describe, edited_since, look_up
 from roslab.worked_answers import offer
 
 _DEADLINE_S = 180.0
+_CHECKER = 'the checker itself, not your code'
 _CHECKED = re.compile(r"""\bcheck\(['"](\w+)['"]\)""")
 
 
@@ -58,24 +59,21 @@ def check(exam: Any = None) -> CheckReport:
 
 def _run(exam: Any, package: LearnerPackage) -> CheckReport:
     if not isinstance(exam, str):
-        return CheckReport('check()', problem=_no_name(exam))
+        return _no_name(exam)
     try:
         about = catalog.load(exam, hidden=False)
     except ExamInvalid as error:
-        return CheckReport(exam, problem=_no_such(exam, error))
+        return _no_such(exam, error)
     files = package.files() if package.folder.is_dir() else {}
+    if not files:
+        return _not_checked(
+            exam,
+            'saved files of the exercise',
+            'none',
+            'run the cells of the exercise first, those that begin with %%',
+        )
     own = _of_exercise(about, files)
     saved = look_up(package.find(name) for name in own)
-    if not files:
-        return CheckReport(
-            exam,
-            problem=Problem(
-                where=f'check({exam!r})',
-                expected='saved files of the exercise',
-                got='none',
-                try_this='run the cells of the exercise first, those that begin with %%',
-            ),
-        )
     outcome = child.run_grader(
         'autograder.commands.check',
         *(exam, '--files', str(package.folder), '--visible', '--json'),
@@ -86,78 +84,70 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
     report.judged, report.edited = describe(saved), tuple(edited_since(saved))
     report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))
     report.left_over = _left_over(own)
-    report.lesson = _lesson_of(about)
+    with suppress(FileNotFoundError):
+        report.lesson = Layout.here().release(about.assignment).name
     return report
 
 
-def _no_name(given: Any) -> Problem:
+def _not_checked(
+    exam: str, expected: str, got: str, try_this: str, where: str | None = None
+) -> CheckReport:
+    """Return a report without verdicts; a fault is that of the call, unless ``where`` is given."""
+    place = where or f'check({exam!r})'
+    return CheckReport(exam, problem=Problem(place, expected, got, try_this))
+
+
+def _no_name(given: Any) -> CheckReport:
     """Explain that ``check`` needs the name of an exercise, and suggest one."""
     meant = _exercise_of(given)
     names = [meant] if meant else _exercises_here() or catalog.names(hidden=False)
     got = 'nothing' if given is None else f'a {type(given).__name__}'
-    return Problem(
-        where='check()' if given is None else f'check({_shown(given)})',
-        expected='the name of an exercise, in quotes',
-        got='the class itself' if isinstance(given, type) else got,
-        try_this=' or '.join(f'check({name!r})' for name in names),
+    shown = '' if given is None else getattr(given, '__name__', f'{type(given).__name__} object')
+    return _not_checked(
+        'check()',
+        'the name of an exercise, in quotes',
+        'the class itself' if isinstance(given, type) else got,
+        ' or '.join(f'check({name!r})' for name in names),
+        f'check({shown})',
     )
-
-
-def _shown(given: Any) -> str:
-    return str(getattr(given, '__name__', f'{type(given).__name__} object'))
 
 
 def _exercise_of(given: Any) -> str | None:
     """Return the exercise that requires the file of a class, a function or an object's class."""
     module = getattr(given, '__module__', None) or getattr(given, '__name__', '')
     for name in catalog.names(hidden=False):
-        if f'{module}.py' in map(_file_name, catalog.load(name, hidden=False).requires):
+        requires = catalog.load(name, hidden=False).requires
+        if f'{module}.py' in (Path(path).name for path in requires):
             return name
     return None
 
 
+def _texts() -> list[str]:
+    shell = get_ipython()
+    return texts_now(shell) if shell is not None else []
+
+
 def _exercises_here() -> list[str]:
     """Return the exercises for which the notebook contains a ``check`` call."""
-    shell = get_ipython()
-    texts = texts_now(shell) if shell is not None else []
     known = catalog.names(hidden=False)
-    named = (name for text in texts for name in _CHECKED.findall(text))
+    named = (name for text in _texts() for name in _CHECKED.findall(text))
     return [name for name in dict.fromkeys(named) if name in known]
 
 
-def _no_such(exam: str, error: ExamInvalid) -> Problem:
-    if exam in catalog.names(hidden=False):
-        return Problem(
-            where='the checker itself, not your code',
-            expected='an exam',
-            got=error.what.rstrip('.'),
-            try_this='show this line to your instructor',
-        )
-    near = difflib.get_close_matches(str(exam), catalog.names(hidden=False), n=1)
-    return Problem(
-        where=f'check({exam!r})',
-        expected='the name of an exercise',
-        got=f'{exam!r}',
-        try_this=f'check({near[0]!r})' if near else error.fix,
-    )
-
-
-def _lesson_of(exam: Exam) -> str | None:
-    """Return the file name of the lesson of an exercise, or None if there is none."""
-    try:
-        return Layout.here().release(exam.assignment).name
-    except FileNotFoundError:
-        return None
+def _no_such(exam: str, error: ExamInvalid) -> CheckReport:
+    names = catalog.names(hidden=False)
+    if exam in names:
+        got = error.what.rstrip('.')
+        return _not_checked(exam, 'an exam', got, 'show this line to your instructor', _CHECKER)
+    near = difflib.get_close_matches(exam, names, n=1)
+    try_this = f'check({near[0]!r})' if near else error.fix
+    return _not_checked(exam, 'the name of an exercise', f'{exam!r}', try_this)
 
 
 def _of_exercise(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """Return the files that an exercise requires."""
-    required = set(map(_file_name, exam.requires))
+    required = {Path(path).name for path in exam.requires}
     return {name: text for name, text in files.items() if Path(name).name in required}
-
-
-def _file_name(path: str) -> str:
-    return Path(path).name
 
 
 def _is_stub(name: str, text: str) -> bool:
@@ -166,13 +156,8 @@ def _is_stub(name: str, text: str) -> bool:
 
 def _left_over(files: Collection[str]) -> tuple[str, ...]:
     """Return the files that no cell of the notebook saves now, for example after a rename."""
-    shell = get_ipython()
-    texts = texts_now(shell) if shell is not None else []
-    made = set()
-    for text in texts:
-        with suppress(CellSyntaxError):
-            if (cell := parse_cell(text)) is not None:
-                made.add(Path(cell.path).name)
+    texts = _texts()
+    made = {Path(file.path).name for file in map(saved_file, texts) if file is not None}
     return tuple(name for name in files if texts and Path(name).name not in made)
 
 
@@ -188,14 +173,11 @@ def _read(exam: str, outcome: child.Outcome) -> CheckReport:
     if outcome.returncode is None:
         got = f'no answer within {_DEADLINE_S:.0f} s'
     else:
-        got = f'exit code {outcome.returncode} and no verdict: {_tail(outcome.output)}'
-    problem = Problem(
-        where='the checker itself, not your code',
-        expected='a verdict',
-        got=got,
-        try_this='run the cell again; if it stays, type make doctor in a terminal',
-    )
-    return CheckReport(exam, problem=problem)
+        lines = [line.strip() for line in outcome.output.splitlines() if line.strip()]
+        last = lines[-1][:300] if lines else 'it printed nothing'
+        got = f'exit code {outcome.returncode} and no verdict: {last}'
+    try_this = 'run the cell again; if it stays, type make doctor in a terminal'
+    return _not_checked(exam, 'a verdict', got, try_this, _CHECKER)
 
 
 def _last_json(output: str) -> dict[str, Any]:
@@ -205,8 +187,3 @@ def _last_json(output: str) -> dict[str, Any]:
     except ValueError:
         return {}
     return answer if isinstance(answer, dict) else {}
-
-
-def _tail(output: str) -> str:
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    return lines[-1][:300] if lines else 'it printed nothing'

@@ -7,11 +7,10 @@ These functions need no node, session or terminal.  The notebook functions ``ech
 
 from __future__ import annotations
 
-import array
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -31,35 +30,30 @@ _SECTIONS = (
 )
 
 
-def message_yaml(
-    message: Any,
-    *,
-    truncate: int | None = TRUNCATE_AT,
-    no_arr: bool = False,
-    no_str: bool = False,
-    flow: bool = False,
-) -> str:
+class Shorten(NamedTuple):
     """
-    Return a message as YAML, with a line break at the end.
+    How to shorten values; by default, they are as ``ros2 topic echo`` prints them.
 
-    :param message: an instance of any generated message class
     :param truncate: longest string or array to write in full, None for no limit
     :param no_arr: write only the type and length of arrays
     :param no_str: write only the length of strings
-    :param flow: write everything on one line
     """
-    options = _Options(truncate, no_arr, no_str)
-    return _dump(message_dict(message, options), flow)
+
+    truncate: int | None = TRUNCATE_AT
+    no_arr: bool = False
+    no_str: bool = False
+
+
+AS_ECHO, COMPLETE = Shorten(), Shorten(None)
+
+
+def message_yaml(message: Any, shorten: Shorten = AS_ECHO) -> str:
+    """Return a message as YAML, with a line break at the end."""
+    return to_yaml(message_dict(message, shorten))
 
 
 def field_text(
-    value: Any,
-    field_type: str = '',
-    *,
-    truncate: int | None = TRUNCATE_AT,
-    no_arr: bool = False,
-    no_str: bool = False,
-    flow: bool = False,
+    value: Any, field_type: str, shorten: Shorten = AS_ECHO, *, flow: bool = False
 ) -> str:
     """
     Return the value of one field as ``ros2 topic echo --field`` prints it, with a line break.
@@ -67,77 +61,56 @@ def field_text(
     :param value: value of the field, which may be a message
     :param field_type: its type as in ``get_fields_and_field_types``, needed for ``no_arr``
     """
-    plain = _plain(value, field_type, _Options(truncate, no_arr, no_str))
-    return _dump(plain, flow) if isinstance(plain, dict) else f'{plain}\n'
+    plain = _plain(value, field_type, shorten)
+    return to_yaml(plain, flow) if isinstance(plain, dict) else f'{plain}\n'
 
 
-def echo_text(message: Any, **options: Any) -> str:
-    """
-    Return what ``ros2 topic echo`` prints for one message.
-
-    :param options: see :func:`message_yaml`
-    """
-    return f'{message_yaml(message, **options)}---'
+def echo_text(message: Any) -> str:
+    """Return what ``ros2 topic echo`` prints for one message."""
+    return f'{message_yaml(message)}---'
 
 
-class _Options:
-    """Options that control how values are shortened."""
-
-    def __init__(
-        self, truncate: int | None = None, no_arr: bool = False, no_str: bool = False
-    ) -> None:
-        self.truncate = truncate
-        self.no_arr = no_arr
-        self.no_str = no_str
-
-
-def message_dict(message: Any, options: _Options | None = None) -> dict[str, Any]:
-    """
-    Return a message as a dictionary of plain values, in the order of its definition.
-
-    :param options: how to shorten values; by default, values are complete
-    """
-    shorten = options or _Options()
+def message_dict(message: Any, shorten: Shorten = COMPLETE) -> dict[str, Any]:
+    """Return a message as a dictionary of plain values, in the order of its definition."""
     return {
         name: _plain(getattr(message, name), kind, shorten)
         for name, kind in message.get_fields_and_field_types().items()
     }
 
 
-def _plain(value: Any, field_type: str, options: _Options) -> Any:
+def _plain(value: Any, field_type: str, shorten: Shorten) -> Any:
     """Return a field's value as a type that YAML can represent."""
     if isinstance(value, bytes):
         value = value.decode('latin-1')
     if isinstance(value, str):
-        return _text(value, options)
-    if isinstance(value, (bool, int, float)):
-        return value
+        return _text(value, shorten)
     if hasattr(value, 'get_fields_and_field_types'):
-        return message_dict(value, options)
-    if isinstance(value, (list, tuple, array.array)) or hasattr(value, 'tolist'):
-        if not hasattr(value, '__len__'):
-            return value.item()  # a single NumPy number
-        return _sequence(value, field_type, options)
-    return value
+        return message_dict(value, shorten)
+    if hasattr(value, 'item') and not hasattr(value, '__len__'):
+        return value.item()  # a single NumPy number
+    return _sequence(value, field_type, shorten) if hasattr(value, '__len__') else value
 
 
-def _text(value: str, options: _Options) -> str:
-    if options.no_str:
+def _text(value: str, shorten: Shorten) -> str:
+    if shorten.no_str:
         return f'<string length: <{len(value)}>>'
-    if options.truncate is not None and len(value) > options.truncate:
-        return f'{value[: options.truncate]}...'
+    if shorten.truncate is not None and len(value) > shorten.truncate:
+        return f'{value[: shorten.truncate]}...'
     return value
 
 
-def _sequence(value: Any, field_type: str, options: _Options) -> Any:
-    if options.no_arr:
-        kind = field_type.split('[')[0].removeprefix('sequence<').split(',')[0].rstrip('>')
+def _sequence(value: Any, field_type: str, shorten: Shorten) -> Any:
+    if shorten.no_arr:
         form = 'sequence' if field_type.startswith('sequence<') else 'array'
-        return f'<{form} type: {kind}, length: {len(value)}>'
-    cut = options.truncate is not None and len(value) > options.truncate
-    kept = value[: options.truncate] if cut else value
-    items = [_plain(item, '', options) for item in kept]
+        return f'<{form} type: {item_type(field_type)}, length: {len(value)}>'
+    cut = shorten.truncate is not None and len(value) > shorten.truncate
+    items = [_plain(item, '', shorten) for item in value[: shorten.truncate]]
     return items + ['...'] if cut else items
+
+
+def item_type(field_type: str) -> str:
+    """Return the type of an array's items, and any other type as it is."""
+    return field_type.split('[')[0].removeprefix('sequence<').split(',')[0].rstrip('>')
 
 
 class _Dumper(yaml.SafeDumper):
@@ -148,23 +121,16 @@ class _Dumper(yaml.SafeDumper):
         return True
 
 
-def _dump(data: Any, flow: bool) -> str:
-    text: str = yaml.dump(
-        data,
-        Dumper=_Dumper,
-        allow_unicode=True,
-        width=_WIDEST,
-        default_flow_style=flow,
-        sort_keys=False,
-    )
-    return text
+def to_yaml(data: Any, flow: bool = False) -> str:
+    """Return plain values as YAML, in their order."""
+    how = {'allow_unicode': True, 'width': _WIDEST, 'sort_keys': False}
+    return str(yaml.dump(data, Dumper=_Dumper, default_flow_style=flow, **how))
 
 
 def topic_list_text(topics: NamesAndTypes, types: bool = False) -> str:
     """
     Return what ``ros2 topic list`` prints.
 
-    :param topics: names with their types, in any order
     :param types: include the types, as ``-t`` does
     """
     return '\n'.join(
@@ -223,9 +189,8 @@ def hz_text(times: Sequence[float]) -> str:
     gaps = [later - earlier for earlier, later in pairwise(times)]
     mean = sum(gaps) / len(gaps)
     deviation = math.sqrt(sum((gap - mean) ** 2 for gap in gaps) / len(gaps))
-    rate = 1.0 / mean if mean > 0 else 0.0
     return (
-        f'average rate: {rate:.3f}\n'
+        f'average rate: {1.0 / mean if mean > 0 else 0.0:.3f}\n'
         f'\tmin: {min(gaps):.3f}s max: {max(gaps):.3f}s '
         f'std dev: {deviation:.5f}s window: {len(gaps)}'
     )

@@ -41,12 +41,7 @@ _COLOURS = {
 
 
 def log_text(level: str, logger: str, message: str) -> str:
-    """
-    Return a log line as notebooks show it, with the name of its level on a coloured background.
-
-    :param level: such as 'WARN'
-    :param logger: name of the logger
-    """
+    """Return a log line as notebooks show it, with its level on a coloured background."""
     word, rest = f'[{level}]', f' [{logger}]: {message}'
     colour = _COLOURS.get(level)
     if colour is None or os.environ.get('RCUTILS_COLORIZED_OUTPUT') == '0':
@@ -90,11 +85,7 @@ class ConsoleLines:
         """Number of times that :data:`MARK` was read."""
 
     def feed(self, text: str) -> str:
-        """
-        Return the part of a piece that should be shown.
-
-        :param text: the next piece
-        """
+        """Return the part of a piece that should be shown."""
         shown, self._rest = [], self._rest + text
         while self._rest:
             plain, begin, framed = self._rest.partition(_BEGIN)

@@ -48,9 +48,7 @@ class Construction:
             return name, arguments
         if self.parameters:
             overrides = {item.name: item for item in given.get('parameter_overrides') or ()}
-            overrides.update(
-                {key: Parameter(key, value=value) for key, value in self.parameters.items()}
-            )
+            overrides |= {key: Parameter(key, value=it) for key, it in self.parameters.items()}
             arguments['parameter_overrides'] = list(overrides.values())
         return self.name or name, arguments
 
@@ -82,11 +80,7 @@ def _remapped(name: str, arguments: Mapping[str, Any]) -> tuple[str, str | None]
 
 @contextmanager
 def constructing(construction: Construction) -> Iterator[None]:
-    """
-    Apply a construction to the nodes that this thread creates inside the ``with`` block.
-
-    :param construction: collects the nodes in ``made``
-    """
+    """Apply a construction to the nodes that this thread creates inside the ``with`` block."""
     original = Node.__init__
     thread = threading.get_ident()
 

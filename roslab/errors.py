@@ -37,20 +37,11 @@ E = TypeVar('E', bound=BaseException)
 
 
 def shown_as(error: E, text: str) -> E:
-    """
-    Make a notebook show a given text instead of the traceback of an error.
-
-    :param error: any error; its type is unchanged
-    :param text: the only text that the notebook shows
-    """
+    """Make a notebook show a given text instead of the traceback of an error."""
     error._render_traceback_ = lambda: [text]  # type: ignore[attr-defined]
     return error
 
 
 def not_written_yet(message: str) -> NotImplementedError:
-    """
-    Return the error for an exercise whose stub is still unchanged.
-
-    :param message: names the cell and what to do
-    """
+    """Return the error for an exercise whose stub is still unchanged."""
     return shown_as(NotImplementedError(message), f'NotImplementedError: {message}')

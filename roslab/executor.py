@@ -10,7 +10,7 @@ two callbacks, so that entities are added and destroyed while no wait set uses t
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, suppress
 import ctypes
 from queue import Empty, SimpleQueue
 import threading
@@ -32,6 +32,8 @@ OnFailure = Callable[[Node | None, BaseException], None]
 Around = Callable[[Node | None], AbstractContextManager[None]]
 
 _MOST_FAILURES_IN_A_ROW = 100
+_PATIENCE_S = 1.0
+"""How long to wait for a running callback [s]."""
 
 
 def destroy_wholly(node: Node) -> None:
@@ -89,31 +91,29 @@ class Progress:
             self._waiting.discard(waiter)
 
 
-class GuardedExecutor(Executor):
+class BackgroundExecutor(Executor):
     """
-    An executor that runs callbacks one at a time and survives their exceptions.
+    A daemon thread that runs callbacks one at a time, and survives their exceptions.
 
-    :param context: the context of all its nodes
-    :param on_failure: called in the spinning thread with the node and its callback's exception
-    :param on_progress: called in the spinning thread after each callback and request
+    :param context: the initialised context of all its nodes
+    :param on_failure: called in the thread with the node and its callback's exception
+    :param progress: notified in the thread after each callback and request
     :param around: given a node, returns the context manager to enter for each of its callbacks
     """
 
     def __init__(
-        self,
-        *,
-        context: Context,
-        on_failure: OnFailure,
-        on_progress: Callable[[], None],
-        around: Around = lambda _: nullcontext(),
+        self, context: Context, on_failure: OnFailure, progress: Progress, around: Around
     ) -> None:
         super().__init__(context=context)
         self._on_failure = on_failure
-        self._on_progress = on_progress
+        self._progress = progress
         self._around = around
         self._asked: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self.running: tuple[Node | None, float] | None = None
         """The node whose callback is running and its start time (``time.monotonic``), or None."""
+        self._stopping = False
+        self._thread = threading.Thread(target=self._go_on, name='roslab executor', daemon=True)
+        self._thread.start()
 
     def ask(self, request: Callable[[], None]) -> None:
         """Request an action between two callbacks; safe in any thread and in finalizers."""
@@ -121,16 +121,14 @@ class GuardedExecutor(Executor):
         self.wake()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """
-        Run the requested actions, then wait for one callback and run it.
-
-        :param timeout_sec: how long to wait [s], None for no limit
-        """
+        """Run the requested actions, then wait for one callback and run it."""
         while not self._asked.empty():
             self._asked.get()()
-            self._on_progress()
+            self._progress.notify()
         try:
-            task, _, node = self.wait_for_ready_callbacks(timeout_sec, None, self._is_asked)
+            task, _, node = self.wait_for_ready_callbacks(
+                timeout_sec, None, lambda: not self._asked.empty()
+            )
         except (ConditionReachedException, ShutdownException, TimeoutException):
             return
         self._run(task, node)
@@ -138,17 +136,9 @@ class GuardedExecutor(Executor):
     def spin_once_until_future_complete(
         self, future: Future, timeout_sec: Any | None = None
     ) -> None:
-        """
-        Do the same as :meth:`spin_once`.
-
-        :param future: wakes this executor when it is done
-        :param timeout_sec: how long to wait [s]
-        """
+        """Do the same as :meth:`spin_once`."""
         future.add_done_callback(lambda _: self.wake())
         self.spin_once(timeout_sec)
-
-    def _is_asked(self) -> bool:
-        return not self._asked.empty()
 
     def _run(self, task: Any, node: Node | None) -> None:
         self.running = (node, time.monotonic())
@@ -163,33 +153,7 @@ class GuardedExecutor(Executor):
             self.running = None
         if failure is not None:
             self._on_failure(node, failure)
-        self._on_progress()
-
-
-class BackgroundExecutor:
-    """
-    A daemon thread that spins one :class:`GuardedExecutor` until it is stopped.
-
-    :param context: an initialised context
-    :param on_failure: see :class:`GuardedExecutor`
-    :param progress: notified after each callback
-    :param around: see :class:`GuardedExecutor`
-    """
-
-    def __init__(
-        self,
-        context: Context,
-        on_failure: OnFailure,
-        progress: Progress,
-        around: Around = lambda _: nullcontext(),
-    ) -> None:
-        self.context = context
-        self._stopping = False
-        self._executor = GuardedExecutor(
-            context=context, on_failure=on_failure, on_progress=progress.notify, around=around
-        )
-        self._thread = threading.Thread(target=self._spin, name='roslab executor', daemon=True)
-        self._thread.start()
+        self._progress.notify()
 
     @property
     def alive(self) -> bool:
@@ -201,60 +165,39 @@ class BackgroundExecutor:
         """Return whether the caller runs in the executor thread, as callbacks do."""
         return threading.current_thread() is self._thread
 
-    @property
-    def running(self) -> tuple[Node | None, float] | None:
-        """The node whose callback is running and its start time (``time.monotonic``), or None."""
-        return self._executor.running
-
     def add(self, node: Node) -> None:
         """Start serving a node."""
-        self._between_callbacks(lambda: self._executor.add_node(node))
+        if not self._do(lambda: self.add_node(node), _PATIENCE_S):
+            self.add_node(node)
 
-    def destroy(self, node: Node, patience_s: float = 1.0) -> None:
-        """
-        Stop serving a node and destroy it, even if its callback does not return.
-
-        :param patience_s: how long to wait for a running callback [s]
-        """
+    def destroy(self, node: Node) -> None:
+        """Stop serving a node and destroy it, even if its callback does not return."""
 
         def go() -> None:
-            self._executor.remove_node(node)
+            self.remove_node(node)
             destroy_wholly(node)
 
-        if self._do(go, patience_s):
+        if self._do(go, _PATIENCE_S):
             return
         running = self.running
         if running is not None and running[0] is node:
             self._break_callback()
         # Try again, because the thread may only have been slow.  Destroying a node twice is
         # harmless.
-        if not self._do(go, patience_s):
+        if not self._do(go, _PATIENCE_S):
             go()  # a callback still blocks the thread, so no wait set is in use
 
-    def ask(self, request: Callable[[], None]) -> None:
-        """Request an action between two callbacks and return without waiting for it."""
-        self._executor.ask(request)
-
-    def stop(self, patience_s: float = 1.0) -> bool:
-        """
-        Stop the thread.
-
-        :param patience_s: how long to wait for a running callback [s]
-        :returns: whether the thread has ended
-        """
+    def stop(self) -> bool:
+        """Stop the thread, and return whether it has ended."""
         self._stopping = True
-        self._executor.ask(lambda: None)
-        self._thread.join(patience_s)
+        self.ask(lambda: None)
+        self._thread.join(_PATIENCE_S)
         if self._thread.is_alive():
             self._break_callback()
-            self._thread.join(patience_s)
+            self._thread.join(_PATIENCE_S)
         if not self._thread.is_alive():
-            self._executor.shutdown()
+            self.shutdown()
         return not self._thread.is_alive()
-
-    def _between_callbacks(self, action: Callable[[], object], patience_s: float = 1.0) -> None:
-        if not self._do(action, patience_s):
-            action()
 
     def _do(self, action: Callable[[], object], patience_s: float) -> bool:
         """Run an action in the thread; return False if it was withdrawn after the timeout."""
@@ -262,7 +205,7 @@ class BackgroundExecutor:
             action()
             return True
         request = _Request(action)
-        self._executor.ask(request)
+        self.ask(request)
         return request.wait(patience_s)
 
     def _break_callback(self) -> None:
@@ -271,11 +214,11 @@ class BackgroundExecutor:
             ctypes.c_ulong(self._thread.ident or 0), ctypes.py_object(CallbackStopped)
         )
 
-    def _spin(self) -> None:
+    def _go_on(self) -> None:
         failures = 0
         while not self._stopping and self.context.ok():
             try:
-                self._executor.spin_once()
+                self.spin_once()
                 failures = 0
             except ExternalShutdownException:
                 return
@@ -290,7 +233,11 @@ class BackgroundExecutor:
 
 
 class _Request:
-    """An action that is either run by the executor or withdrawn by the requester, never both."""
+    """
+    An action that is either run by the executor or withdrawn by the requester, never both.
+
+    Queues instead of a future: :class:`CallbackStopped` could leave the lock of a future held.
+    """
 
     def __init__(self, action: Callable[[], object]) -> None:
         self._action = action
@@ -304,25 +251,18 @@ class _Request:
             self._tickets.get_nowait()
         except Empty:
             return
+        error = None
         try:
-            self._carry_out()
-        except Exception as error:
-            self._done.put(error)
-        else:
-            self._done.put(None)
-
-    def _carry_out(self) -> None:
-        try:
-            self._action()
-        except CallbackStopped:  # intended for a callback that has already returned
-            self._action()
+            try:
+                self._action()
+            except CallbackStopped:  # intended for a callback that has already returned
+                self._action()
+        except Exception as raised:
+            error = raised
+        self._done.put(error)
 
     def wait(self, timeout_s: float) -> bool:
-        """
-        Wait until the action has run; withdraw it after the timeout.
-
-        :returns: whether it ran
-        """
+        """Wait until the action has run; withdraw it after the timeout."""
         try:
             error = self._done.get(timeout=timeout_s)
         except Empty:

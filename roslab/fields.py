@@ -7,45 +7,44 @@ path is reported at once, with the fields that exist.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 import re
 from typing import Any
 
+from rosidl_parser.definition import AbstractNestedType, BasicType, NamespacedType
+
+from roslab.cli_text import item_type
 from roslab.errors import NotHereError, RoslabError
 from roslab.lookup import message_class
 
 _STEP = re.compile(r'([A-Za-z_]\w*)((?:\[\d+\])*)')
-_LIST = re.compile(r'(?:sequence<(?P<item>[^,>]+)(?:, *\d+)?>|(?P<fixed>[^\[\]]+)\[\d+\])')
-_NUMBERS = re.compile(r'(?:u?int(?:8|16|32|64)|float|double|boolean|octet|char)')
 _MOST_NAMED = 12
 _DEEPEST = 4
 
 
 def numeric_fields(msg_type: Any) -> list[str]:
-    """
-    Return the paths of all numeric fields of a message, with ``[0]`` for the items of arrays.
-
-    :param msg_type: class of the message
-    """
-    return _numeric(msg_type, '', _DEEPEST)
+    """Return the paths of all numeric fields of a message; arrays have ``[0]`` for an item."""
+    return list(_numeric(msg_type, '', _DEEPEST))
 
 
-def _numeric(msg_type: Any, prefix: str, depth: int) -> list[str]:
-    found = []
-    for name, kind in msg_type.get_fields_and_field_types().items():
+def _types(msg_type: Any) -> dict[str, Any]:
+    """Return the types of the fields by name, in the order of the definition."""
+    return dict(zip(msg_type.get_fields_and_field_types(), msg_type.SLOT_TYPES))
+
+
+def _numeric(msg_type: Any, prefix: str, depth: int) -> Iterator[str]:
+    for name, kind in _types(msg_type).items():
         path = f'{prefix}{name}'
-        item = _item_type(kind)
-        if item is not None:
-            path, kind = f'{path}[0]', item
-        if _NUMBERS.fullmatch(kind):
-            found.append(path)
-        elif '/' in kind and depth > 1:
+        if isinstance(kind, AbstractNestedType):
+            path, kind = f'{path}[0]', kind.value_type
+        if isinstance(kind, BasicType):
+            yield path
+        elif isinstance(kind, NamespacedType) and depth > 1:
             try:
                 inner = _class_of(kind)
             except NotHereError:
                 continue
-            found.extend(_numeric(inner, f'{path}.', depth - 1))
-    return found
+            yield from _numeric(inner, f'{path}.', depth - 1)
 
 
 def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
@@ -58,24 +57,22 @@ def number_getter(msg_type: Any, path: str) -> Callable[[Any], float | None]:
     :raises RoslabError: if the field does not exist or is not numeric
     """
     steps: list[str | int] = []
-    here: Any = msg_type
-    kind = ''
+    missing = RoslabError(f'{msg_type.__name__} has no field {path!r}. {_offer(msg_type)}')
+    fields, kind, said = msg_type, None, ''
     for part in path.split('.'):
         step = _STEP.fullmatch(part.strip())
-        fields = here.get_fields_and_field_types() if here is not None else {}
-        if step is None or step[1] not in fields:
-            raise _no_field(msg_type, path)
+        if step is None or fields is None or step[1] not in _types(fields):
+            raise missing
+        kind, said = _types(fields)[step[1]], fields.get_fields_and_field_types()[step[1]]
         steps.append(step[1])
-        kind = fields[step[1]]
         for index in re.findall(r'\d+', step[2]):
-            item = _item_type(kind)
-            if item is None:
-                raise _no_field(msg_type, path)
+            if not isinstance(kind, AbstractNestedType):
+                raise missing
             steps.append(int(index))
-            kind = item
-        here = _class_of(kind) if '/' in kind and _item_type(kind) is None else None
-    if not _NUMBERS.fullmatch(kind):
-        raise _no_number(msg_type, path, kind)
+            kind, said = kind.value_type, item_type(said)
+        fields = _class_of(kind) if isinstance(kind, NamespacedType) else None
+    if not isinstance(kind, BasicType):
+        raise _no_number(msg_type, path, kind, said)
     return lambda message: _value(message, steps)
 
 
@@ -91,32 +88,17 @@ def _value(message: Any, steps: list[str | int]) -> float | None:
     return float(value[0]) if isinstance(value, bytes) else float(value)
 
 
-def _item_type(kind: str) -> str | None:
-    """Return the type of an array's items, or None if the type is not an array."""
-    match = _LIST.fullmatch(kind)
-    return (match['item'] or match['fixed']) if match else None
+def _class_of(kind: NamespacedType) -> Any:
+    return message_class('/'.join([*kind.namespaces, kind.name]))
 
 
-def _class_of(kind: str) -> Any:
-    """Return the message class for a field type ``package/Name``."""
-    package, _, name = kind.partition('/')
-    return message_class(f'{package}/msg/{name.split("/")[-1]}')
-
-
-def _no_field(msg_type: Any, path: str) -> RoslabError:
-    return RoslabError(f'{msg_type.__name__} has no field {path!r}. {_offer(msg_type)}')
-
-
-def _no_number(msg_type: Any, path: str, kind: str) -> RoslabError:
-    item = _item_type(kind)
-    if item is not None and _NUMBERS.fullmatch(item):
-        return RoslabError(
-            f'The field {path!r} of {msg_type.__name__} is an array, {kind}. '
-            f'Name one of its items, as in {path + "[0]"!r}.'
-        )
-    return RoslabError(
-        f'The field {path!r} of {msg_type.__name__} is not a number but {kind}. {_offer(msg_type)}'
-    )
+def _no_number(msg_type: Any, path: str, kind: Any, said: str) -> RoslabError:
+    """Return the error for a field that is not numeric; ``said`` is its type in words."""
+    field = f'The field {path!r} of {msg_type.__name__} is'
+    if isinstance(kind, AbstractNestedType) and isinstance(kind.value_type, BasicType):
+        item = f'{path}[0]'
+        return RoslabError(f'{field} an array, {said}. Name one of its items, as in {item!r}.')
+    return RoslabError(f'{field} not a number but {said}. {_offer(msg_type)}')
 
 
 def _offer(msg_type: Any) -> str:

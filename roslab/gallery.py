@@ -8,7 +8,7 @@ The entries are data in ``gallery.yaml``.  Build errors are also looked up in th
 from __future__ import annotations
 
 import builtins
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 import pkgutil
@@ -16,6 +16,7 @@ import re
 import sys
 import textwrap
 import traceback
+from typing import NamedTuple
 
 import yaml
 
@@ -40,8 +41,7 @@ _FURTHER = (
 )
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """
     One error of the gallery.
 
@@ -54,7 +54,7 @@ class Entry:
 
     key: str
     heading: str
-    patterns: tuple[str, ...]
+    patterns: Sequence[str]
     cause: str
     repair: str
 
@@ -72,24 +72,11 @@ class Entry:
 def entries() -> tuple[Entry, ...]:
     """Return the entries of the gallery in the order in which lesson 08 shows them."""
     rows = yaml.safe_load(FILE.read_text(encoding='utf-8'))
-    return tuple(
-        Entry(
-            row['key'],
-            row['heading'],
-            tuple(row['patterns']),
-            row['cause'],
-            row['repair'],
-        )
-        for row in rows
-    )
+    return tuple(Entry(*(row[field] for field in Entry._fields)) for row in rows)
 
 
 def nearest(text: str) -> list[Entry]:
-    """
-    Return the entries that match a message, best match first.
-
-    :param text: an error message, or the end of a log
-    """
+    """Return the entries that match a message, best match first."""
     line = ' '.join(text.split())
     found = [(entry.matched(line), entry) for entry in entries()]
     found = sorted((pair for pair in found if pair[0]), key=lambda pair: -pair[0])
@@ -110,25 +97,21 @@ def explain(error: str | BaseException | None = None) -> None:
     if advice:
         print(_wrapped('The notebook said:', advice))
     if meant := _misspelt_module(text):
-        print(_wrapped('What happened:', f'Python finds no module of that name; {meant} exists.'))
-        print(_wrapped('Repair:', f'If you mean {meant}, correct the spelling in the import.'))
+        happened = f'Python finds no module of that name; {meant} exists.'
+        print(_paragraph(happened, f'If you mean {meant}, correct the spelling in the import.'))
         return
     found = nearest(text)
     if found:
-        print('\n\n'.join(_paragraph(entry) for entry in found))
+        print('\n\n'.join(_paragraph(one.cause, one.repair, one.heading) for one in found))
     if found or advice:
         return
     diagnosis = diagnose(text, texts_of(learner_package().folder))
     if diagnosis.cause:
         place = f'{diagnosis.where}: ' if diagnosis.where else ''
-        print(
-            _wrapped('What happened:', place + diagnosis.error),
-            _wrapped('Repair:', diagnosis.advice),
-            _wrapped('More:', f'lesson {LESSON}, "Part 6: Building"'),
-            sep='\n',
-        )
+        print(_paragraph(place + diagnosis.error, diagnosis.advice, 'Part 6: Building'))
         return
-    print(f'Not in the gallery: {_shortened(text)}')
+    unknown = 'Not in the gallery: '
+    print(unknown + textwrap.shorten(text, _WIDTH - len(unknown), placeholder=' ...'))
     print('\n'.join(_wrapped('*', way) for way in _ways_on(text, error)))
 
 
@@ -187,20 +170,13 @@ def _text(error: str | BaseException | None) -> str:
     return error
 
 
-def _paragraph(entry: Entry) -> str:
-    return '\n'.join(
-        (
-            _wrapped('What happened:', entry.cause),
-            _wrapped('Repair:', entry.repair),
-            _wrapped('More:', f'lesson {LESSON}, "{entry.heading}"'),
-        )
-    )
+def _paragraph(happened: str, repair: str, section: str = '') -> str:
+    """Return an explanation; ``section`` is a heading in lesson 08."""
+    lines = [_wrapped('What happened:', happened), _wrapped('Repair:', repair)]
+    lines += [_wrapped('More:', f'lesson {LESSON}, "{section}"')] if section else []
+    return '\n'.join(lines)
 
 
 def _wrapped(label: str, text: str) -> str:
     indent = ' ' * (len(label) + 1)
     return textwrap.fill(f'{label} {text}', _WIDTH, subsequent_indent=indent)
-
-
-def _shortened(text: str) -> str:
-    return textwrap.shorten(text, _WIDTH - len('Not in the gallery: '), placeholder=' ...')

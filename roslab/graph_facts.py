@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple
 import uuid
 
 from rcl_interfaces.msg import ParameterEvent
@@ -18,11 +19,15 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 
-from roslab.lookup import is_hidden, nodes_now
+from roslab.ros2.graph import (
+    full_name,
+    is_hidden,
+    node_names,
+    QUIET_TOPICS,
+    topics_of,
+    UNKNOWN,
+)
 from roslab.session import HELPER_NAME
-
-QUIET_TOPICS = ('/parameter_events', '/rosout')
-"""Every node has endpoints on these topics; showing them would make pictures unreadable."""
 
 NOBODY_SUBSCRIBES = 'nobody subscribes'
 NOBODY_PUBLISHES = 'nobody publishes'
@@ -31,7 +36,6 @@ ANOTHER_LISTENS = 'another notebook listens'
 HIDDEN_LISTENS = 'only a hidden node listens'
 HIDDEN_PUBLISHES = 'only a hidden node publishes'
 
-_UNKNOWN = '_NODE_NAME_UNKNOWN_'
 _POLICIES = ('reliability', 'durability', 'deadline', 'liveliness', 'liveliness_lease_duration')
 
 
@@ -66,13 +70,17 @@ class Topic:
     subscriptions: tuple[Endpoint, ...] = ()
 
     @property
+    def ends(self) -> tuple[Endpoint, ...]:
+        """All its endpoints."""
+        return (*self.publishers, *self.subscriptions)
+
+    @property
     def types(self) -> list[str]:
         """All types of its endpoints; more than one type is an error."""
-        return sorted({end.type for end in (*self.publishers, *self.subscriptions)})
+        return sorted({end.type for end in self.ends})
 
 
-@dataclass(frozen=True)
-class Edge:
+class Edge(NamedTuple):
     """
     An arrow between a node and a topic.
 
@@ -88,8 +96,7 @@ class Edge:
     remark: str = ''
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """
     A publisher and a subscription on the same topic.
 
@@ -118,20 +125,19 @@ class Facts:
     @cached_property
     def pairs(self) -> list[Pair]:
         """All pairs of visible endpoints, sorted."""
-        found = {
-            Pair(out.node, topic.name, into.node, mismatch(out, into))
-            for topic in self.topics
-            for out in self._shown(topic.publishers)
-            for into in self._shown(topic.subscriptions)
-        }
-        connected = {(p.publisher, p.topic, p.subscription) for p in found if not p.reason}
+        found: dict[tuple[str, str, str], set[str]] = {}
+        for topic in self.topics:
+            for out, into in product(
+                self._shown(topic.publishers), self._shown(topic.subscriptions)
+            ):
+                names = topic.name, out.node, into.node
+                found.setdefault(names, set()).add(mismatch(out, into))
         # If two nodes have several pairs of endpoints, one matched pair is enough.
-        kept = (
-            pair
-            for pair in found
-            if not pair.reason or (pair.publisher, pair.topic, pair.subscription) not in connected
-        )
-        return sorted(kept, key=lambda pair: (pair.topic, pair.publisher, pair.subscription))
+        return [
+            Pair(publisher, topic, subscription, reason)
+            for (topic, publisher, subscription), reasons in sorted(found.items())
+            for reason in ([''] if '' in reasons else sorted(reasons))
+        ]
 
     @cached_property
     def edges(self) -> list[Edge]:
@@ -149,12 +155,8 @@ class Facts:
         return found
 
     def label(self, node: str) -> str:
-        """
-        Return the label of a node in the text and the picture.
-
-        :param node: its full name
-        """
-        if node.endswith(_UNKNOWN):
+        """Return the label of a node in the text and the picture."""
+        if node.endswith(UNKNOWN):
             return '(a node not yet known)'
         same = self.nodes.count(node)
         return f'{node} ({same} nodes)' if same > 1 else node
@@ -194,12 +196,7 @@ def _unseen(ends: Iterable[Endpoint], outward: bool) -> str:
 
 
 def mismatch(publisher: Endpoint, subscription: Endpoint) -> str:
-    """
-    Return why two endpoints of a topic do not match, or an empty string if they do.
-
-    :param publisher: the offering side
-    :param subscription: the requesting side
-    """
+    """Return why two endpoints of a topic do not match, or an empty string if they do."""
     if publisher.type != subscription.type:
         return f'type differs: {publisher.type} | {subscription.type}'
     offers, wants = publisher.qos, subscription.qos
@@ -238,38 +235,27 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
     :param node: any node; it sees what its process has discovered
     :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``
     """
-    helpers = nodes_now(node, hidden=True).count(f'/{HELPER_NAME}')
-    own = _participant_of(node) if helpers > 1 else b''
+    known = node_names(node, hidden=True)
+    own = _participant_of(node) if known.count(f'/{HELPER_NAME}') > 1 else b''
     topics = []
-    for name, _ in sorted(node.get_topic_names_and_types()):
-        if not everything and (name in QUIET_TOPICS or is_hidden(name)):
-            continue
-        topic = Topic(
-            name,
-            _endpoints(node.get_publishers_info_by_topic(name), own),
-            _endpoints(node.get_subscriptions_info_by_topic(name), own),
-        )
-        ends = (*topic.publishers, *topic.subscriptions)
-        if everything or any(not end.hidden for end in ends):
-            topics.append(topic)
-    names = nodes_now(node, hidden=everything)
-    missing = {end.node for topic in topics for end in (*topic.publishers, *topic.subscriptions)}
-    known = [*names, *(missing - set(names))]
-    return Facts(
-        tuple(sorted(name for name in known if everything or not is_hidden(name))),
-        tuple(topics),
-        everything,
-    )
+    for name in topics_of(node, hidden=everything):
+        if everything or name not in QUIET_TOPICS:
+            topic = Topic(
+                name,
+                _endpoints(node.get_publishers_info_by_topic(name), own),
+                _endpoints(node.get_subscriptions_info_by_topic(name), own),
+            )
+            if everything or any(not end.hidden for end in topic.ends):
+                topics.append(topic)
+    missing = {end.node for topic in topics for end in topic.ends} - set(known)
+    shown = (name for name in (*known, *missing) if everything or not is_hidden(name))
+    return Facts(tuple(sorted(shown)), tuple(topics), everything)
 
 
 def only_topic(facts: Facts, topic: str) -> Facts:
-    """
-    Return the part of a graph that concerns one topic.
-
-    :param topic: its full name
-    """
+    """Return the part of a graph that concerns one topic."""
     topics = tuple(found for found in facts.topics if found.name == topic)
-    ends = {end.node for found in topics for end in (*found.publishers, *found.subscriptions)}
+    ends = {end.node for found in topics for end in found.ends}
     return Facts(tuple(n for n in facts.nodes if n in ends), topics, facts.everything)
 
 
@@ -287,9 +273,9 @@ def _participant_of(node: Node) -> bytes:
 def _endpoints(infos: Iterable[Any], own: bytes) -> tuple[Endpoint, ...]:
     found = []
     for info in infos:
-        name = info.node_name
         # Discovery may report an endpoint shortly before it reports the endpoint's node.
-        full = f'/?{name}' if name == _UNKNOWN else f'{info.node_namespace.rstrip("/")}/{name}'
+        unknown = info.node_name == UNKNOWN
+        full = f'/?{UNKNOWN}' if unknown else full_name(info.node_name, info.node_namespace)
         here = bytes(info.endpoint_gid).startswith(own)
         found.append(Endpoint(full, info.topic_type, info.qos_profile, here))
     return tuple(sorted(found, key=lambda end: (end.node, end.type)))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
 from itertools import pairwise
 import textwrap
 
 from drawing import svg
 from drawing.graph_layout import arrange, Arrow, Layout, Spot
-from roslab.graph_facts import Edge, Facts, only_topic, QUIET_TOPICS, read_graph, Topic
-from roslab.lookup import DISCOVERY_S, not_here, resolved, topics_now
-from roslab.session import Session
+from roslab.graph_facts import Edge, Facts, only_topic, read_graph, Topic
+from roslab.lookup import DISCOVERY_S, not_here, resolved
+from roslab.output import counted
+from roslab.ros2.graph import QUIET_TOPICS, topic_types, topics_of
+from roslab.session import session
 from roslab.waiting import wait_in
 
 _MARGIN = 10.0
@@ -23,11 +25,7 @@ _MOST_PORTS = 3
 
 
 class Graph:
-    """
-    The nodes and topics at one moment: a picture in a notebook, lines of text elsewhere.
-
-    :param facts: the graph as read from ROS
-    """
+    """The nodes and topics at one moment: a picture in a notebook, lines of text elsewhere."""
 
     def __init__(self, facts: Facts) -> None:
         self.facts = facts
@@ -42,32 +40,30 @@ class Graph:
         """Full names of the topics."""
         return [topic.name for topic in self.facts.topics]
 
-    def __str__(self) -> str:
-        return graph_text(self.facts)
-
     def __repr__(self) -> str:
-        return str(self)
+        return graph_text(self.facts)
 
     def _repr_html_(self) -> str:
         return graph_html(self.facts)
 
 
-def graph_now(session: Session, topic: str | None = None, everything: bool = False) -> Graph:
+def graph(topic: str | None = None, *, all: bool = False) -> Graph:
     """
-    Return the current graph of this kernel.
+    Return the nodes and topics of the current graph: a picture, or lines of text with ``str()``.
+
+    Nodes of this notebook appear at once, those of other programs after discovery.
 
     :param topic: show only this topic and its nodes
-    :param everything: include hidden nodes and topics
+    :param all: include hidden nodes, ``/rosout`` and ``/parameter_events``
     :raises NotHereError: if the topic has no endpoint
     """
-    node = session.helper
+    node = session().helper
     if topic is None:
-        return Graph(read_graph(node, everything))
+        return Graph(read_graph(node, all))
     name = resolved(node, topic)
-    if not wait_in(session, lambda: name in topics_now(node), DISCOVERY_S):
-        raise not_here('topic', name, topics_now(node))
-    facts = read_graph(node, everything=everything or name in QUIET_TOPICS)
-    return Graph(only_topic(facts, name))
+    if not wait_in(lambda: topic_types(node, name), DISCOVERY_S):
+        raise not_here('topic', name, topics_of(node))
+    return Graph(only_topic(read_graph(node, all or name in QUIET_TOPICS), name))
 
 
 def graph_text(facts: Facts) -> str:
@@ -100,51 +96,46 @@ def _topic_lines(facts: Facts, topic: Topic) -> list[str]:
 
 
 def _summary(facts: Facts) -> str:
-    nodes, topics = len(facts.nodes), len(facts.topics)
-    if not nodes and not topics:
+    if not facts.nodes and not facts.topics:
         return 'No nodes are seen now.'
-    return (
-        f'Seen now: {nodes} node{"s" * (nodes != 1)}, {topics} topic{"s" * (topics != 1)}'
-        f'{"" if facts.everything else " (without /rosout and /parameter_events)"}.'
-    )
+    seen = f'{counted(facts.nodes, "node")}, {counted(facts.topics, "topic")}'
+    without = '' if facts.everything else ' (without /rosout and /parameter_events)'
+    return f'Seen now: {seen}{without}.'
 
 
 def graph_html(facts: Facts) -> str:
     """Return the graph as HTML with an SVG picture."""
     nodes = list(dict.fromkeys(facts.nodes))
-    keys = {('node', name): f'n{name}' for name in nodes}
-    keys |= {('topic', topic.name): f't{topic.name}' for topic in facts.topics}
     remarks = {topic.name: _remarks(facts, topic) for topic in facts.topics}
     arrows: dict[Arrow, Edge] = {}
     for edge in facts.edges:
-        ends = keys['node', edge.node], keys['topic', edge.topic]
+        ends = f'n{edge.node}', f't{edge.topic}'
         arrows[ends if edge.outward else ends[::-1]] = edge
-    ports = _ports(list(arrows))
+    ports = Counter(key for arrow in arrows for key in arrow)
     sizes = {}
     for name in nodes:
         width = svg.text_width(facts.label(name), 13) + 24
-        sizes[keys['node', name]] = max(80.0, width), _height(_NODE_HEIGHT, ports, f'n{name}')
+        sizes[f'n{name}'] = max(80.0, width), _height(_NODE_HEIGHT, ports[f'n{name}'])
     for topic in facts.topics:
-        sizes[keys['topic', topic.name]] = _topic_size(topic, remarks[topic.name], ports)
+        key = f't{topic.name}'
+        sizes[key] = _topic_size(topic, remarks[topic.name], ports[key])
     layout = arrange(sizes, list(arrows), frozenset(f't{topic.name}' for topic in facts.topics))
     parts = [_edge(layout.routes[arrow], edge) for arrow, edge in arrows.items()]
-    for name in nodes:
-        parts.append(_node(layout.spots[f'n{name}'], facts.label(name)))
-    for topic in facts.topics:
-        parts.append(_topic(layout.spots[f't{topic.name}'], topic, remarks[topic.name]))
-    return _whole(facts, layout, parts, remarks)
-
-
-def _whole(
-    facts: Facts, layout: Layout, parts: list[str], remarks: Mapping[str, Sequence[str]]
-) -> str:
-    legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
-    width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
+    parts += [_node(layout.spots[f'n{name}'], facts.label(name)) for name in nodes]
+    parts += [
+        _topic(layout.spots[f't{topic.name}'], topic, remarks[topic.name])
+        for topic in facts.topics
+    ]
     # The layout reserves space above a box with remarks below; do not show it at the top.
     room = {f't{name}': _LINE * len(found) for name, found in remarks.items()}
     tops = (s.y - s.height / 2 + room.get(s.key, 0.0) for s in layout.spots.values())
-    top = min(tops, default=0.0)
-    height = layout.height - top + 3 * _LINE
+    return _whole(facts, layout, parts, min(tops, default=0.0))
+
+
+def _whole(facts: Facts, layout: Layout, parts: list[str], top: float) -> str:
+    """Return the picture with legend and summary; the drawing begins at ``top``."""
+    legend = 'rounded: node \u00b7 square: topic \u00b7 dashed with a cross: not connected'
+    width = max(layout.width, svg.text_width(legend, 11), svg.text_width(_summary(facts), 11))
     low = layout.height + 2 * _LINE
     moved = f'<g transform="translate({_MARGIN:g} {_MARGIN - top:g})">{"".join(parts)}'
     notes = [
@@ -154,7 +145,7 @@ def _whole(
     ]
     return svg.picture(
         width + 2 * _MARGIN,
-        height + 2 * _MARGIN,
+        low + _LINE - top + 2 * _MARGIN,
         'ROS graph',
         '. '.join(graph_text(facts).splitlines()),
         [moved, *notes],
@@ -204,26 +195,16 @@ def _remarks(facts: Facts, topic: Topic) -> list[str]:
     ]
 
 
-def _ports(arrows: Sequence[Arrow]) -> dict[str, int]:
-    """Return the number of arrows that start or end at each box."""
-    found: dict[str, int] = {}
-    for arrow in arrows:
-        for key in arrow:
-            found[key] = found.get(key, 0) + 1
-    return found
-
-
-def _height(least: float, ports: dict[str, int], key: str) -> float:
+def _height(least: float, ports: int) -> float:
     """Return the height of a box, which grows with the number of its arrows."""
-    return least + 6.0 * max(0, ports.get(key, 0) - _MOST_PORTS)
+    return least + 6.0 * max(0, ports - _MOST_PORTS)
 
 
-def _topic_size(topic: Topic, remarks: list[str], ports: dict[str, int]) -> tuple[float, float]:
-    lines = [topic.name, *topic.types]
+def _topic_size(topic: Topic, remarks: list[str], ports: int) -> tuple[float, float]:
     widths = [svg.text_width(topic.name, 13), *(svg.text_width(kind, 11) for kind in topic.types)]
     widths += [svg.text_width(remark, 11) - 10 for remark in remarks]
-    height = _TOPIC_HEIGHT + _LINE * (len(lines) - 2) if len(lines) > 1 else _NODE_HEIGHT
-    height = _height(height, ports, f't{topic.name}')
+    more = len(topic.types) - 1
+    height = _height(_TOPIC_HEIGHT + _LINE * more if more >= 0 else _NODE_HEIGHT, ports)
     # The remarks are below the box; equal space above it keeps the box centred.
     return max(100.0, max(widths) + 20), height + 2 * _LINE * len(remarks)
 

@@ -9,7 +9,6 @@ shown as usual.
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import json
 import os
 from pathlib import Path
 import re
+import symtable
 import sys
 import textwrap
 import traceback
@@ -25,7 +25,7 @@ from typing import Any
 from IPython.core.error import UsageError
 from IPython.core.inputtransformer2 import TransformerManager
 
-from autograder.submission.cells import CellSyntaxError, parse_cell
+from autograder.submission.cells import CellFile, CellSyntaxError, parse_cell
 from roslab.errors import RoslabError
 from roslab.interrupts import interrupted
 from roslab.output import current_cell
@@ -34,6 +34,14 @@ from roslab.tracebacks import is_library, where
 _SHOWN = 44
 """Number of characters shown of a cell's first line, enough to find the cell."""
 _INIT_TWICE = 'Context.init() must only be called once'
+_NO_INIT = (
+    'RuntimeError: rclpy.init() was called, but ROS 2 runs in this notebook already. '
+    'Leave it out, and do not call main() here: start(...) runs a node in the background.'
+)
+_INVALID_HANDLE = (
+    'InvalidHandle: this node, or what belongs to it, was stopped or replaced meanwhile. '
+    'Run first: the cell that starts it.'
+)
 _ORDER = (
     'This cell uses what cells above it do, and not all of those were run to their end, in order. '
     'Run first: all of them, by the menu Run, Run All Above Selected Cell.'
@@ -61,17 +69,28 @@ class NotebookCell:
 
     :param identifier: its id in the notebook file
     :param heading: heading of its section
-    :param names: the names that it defines
-    :param module: the module that a ``%%node`` cell creates
+    :param file: the file that a cell such as ``%%node`` saves
     :param grade_id: nbgrader id of an exercise's cell
     """
 
     identifier: str
     heading: str
     source: str
-    names: frozenset[str]
-    module: str | None
+    file: CellFile | None
     grade_id: str = ''
+
+    @property
+    def module(self) -> str | None:
+        """The module that a ``%%node`` cell creates."""
+        return self.file.name if self.file and self.file.kind == 'node' else None
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The names that it defines in the notebook."""
+        if self.file is None:
+            return defined_names(self.source)
+        names = defined_names(self.file.body) if self.module else frozenset()
+        return frozenset(name for name in names if name[0] != '_')
 
     @property
     def place(self) -> str:
@@ -83,11 +102,7 @@ class NotebookCell:
 
 
 def load_ipython_extension(shell: Any) -> None:
-    """
-    Install the handler that shows one sentence instead of a traceback if the sentence helps more.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Install the handler that shows a sentence instead of a traceback if that helps more."""
     if _show not in getattr(shell, '_course_guides', ()):
         shell._course_guides = (_show,)
         shell.set_custom_exc((Exception, KeyboardInterrupt), _show)
@@ -98,45 +113,45 @@ def advice(error: BaseException, shell: Any) -> str | None:
     """
     Return the text that replaces the traceback of an error.
 
-    :param error: any error that a cell has raised
     :returns: None if the usual traceback should be shown
     """
     at_once = isinstance(error, KeyboardInterrupt) or isinstance(
         error.__context__, KeyboardInterrupt
     )
-    if at_once or (interrupted() and not _raised_by_learner(error)):
+    own = _raised_by_learner(error)
+    if at_once or (interrupted() and not own):
         return _interrupted(error)
     if isinstance(error, UsageError) and (found := _MAGIC_BELOW.match(str(error))):
         return (
             f'UsageError: {found[1]} has to be the first line of its cell. Move all lines above '
             'it, even comments, below it, and run the cell again.'
         )
-    if type(error) is NotImplementedError and _raised_by_learner(error):
+    if type(error) is NotImplementedError and own:
         return _not_written(error)
     if type(error).__name__ == 'InvalidHandle':
-        return (
-            'InvalidHandle: this node, or what belongs to it, was stopped or replaced meanwhile. '
-            'Run first: the cell that starts it.'
-        )
+        return _INVALID_HANDLE
     if type(error) is RuntimeError and str(error) == _INIT_TWICE:
-        return (
-            'RuntimeError: rclpy.init() was called, but ROS 2 runs in this notebook already. '
-            'Leave it out, and do not call main() here: start(...) runs a node in the background.'
-        )
-    if type(error) not in (NameError, ModuleNotFoundError) or not _raised_by_learner(error):
-        return None
-    missing: str | None = getattr(error, 'name', None)
+        return _NO_INIT
+    if type(error) in (NameError, ModuleNotFoundError) and own:
+        return _not_there(error, shell)
+    return None
+
+
+def _not_there(error: Any, shell: Any) -> str | None:
+    """Return which cell defines a missing name or module, None if no cell does."""
+    missing, is_module = error.name, isinstance(error, ModuleNotFoundError)
     if not missing:
         return None
-    if _is_given_to_check(missing, shell):
+    # A bare name is given to check(), and not in a comment.
+    if re.search(rf'(?m)^[^#\n]*\bcheck\(\s*{re.escape(missing)}\b', _history(shell)[-1]):
         return (
             f'NameError: check() takes the name of an exercise in quotes. Write: '
             f'check({missing!r})'
         )
-    cell = _first_cell_with(missing, isinstance(error, ModuleNotFoundError), shell)
+    cell = _first_cell_with(missing, is_module, shell)
     if cell is None:
         return None
-    kind = 'module ' if isinstance(error, ModuleNotFoundError) else ''
+    kind = 'module ' if is_module else ''
     return f'{type(error).__name__}: {kind}{missing} is not there yet. Run first: {cell.place}'
 
 
@@ -156,23 +171,21 @@ def notebook_path() -> Path | None:
 
 
 def running_cell(shell: Any) -> NotebookCell | None:
-    """
-    Return the running cell as last saved, or None if it is unknown.
-
-    :param shell: what ``get_ipython()`` returns
-    """
-    path = notebook_path()
-    cells = read_cells(path) if path is not None else []
+    """Return the running cell as last saved, or None if it is unknown."""
+    cells = read_cells()
     here = _running_index(cells, shell)
     return cells[here] if here is not None else None
 
 
-def read_cells(path: Path) -> list[NotebookCell]:
+def read_cells(path: Path | None = None) -> list[NotebookCell]:
     """
-    Return the code cells of a notebook.
+    Return the code cells of a notebook as last saved, empty if they cannot be read.
 
-    :param path: the notebook; an unreadable file gives an empty list
+    :param path: the notebook, None for the one that runs
     """
+    path = path or notebook_path()
+    if path is None:
+        return []
     try:
         cells = json.loads(path.read_text(encoding='utf-8'))['cells']
         return list(_code_cells(cells))
@@ -184,11 +197,9 @@ def texts_now(shell: Any) -> list[str]:
     """
     Return the source of the notebook's code cells, as last run or otherwise as saved.
 
-    :param shell: what ``get_ipython()`` returns
     :returns: an empty list if the notebook is unknown
     """
-    path = notebook_path()
-    saved = read_cells(path) if path else []
+    saved = read_cells()
     if not saved:
         return []
     ran = dict(enumerate(_history(shell)))
@@ -199,19 +210,19 @@ def texts_now(shell: Any) -> list[str]:
 
 
 def defined_names(source: str) -> frozenset[str]:
-    """
-    Return the names that a cell binds at the top level: by assignment, import, loop, def or class.
-
-    :param source: text of a cell, which may contain magics and shell commands
-    """
+    """Return the names that a cell binds at the top level; it may contain magics."""
     first, _, below = source.partition('\n')
     captured = re.match(r'%%capture\s+([A-Za-z_]\w*)', first)
+    names = {captured[1]} if captured else set()
     try:
         plain = TransformerManager().transform_cell(below if first.startswith('%%') else source)
-        names = set(_bound(ast.parse(plain).body))
+        symbols = symtable.symtable(plain, 'cell', 'exec').get_symbols()
     except (SyntaxError, ValueError, RecursionError):
-        names = set()
-    return frozenset(names | ({captured[1]} if captured else set()))
+        return frozenset(names)
+    if re.search(r'(?m)^from roslab import \*', plain):
+        names |= set(sys.modules['roslab'].__all__)
+    bound = (one.get_name() for one in symbols if one.is_assigned() or one.is_imported())
+    return frozenset(names | set(bound))
 
 
 def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: Any = None) -> None:
@@ -260,20 +271,22 @@ def _history(shell: Any) -> Sequence[str]:
     return getattr(shell.history_manager, 'input_hist_raw', None) or ('',)
 
 
+def _cell_id() -> str | None:
+    running = current_cell()
+    return running.request.get('metadata', {}).get('cellId') if running else None
+
+
 def _note(shell: Any) -> None:
     """Record which cell is about to run."""
-    running = current_cell()
-    identifier = running.request.get('metadata', {}).get('cellId') if running else None
     number = len(_history(shell))
     _executed.pop(number, None)
-    if identifier:
+    if identifier := _cell_id():
         _executed[number] = identifier
 
 
 def _out_of_order(shell: Any) -> str | None:
     """Return a hint if the cells above the running cell were not run in order, else None."""
-    path = notebook_path()
-    cells = read_cells(path) if path is not None else []
+    cells = read_cells()
     here = _running_index(cells, shell)
     if not here:
         return None
@@ -305,21 +318,6 @@ def _not_written(error: BaseException) -> str:
     )
 
 
-def _is_given_to_check(name: str, shell: Any) -> bool:
-    """Return whether the running cell passes a bare name to ``check``."""
-    try:
-        tree = ast.parse(TransformerManager().transform_cell(_history(shell)[-1]))
-    except (SyntaxError, ValueError, RecursionError):
-        return False
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
-    return any(
-        isinstance(argument, ast.Name) and argument.id == name
-        for call in calls
-        if isinstance(call.func, ast.Name) and call.func.id == 'check'
-        for argument in call.args
-    )
-
-
 def _raised_by_learner(error: BaseException) -> bool:
     frames = [f for f in _frames(error) if not f.filename.startswith('<frozen importlib')]
     own = bool(frames) and not is_library(frames[-1].filename)
@@ -333,8 +331,7 @@ def _frames(error: BaseException) -> Sequence[traceback.FrameSummary]:
 
 def _first_cell_with(name: str, as_module: bool, shell: Any) -> NotebookCell | None:
     """Return the nearest cell that defines a name, above the running cell if possible."""
-    path = notebook_path()
-    cells = read_cells(path) if path is not None else []
+    cells = read_cells()
     here = _running_index(cells, shell)
     found = [
         index
@@ -347,9 +344,7 @@ def _first_cell_with(name: str, as_module: bool, shell: Any) -> NotebookCell | N
 
 
 def _running_index(cells: Sequence[NotebookCell], shell: Any) -> int | None:
-    running = current_cell()
-    identifier = running.request.get('metadata', {}).get('cellId') if running else None
-    source = _history(shell)[-1].strip()
+    identifier, source = _cell_id(), _history(shell)[-1].strip()
     for index, cell in enumerate(cells):
         if cell.identifier == identifier or (source and cell.source.strip() == source):
             return index
@@ -364,53 +359,13 @@ def _code_cells(cells: Sequence[dict[str, Any]]) -> Iterator[NotebookCell]:
             titles = re.findall(r'(?m)^#{1,6}\s+(.+?)\s*$', source)
             heading = titles[-1] if titles else heading
         elif cell['cell_type'] == 'code':
-            names, module = _contents(source)
-            marks = cell.get('metadata', {}).get('nbgrader', {})
-            grade_id = marks.get('grade_id', '')
-            yield NotebookCell(cell.get('id', ''), heading, source, names, module, grade_id)
+            grade_id = cell.get('metadata', {}).get('nbgrader', {}).get('grade_id', '')
+            yield NotebookCell(cell.get('id', ''), heading, source, saved_file(source), grade_id)
 
 
-def _contents(source: str) -> tuple[frozenset[str], str | None]:
+def saved_file(source: str) -> CellFile | None:
+    """Return the file that a cell saves, None if it saves none or its first line is wrong."""
     try:
-        file = parse_cell(source)
+        return parse_cell(source)
     except CellSyntaxError:
-        return frozenset(), None
-    if file is None:
-        return defined_names(source), None
-    if file.kind != 'node':
-        return frozenset(), None
-    public = {name for name in defined_names(file.body) if not name.startswith('_')}
-    return frozenset(public), file.name
-
-
-def _bound(statements: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield the names that statements bind at the top level, outside functions and classes."""
-    for statement in statements:
-        if isinstance(statement, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-            yield statement.name
-            continue
-        for node in _outside_of_scopes(statement):
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                yield node.id
-            elif isinstance(node, (ast.Import, ast.ImportFrom)):
-                yield from (name for alias in node.names for name in _imported(node, alias))
-            elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-                yield node.name
-
-
-def _imported(node: ast.Import | ast.ImportFrom, alias: ast.alias) -> Sequence[str]:
-    if alias.name == '*':
-        import roslab
-
-        return roslab.__all__ if getattr(node, 'module', '') == 'roslab' else ()
-    return (alias.asname or alias.name.split('.')[0],)
-
-
-def _outside_of_scopes(node: ast.AST) -> Iterator[ast.AST]:
-    yield node
-    if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
-        return
-    if isinstance(node, (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)):
-        return
-    for child in ast.iter_child_nodes(node):
-        yield from _outside_of_scopes(child)
+        return None

@@ -18,7 +18,7 @@ from pathlib import Path
 import signal
 import sys
 import threading
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any
 import weakref
 
@@ -55,12 +55,7 @@ class HeldInterrupts:
             self._previous = signal.signal(signal.SIGINT, self._hold)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
         if self._active:
             signal.signal(signal.SIGINT, self._previous)
         if self._held and error is None:
@@ -106,11 +101,7 @@ def no_interrupts() -> Iterator[None]:
 
 
 def watch_cells(shell: Any) -> None:
-    """
-    Deliver the interrupts of this kernel's cells only at moments when they do no harm.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Deliver the interrupts of this kernel's cells only at moments when they do no harm."""
     # ipykernel installs its own handler for each message and restores the old one afterwards.
     shell.events.register('pre_run_cell', _watch_cell)
     kernel = getattr(shell, 'kernel', None)
@@ -147,7 +138,6 @@ class _Watched:
     """
     The state of the message that the kernel is handling.
 
-    :param message: number of the message
     :param interrupted: whether an interrupt was delivered since the start of the cell
     """
 
@@ -226,22 +216,19 @@ def _deliver(number: int, frame: FrameType | None) -> None:
 
 
 def _try_later() -> None:
-    retry = threading.Timer(_RETRY_S, _send_again, (_watched.message,))
+    message = _watched.message
+
+    def send_again() -> None:
+        if message == _watched.message:  # otherwise the signal would interrupt a later cell
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+    retry = threading.Timer(_RETRY_S, send_again)
     retry.daemon = True
     retry.start()
 
 
-def _send_again(message: int) -> None:
-    if message == _watched.message:  # otherwise the signal would interrupt a later cell
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-
-
 def _moment(frame: FrameType | None) -> str:
-    """
-    Return when to deliver an interrupt: ``now``, ``later`` or ``never``.
-
-    :param frame: current frame of the main thread
-    """
+    """Return when to deliver an interrupt: ``now``, ``later`` or ``never``."""
     running = False
     while frame is not None:
         name, file = frame.f_code.co_name, frame.f_code.co_filename

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from functools import partial
-from html import escape
+from collections.abc import Sequence
 from typing import Any
 
 from lifecycle_msgs.srv import GetState
 from rclpy.lifecycle.node import LifecycleNodeMixin
 from rclpy.node import Node
 
-from drawing.svg import data_table, FONT, Table
+from drawing import svg
 from roslab.errors import NotHereError, RoslabError
 from roslab.ros2.service_calls import meet
-from roslab.session import Session, session
+from roslab.session import session
 from roslab.waiting import wait_in
 
 STATES = {
@@ -31,15 +30,18 @@ WAYS = {
 }
 """The transitions that can be requested from each primary state, and their target states."""
 _WIDTH, _HEIGHT = 120, 46
-_ARROWS = (
-    ('configure', 'M130 72 H216', (173, 64)),
-    ('cleanup', 'M220 96 H134', (177, 114)),
-    ('activate', 'M340 72 H426', (383, 64)),
-    ('deactivate', 'M430 96 H344', (387, 114)),
-    ('shutdown', 'M70 106 V193 H216', (140, 186)),
-    ('shutdown', 'M280 106 V166', (316, 144)),
-    ('shutdown', 'M490 106 V193 H344', (420, 186)),
+Corners = Sequence[tuple[int, int]]
+_ARROWS: tuple[tuple[str, str, Corners, tuple[int, int]], ...] = (
+    ('unconfigured', 'configure', ((130, 72), (216, 72)), (173, 64)),
+    ('inactive', 'cleanup', ((220, 96), (134, 96)), (177, 114)),
+    ('inactive', 'activate', ((340, 72), (426, 72)), (383, 64)),
+    ('active', 'deactivate', ((430, 96), (344, 96)), (387, 114)),
+    ('unconfigured', 'shutdown', ((70, 106), (70, 193), (216, 193)), (140, 186)),
+    ('inactive', 'shutdown', ((280, 106), (280, 166)), (316, 144)),
+    ('active', 'shutdown', ((490, 106), (490, 193), (344, 193)), (420, 186)),
 )
+"""State, transition, corners of the arrow, and place of its label."""
+_LEGEND = 'solid: possible now · dashed: not now'
 _PATIENCE_S = 3.0
 
 
@@ -70,24 +72,17 @@ class LifecyclePicture:
             else 'next: nothing, because this is the final state'
         )
 
-    def _on_the_way(self) -> str:
-        """Return a description of a transition state, which has no box."""
-        return '' if self.state in STATES else f', {self._next()}'
-
     def _repr_html_(self) -> str:
-        about = escape(' '.join(repr(self).splitlines()[::2]), quote=True)
-        parts = [self._box(name) for name in STATES] + [self._arrow(*one) for one in _ARROWS]
-        return (
-            f'<svg role="img" aria-label="{about}" viewBox="0 0 560 240" width="560" '
-            f'style="max-width:100%;font:13px {escape(FONT)}" fill="none" stroke="currentColor">'
-            f'<text x="10" y="24" stroke="none" fill="currentColor">{escape(self.name)}: '
-            f'<tspan font-weight="bold">{escape(self.state)}</tspan>{self._on_the_way()}</text>'
-            '<text x="10" y="234" stroke="none" fill="currentColor" font-size="11">'
-            f'solid: possible now · dashed: not now</text>{"".join(parts)}</svg>'
-            f'{data_table(f"states of {self.name}", self._table())}'
-        )
+        title = f'{self.name}: {self.state}'
+        if self.state not in STATES:  # a transition state has no box
+            title += f', {self._next()}'
+        parts = [svg.text(10, 24, title, bold=True), svg.text(10, 234, _LEGEND, size=11)]
+        parts += [_box(name, name == self.state) for name in STATES]
+        parts += [_arrow(*arrow, self.state) for arrow in _ARROWS]
+        words = ' '.join(repr(self).splitlines()[::2])
+        return svg.picture(560, 240, f'States of {self.name}', words, parts, self._table())
 
-    def _table(self) -> Table:
+    def _table(self) -> svg.Table:
         """Return one row per transition."""
         rows = [
             (state, how, goal, 'yes' if state == self.state else 'no')
@@ -96,59 +91,34 @@ class LifecyclePicture:
         ]
         return [('state', 'transition', 'leads to', 'possible now'), *rows]
 
-    def _box(self, name: str) -> str:
-        """Return the box of a state; the current one has a thick border, bold text and "now"."""
-        x, y = STATES[name]
-        here = name == self.state
-        look = 'stroke-width="3" fill="#2196f333"' if here else 'stroke-width="1"'
-        middle = f'x="{x + _WIDTH // 2}" text-anchor="middle" stroke="none" fill="currentColor"'
-        box = f'<rect x="{x}" y="{y}" width="{_WIDTH}" height="{_HEIGHT}" rx="10" {look}/>'
-        if not here:
-            return f'{box}<text y="{y + 28}" {middle}>{name}</text>'
-        return (
-            f'{box}<text y="{y + 21}" {middle} font-weight="bold">{name}</text>'
-            f'<text y="{y + 37}" {middle}>now</text>'
-        )
 
-    def _arrow(self, how: str, path: str, label: tuple[int, int]) -> str:
-        """Return the line of a transition, which is solid if the transition is possible now."""
-        possible = path in _possible(self.state)
-        dashes = '' if possible else ' stroke-dasharray="3 4" opacity="0.6"'
-        x, y = label
-        return (
-            f'<path d="{path}"{dashes}/>{_head(path)}'
-            f'<text x="{x}" y="{y}" text-anchor="middle" stroke="none" fill="currentColor" '
-            f'font-size="11">{how}</text>'
-        )
-
-
-def _possible(state: str) -> set[str]:
-    """Return the paths of the arrows that start at a state."""
-    if state not in STATES:
-        return set()
-    left = STATES[state][0]
-    starts = {f'M{left + _WIDTH}', f'M{left}', f'M{left + _WIDTH // 2}'}
-    return {
-        path for how, path, _ in _ARROWS if how in WAYS[state] and path.partition(' ')[0] in starts
-    }
-
-
-def _head(path: str) -> str:
-    """Return the arrowhead for a path that ends in a horizontal or vertical line."""
-    words = path.replace('M', '').split()
-    x, y, dx, dy = int(words[0]), int(words[1]), 0, 1
-    for word in words[2:]:
-        value = int(word[1:])
-        dx, dy = ((value > x) - (value < x), 0) if word[0] == 'H' else (0, 1)
-        x, y = (value, y) if word[0] == 'H' else (x, value)
-    side = 4
-    corners = (
-        (x + 4 * dx, y + 4 * dy),
-        (x - 5 * dx + side * dy, y - 5 * dy + side * dx),
-        (x - 5 * dx - side * dy, y - 5 * dy - side * dx),
+def _box(name: str, here: bool) -> str:
+    """Return the box of a state; the current one has a thick border, bold text and "now"."""
+    x, y = STATES[name]
+    look = 'stroke-width="3" fill="#2196f333"' if here else 'stroke-width="1" fill="none"'
+    middle = x + _WIDTH / 2
+    return (
+        f'<rect x="{x}" y="{y}" width="{_WIDTH}" height="{_HEIGHT}" rx="10" '
+        f'stroke="currentColor" {look}/>'
+        + svg.text(middle, y + 28 - 7 * here, name, anchor='middle', size=13, bold=here)
+        + (svg.text(middle, y + 37, 'now', anchor='middle', size=13) if here else '')
     )
-    points = ' '.join(f'{a},{b}' for a, b in corners)
-    return f'<polygon points="{points}" fill="currentColor" stroke="none"/>'
+
+
+def _arrow(start: str, how: str, corners: Corners, label: tuple[int, int], state: str) -> str:
+    """Return the arrow of a transition, which is solid if the transition is possible now."""
+    dashes = '' if start == state else ' stroke-dasharray="3 4" opacity="0.6"'
+    path = 'L'.join(f'{x} {y}' for x, y in corners)
+    (before_x, _), (x, y) = corners[-2:]
+    if x == before_x:
+        head = f'{x - 4},{y - 5} {x + 4},{y - 5} {x},{y + 4}'
+    else:
+        ahead = 1 if x > before_x else -1
+        head = f'{x - 5 * ahead},{y - 4} {x - 5 * ahead},{y + 4} {x + 4 * ahead},{y}'
+    return (
+        f'<path d="M{path}" fill="none" stroke="currentColor"{dashes}/>'
+        f'<polygon points="{head}"/>{svg.text(*label, how, anchor="middle", size=11)}'
+    )
 
 
 def lifecycle(node: Node | str) -> LifecyclePicture:
@@ -159,11 +129,10 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
     :raises RoslabError: if the node is not a lifecycle node
     :raises NotHereError: if the node was stopped, or no node with this name answers
     """
-    current = session()
     if isinstance(node, str):
-        node = current.nodes().get(node.lstrip('/'), node)
+        node = session().nodes().get(node.lstrip('/'), node)
     if isinstance(node, str):
-        return LifecyclePicture(f'/{node.lstrip("/")}', _asked(current, f'/{node.lstrip("/")}'))
+        return LifecyclePicture(f'/{node.lstrip("/")}', _asked(f'/{node.lstrip("/")}'))
     if not isinstance(node, LifecycleNodeMixin):
         raise RoslabError(
             f'lifecycle({node.get_name()}) expected a LifecycleNode, got a {type(node).__name__}, '
@@ -175,15 +144,15 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 
 
-def _asked(current: Session, name: str) -> str:
+def _asked(name: str) -> str:
     """Request the current state of a node in another process."""
-    helper = current.helper
+    helper = session().helper
     client: Any = helper.create_client(GetState, f'{name}/get_state')
     try:
-        ready = wait_in(current, client.service_is_ready, _PATIENCE_S)
-        if ready and meet(helper, client.service_name, _PATIENCE_S, partial(wait_in, current)):
+        ready = wait_in(client.service_is_ready, _PATIENCE_S)
+        if ready and meet(helper, client.service_name, _PATIENCE_S, wait_in):
             future = client.call_async(GetState.Request())
-            if wait_in(current, future.done, _PATIENCE_S):
+            if wait_in(future.done, _PATIENCE_S):
                 return str(future.result().current_state.label)
     finally:
         helper.destroy_client(client)

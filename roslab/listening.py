@@ -14,8 +14,9 @@ from rclpy.subscription import Subscription
 
 from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
-from roslab.session import Session
-from roslab.silence import type_name, why_silent
+from roslab.lookup import type_name, why_silent
+from roslab.ros2.graph import topic_types
+from roslab.session import session
 from roslab.waiting import timeout_error, wait_in
 
 _MOST_MESSAGES = 10_000
@@ -29,17 +30,15 @@ class Listener:
     listener.  ``stop_all()`` ends its subscription too but keeps the received messages; ``wait``
     and ``clear`` subscribe again.
 
-    :param session: session whose hidden node subscribes
     :param topic: name of the topic
     :param msg_type: class of the topic's messages
-    :param qos: profile of the subscription
     """
 
-    def __init__(self, session: Session, topic: str, msg_type: type, qos: QoSProfile) -> None:
+    def __init__(self, topic: str, msg_type: type, qos: QoSProfile) -> None:
         self.topic = topic
         self.msg_type = msg_type
         self.qos = qos
-        self._session = session
+        self._session = session()
         self._heard: deque[tuple[float, Any]] = deque(maxlen=_MOST_MESSAGES)
         self.began = time.monotonic()
         self._begin()
@@ -75,9 +74,9 @@ class Listener:
             # The callback refers to the deque, not to the listener, so that the listener can be
             # garbage-collected.
             subscription = _subscribe(self._node, self.topic, self.msg_type, self.qos, self._heard)
-            self._end = weakref.finalize(
-                self, _unsubscribe, self._session, self._node, subscription
-            )
+            # The garbage collector may end it in any thread.
+            forget = self._session.forget
+            self._end = weakref.finalize(self, forget, self._node, subscription)
             # At exit, the session destroys entire nodes including their subscriptions.
             self._end.atexit = False
 
@@ -99,7 +98,7 @@ class Listener:
         heard = self._heard
         try:
             self._begin_again()
-            if not wait_in(self._session, lambda: len(heard) >= count, timeout):
+            if not wait_in(lambda: len(heard) >= count, timeout):
                 raise self.too_little(count, timeout)
             return self.messages
         finally:
@@ -107,12 +106,7 @@ class Listener:
             del self
 
     def too_little(self, count: int, timeout: float) -> TimeoutError:
-        """
-        Return the error of a wait that timed out, with possible reasons.
-
-        :param count: how many messages were expected
-        :param timeout: how long the caller waited for them [s]
-        """
+        """Return the error of a wait that timed out, with possible reasons."""
         hints = self._session.hints if self._session.nodes() else self._session.losses
         return timeout_error(
             f'Heard {len(self)} of {count} messages on {self.topic} in {timeout:g} s.',
@@ -158,7 +152,7 @@ def _subscribe(
             f'listen({topic!r}, String) after "from std_msgs.msg import String", got {msg_type!r}.'
         )
     # Check first, because the middleware reports a second type with a misleading error on stderr.
-    known = dict(node.get_topic_names_and_types()).get(node.resolve_topic_name(topic), [])
+    known = topic_types(node, node.resolve_topic_name(topic))
     if known and type_name(msg_type) not in known:
         raise RoslabError(
             f'{topic} carries {" and ".join(known)}, so it cannot be heard as '
@@ -169,6 +163,15 @@ def _subscribe(
     )
 
 
-def _unsubscribe(session: Session, node: Node, subscription: Subscription) -> None:
-    """End a subscription; may be called by the garbage collector in any thread."""
-    session.forget(node, subscription)
+def listen(
+    topic: str, msg_type: type, *, depth: int = 10, qos: QoSProfile | None = None
+) -> Listener:
+    """
+    Subscribe to a topic and store the received messages in ``messages``.
+
+    :param topic: name of the topic
+    :param msg_type: class of the topic's messages
+    :param depth: how many messages can wait in the queue for the callback
+    :param qos: a complete QoS profile, instead of a reliable one of this depth
+    """
+    return Listener(topic, msg_type, qos or QoSProfile(depth=depth))

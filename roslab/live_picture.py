@@ -8,7 +8,7 @@ with what it shows, or when another cell shows the same thing.
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from contextlib import suppress
 import threading
 from typing import Any
@@ -24,28 +24,13 @@ _pictures: dict[Hashable, LivePicture] = {}
 
 class LivePicture:
     """
-    The place of a picture, and the thread that redraws it.
+    The place of a picture, and the thread that redraws it; subclasses say what it shows.
 
     :param key: what it shows; a second picture of it ends the first one
-    :param bundle: returns the picture, by MIME type
-    :param newest: returns a value that changes when there is something new to draw
-    :param alive: returns whether something new can come
-    :param end: called once at the end, to stop what is shown
     """
 
-    def __init__(
-        self,
-        key: Hashable,
-        bundle: Callable[[], dict[str, str]],
-        newest: Callable[[], object],
-        alive: Callable[[], bool],
-        end: Callable[[], None] = lambda: None,
-    ) -> None:
+    def __init__(self, key: Hashable) -> None:
         self._key = key
-        self._bundle = bundle
-        self._newest = newest
-        self.alive = alive
-        self._end = end
         self._handle: Any = None
         self._painting = threading.Lock()
         self._painted: object = None
@@ -53,6 +38,22 @@ class LivePicture:
         self._thread: threading.Thread | None = None
         cell = current_cell()
         self._shown_in = cell.number if cell else None
+
+    def _html(self) -> str:
+        """Return the picture."""
+        raise NotImplementedError
+
+    def _newest(self) -> object:
+        """Return a value that changes when there is something new to draw."""
+        raise NotImplementedError
+
+    def _can_change(self) -> bool:
+        """Return whether something new can come."""
+        raise NotImplementedError
+
+    def _finish(self) -> None:
+        """Stop what is shown; called once at the end."""
+        raise NotImplementedError
 
     def begin(self) -> None:
         """Show the picture in the running cell and keep it up to date."""
@@ -66,9 +67,20 @@ class LivePicture:
             from IPython.display import display
 
             self._handle = display(self._bundle(), raw=True, display_id=True)
-        self.keep_up()
+        self._keep_up()
 
-    def keep_up(self) -> None:
+    def stop(self) -> None:
+        """End what is shown and stop drawing; the picture no longer changes."""
+        with HeldInterrupts():
+            self._ended.set()
+            self._finish()
+            if self._thread is not None and self._thread is not threading.current_thread():
+                self._thread.join(_STOPPING_S)
+            if _pictures.get(self._key) is self:
+                del _pictures[self._key]
+            self._paint()
+
+    def _keep_up(self) -> None:
         """Make the picture follow again, even after stop_all() has ended what it shows."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
@@ -82,7 +94,11 @@ class LivePicture:
                 )
                 self._thread.start()
 
-    def paint(self) -> None:
+    def _follow(self) -> None:
+        while not self._ended.wait(_PERIOD_S) and self._can_change():
+            self._paint()
+
+    def _paint(self) -> None:
         """Redraw if there is something new; never raise."""
         with HeldInterrupts(), self._painting:
             newest = self._newest()
@@ -92,18 +108,10 @@ class LivePicture:
             with suppress(Exception):  # a closed connection must not end a cell or a thread
                 self._handle.update(self._bundle(), raw=True)
 
-    def stop(self) -> None:
-        """End what is shown and stop drawing; the picture no longer changes."""
-        with HeldInterrupts():
-            self._ended.set()
-            self._end()
-            if self._thread is not None and self._thread is not threading.current_thread():
-                self._thread.join(_STOPPING_S)
-            if _pictures.get(self._key) is self:
-                del _pictures[self._key]
-            self.paint()
+    def _bundle(self) -> dict[str, str]:
+        return {'text/plain': repr(self), 'text/html': self._html()}
 
-    def show_again(self) -> None:
+    def _ipython_display_(self) -> None:
         """Show a copy if a later cell returns the picture; only the first one is updated."""
         cell = current_cell()
         if cell is None or cell.number != self._shown_in:
@@ -111,23 +119,17 @@ class LivePicture:
 
             display(self._bundle(), raw=True)
 
-    def _follow(self) -> None:
-        while not self._ended.wait(_PERIOD_S) and self.alive():
-            self.paint()
-
 
 def paint_all(_: Any = None) -> None:
     """Update the pictures at the end of a cell, and drop those that have ended."""
     for key, picture in tuple(_pictures.items()):
-        picture.paint()
-        if not picture.alive():
+        picture._paint()
+        if not picture._can_change():
             _pictures.pop(key, None)
 
 
+@atexit.register
 def _stop_all() -> None:
     """End the threads before the interpreter shuts down."""
     for picture in tuple(_pictures.values()):
         picture.stop()
-
-
-atexit.register(_stop_all)

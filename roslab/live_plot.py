@@ -12,40 +12,32 @@ from roslab.introspection import listen_as_found
 from roslab.listening import Listener
 from roslab.live_picture import LivePicture
 from roslab.plot_picture import Curve, curve_html, curve_text
-from roslab.session import Session
 
 
-class Plot:
+class Plot(LivePicture):
     """
     A picture that follows a topic, or that shows one topic of a simulation.
 
-    :param session: session whose hidden node subscribes
-    :param topic: with or without the leading slash (the graph gives its type), or a topic
-        recorded by a simulation, ``run['topic']``
-    :param field: path of a numeric field, such as ``header.stamp.sec`` or ``data[0]``
-    :param seconds: length of the time axis [s]
-    :param threshold: a value to draw as a horizontal line; values above it are highlighted
-    :param marks: times of other events, by name [s]
-    :raises NotHereError: if the topic has no endpoint
-    :raises RoslabError: if the field does not exist or is not numeric
+    The arguments are those of :func:`plot`.
     """
 
     def __init__(
         self,
-        session: Session,
         topic: str | TopicRecord,
         field: str,
-        seconds: float,
-        threshold: float | None,
+        seconds: float | None = None,
+        threshold: float | None = None,
         marks: Mapping[str, Iterable[float]] | None = None,
     ) -> None:
+        if seconds is None:
+            seconds = topic.seconds if isinstance(topic, TopicRecord) else 20.0
         _require_numbers(seconds, threshold)
         self.field = field
         self.seconds = seconds
         self.threshold = threshold
         self.marks = {label: tuple(times) for label, times in (marks or {}).items()}
         self.listener: Listener | TopicRecord = (
-            topic if isinstance(topic, TopicRecord) else listen_as_found(session, topic)
+            topic if isinstance(topic, TopicRecord) else listen_as_found(topic)
         )
         try:
             self._number = number_getter(self.listener.msg_type, field)
@@ -53,10 +45,7 @@ class Plot:
             self.listener.stop()
             raise
         # A picture of a simulation does not end the one that follows the topic of that name.
-        key = 'plot', self.topic, field, isinstance(topic, TopicRecord)
-        self._picture = LivePicture(
-            key, self._bundle, self._newest, lambda: self.listener.alive, self.listener.stop
-        )
+        super().__init__(('plot', self.topic, field, isinstance(topic, TopicRecord)))
 
     @property
     def topic(self) -> str:
@@ -81,17 +70,9 @@ class Plot:
         try:
             self.listener.wait(count, timeout)
         finally:
-            self._picture.keep_up()
-            self._picture.paint()
+            self._keep_up()
+            self._paint()
         return self.values
-
-    def begin(self) -> None:
-        """Show the picture in the running cell and keep it up to date."""
-        self._picture.begin()
-
-    def stop(self) -> None:
-        """Stop listening and drawing; the picture no longer changes."""
-        self._picture.stop()
 
     def _newest(self) -> tuple[int, float]:
         times = self.listener.times
@@ -109,18 +90,17 @@ class Plot:
             self.marks,
         )
 
-    def _bundle(self) -> dict[str, str]:
-        curve = self._curve()
-        return {'text/plain': curve_text(curve), 'text/html': curve_html(curve)}
+    def _can_change(self) -> bool:
+        return self.listener.alive
 
-    def __str__(self) -> str:
-        return curve_text(self._curve())
+    def _finish(self) -> None:
+        self.listener.stop()
+
+    def _html(self) -> str:
+        return curve_html(self._curve())
 
     def __repr__(self) -> str:
-        return str(self)
-
-    def _ipython_display_(self) -> None:
-        self._picture.show_again()
+        return curve_text(self._curve())
 
 
 def _require_numbers(seconds: float, threshold: float | None) -> None:
@@ -128,3 +108,28 @@ def _require_numbers(seconds: float, threshold: float | None) -> None:
         raise RoslabError(f'seconds: expected a length of time, as in 20.0, got {seconds!r}.')
     if threshold is not None and not isinstance(threshold, (int, float)):
         raise RoslabError(f'threshold: expected a number, as in 30.0, got {threshold!r}.')
+
+
+def plot(
+    topic: str | TopicRecord,
+    field: str,
+    *,
+    seconds: float | None = None,
+    threshold: float | None = None,
+    marks: Mapping[str, Iterable[float]] | None = None,
+) -> Plot:
+    """
+    Plot a numeric field of a topic against time; the picture in this cell stays up to date.
+
+    :param topic: its name (the graph gives its type), or the messages of a simulation, as in
+        ``plot(run['temperature_topic'], 'temperature_value')``
+    :param field: path of the field, such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
+    :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation
+    :param threshold: a value to draw as a horizontal line; values above it are highlighted
+    :param marks: names and times of other events, as in ``timeline`` [s]
+    :raises NotHereError: if the topic has no endpoint
+    :raises RoslabError: if the field does not exist or is not numeric
+    """
+    made = Plot(topic, field, seconds, threshold, marks)
+    made.begin()
+    return made

@@ -9,13 +9,15 @@ are included, and a line is in the table as soon as the logging call returns.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 import html
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+
+from roslab.output import text_table
 
 _MOST_LINES = 5000
 _LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
@@ -23,8 +25,7 @@ _COLOURS = {'WARN': '#b8860b', 'ERROR': '#c0392b', 'FATAL': '#c0392b', 'DEBUG': 
 _HOOK = 'rclpy_logging_rcutils_log'
 
 
-@dataclass(frozen=True)
-class LogLine:
+class LogLine(NamedTuple):
     """
     One line that a node logged.
 
@@ -39,54 +40,31 @@ class LogLine:
     message: str
 
 
-class LogTable:
-    """
-    A sequence of log lines, shown as a table.
-
-    :param lines: oldest first
-    """
-
-    def __init__(self, lines: tuple[LogLine, ...]) -> None:
-        self.lines = lines
+class LogTable(tuple[LogLine, ...]):
+    """A sequence of log lines, oldest first, shown as a table."""
 
     @property
     def messages(self) -> list[str]:
         """The texts of the lines, without levels and logger names."""
-        return [line.message for line in self.lines]
+        return [line.message for line in self]
 
     def at_level(self, level: str) -> LogTable:
-        """
-        Return only the lines of one level.
-
-        :param level: such as 'WARN'
-        """
-        return LogTable(tuple(line for line in self.lines if line.level == level.upper()))
-
-    def __len__(self) -> int:
-        return len(self.lines)
-
-    def __iter__(self) -> Iterator[LogLine]:
-        return iter(self.lines)
-
-    def __getitem__(self, index: int) -> LogLine:
-        return self.lines[index]
+        """Return only the lines of one level, such as 'WARN'."""
+        return LogTable(line for line in self if line.level == level.upper())
 
     def __repr__(self) -> str:
-        if not self.lines:
+        if not self:
             return 'No log lines.'
-        width = max(len(line.logger) for line in self.lines)
-        return '\n'.join(
-            f'{_clock(line.stamp_s)}  {line.level:<5}  {line.logger:<{width}}  {line.message}'
-            for line in self.lines
-        )
+        return text_table([_cells(line) for line in self])
 
     def _repr_html_(self) -> str:
         rows = ''.join(
             f'<tr style="color: {_COLOURS.get(line.level, "inherit")}">'
-            f'<td>{_clock(line.stamp_s)}</td><td>{line.level}</td>'
-            f'<td>{html.escape(line.logger)}</td>'
-            f'<td style="text-align: left">{html.escape(line.message)}</td></tr>'
-            for line in self.lines
+            + ''.join(
+                f'<td style="text-align: left">{html.escape(cell)}</td>' for cell in _cells(line)
+            )
+            + '</tr>'
+            for line in self
         )
         head = ''.join(
             f'<th scope="col" style="text-align: left">{name}</th>'
@@ -119,39 +97,28 @@ class _Recorder:
 _recorder: _Recorder | None = None
 
 
-def record_logs() -> None:
-    """Start recording log lines; later calls do nothing."""
+def record_logs(on_line: Callable[[LogLine], object] | None = None) -> None:
+    """Start recording log lines, unless that has been done."""
     global _recorder
-    if _recorder is None:
-        _recorder = _Recorder()
+    _recorder = _recorder or _Recorder()
+    _recorder.on_line = on_line or _recorder.on_line
 
 
-def show_logs(on_line: Callable[[LogLine], object]) -> None:
+def logs(node: Node | str | None = None) -> LogTable:
     """
-    Show each line immediately, in the thread that logs it.
+    Return the log lines recorded in this notebook so far, as a table.
 
-    :param on_line: called with each line
-    """
-    record_logs()
-    if _recorder is not None:
-        _recorder.on_line = on_line
-
-
-def log_table(logger: str | None = None) -> LogTable:
-    """
-    Return the lines logged in this kernel so far.
-
-    :param logger: return only lines of this logger and its children
+    :param node: return only the lines of this node (a node or its name) and its child loggers
     """
     lines = tuple(_recorder.lines) if _recorder else ()
-    if logger is None:
+    if node is None:
         return LogTable(lines)
-    return LogTable(
-        tuple(
-            line for line in lines if line.logger == logger or line.logger.startswith(f'{logger}.')
-        )
-    )
+    name = node if isinstance(node, str) else node.get_fully_qualified_name()
+    logger = name.strip('/').replace('/', '.')
+    return LogTable(line for line in lines if f'{line.logger}.'.startswith(f'{logger}.'))
 
 
-def _clock(stamp_s: float) -> str:
-    return f'{time.strftime("%H:%M:%S", time.localtime(stamp_s))}.{int(stamp_s % 1 * 1000):03d}'
+def _cells(line: LogLine) -> tuple[str, str, str, str]:
+    clock = time.strftime('%H:%M:%S', time.localtime(line.stamp_s))
+    clock = f'{clock}.{int(line.stamp_s % 1 * 1000):03d}'
+    return clock, line.level, line.logger, line.message

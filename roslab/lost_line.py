@@ -23,11 +23,7 @@ class NodeLineMissingError(RoslabError, InputRejected):
 
 
 class ProgramsRefused(ast.NodeTransformer):
-    """
-    The hook that IPython calls on the syntax tree of each cell before running it.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """The hook that IPython calls on the syntax tree of each cell before running it."""
 
     def __init__(self, shell: Any) -> None:
         self._shell = shell
@@ -61,11 +57,7 @@ class ProgramsRefused(ast.NodeTransformer):
 
 
 def refuse_programs(shell: Any) -> None:
-    """
-    Install the hook that refuses cells that are whole programs.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Install the hook that refuses cells that are whole programs."""
     shell.ast_transformers.append(ProgramsRefused(shell))
 
 
@@ -74,12 +66,8 @@ def _goes_on(tree: ast.Module) -> bool:
     nodes = list(ast.walk(tree))
     ros = any(isinstance(node, ast.Name) and node.id == 'rclpy' for node in nodes)
     loops = any(isinstance(node, ast.While) for node in nodes)
-    return ros and (loops or any(_called(node).startswith('spin') for node in nodes))
-
-
-def _called(node: ast.AST) -> str:
-    """Return the last part of a called function's name."""
-    return ast.unparse(node.func).rpartition('.')[2] if isinstance(node, ast.Call) else ''
+    called = (ast.unparse(node.func) for node in nodes if isinstance(node, ast.Call))
+    return ros and (loops or any(name.rpartition('.')[2].startswith('spin') for name in called))
 
 
 def _is_start(statement: ast.stmt) -> bool:

@@ -40,11 +40,7 @@ KINDS = ('node', 'rosmsg', 'rospkg', 'answer')
 
 
 def register(shell: Any) -> None:
-    """
-    Register the magics with an IPython shell.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Register the magics with an IPython shell."""
     for kind in KINDS:
         shell.register_magic_function(_magic(shell, kind), 'cell', kind)
     if _keep_empty_body not in shell.input_transformers_cleanup:
@@ -71,9 +67,6 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
     """
     Save a cell and run it if it is a ``%%node`` cell.
 
-    :param kind: one of :data:`KINDS`
-    :param line: the rest of the magic line
-    :param cell: the text below the magic line
     :param namespace: the dictionary to which a node's public names are added
     """
     __tracebackhide__ = True
@@ -83,25 +76,25 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
         _refuse_known_module(file, package)
     path = package.save(file)
     note_save(path)
-    shown = package.shown(path)
+    lines = 'line' if file.body.count('\n') == 1 else 'lines'
+    saved = f'Saved {package.shown(path)} ({file.body.count(chr(10))} {lines})'
     if kind == 'answer':
         _say_letter(file)
-        return
-    if kind != 'node':
-        if file.unsolved or not file.body.strip():
-            where = 'in place of YOUR CODE HERE' if file.unsolved else 'below the first line'
-            raise not_written_yet(
-                f'%%{kind} {file.name} is not written yet: write your lines {where}, then run '
-                'the cell again.'
-            )
-        say(f'Saved {shown} ({_lines(file)}).')
-        return
-    module = _run_node(file, path)
-    skipped = _export(module, namespace)
-    defined = _defined(module)
-    say(f'Saved {shown} ({_lines(file)}){f"; defined {defined}" if defined else ""}.')
-    for name in skipped:
-        say(f'Your name {name!r} was kept out of the notebook: it would hide roslab.{name}.')
+    elif kind == 'node':
+        module = _run_node(file, path)
+        skipped = _export(module, namespace)
+        defined = _defined(module)
+        say(f'{saved}{f"; defined {defined}" if defined else ""}.')
+        for name in skipped:
+            say(f'Your name {name!r} was kept out of the notebook: it would hide roslab.{name}.')
+    elif file.unsolved or not file.body.strip():
+        where = 'in place of YOUR CODE HERE' if file.unsolved else 'below the first line'
+        raise not_written_yet(
+            f'%%{kind} {file.name} is not written yet: write your lines {where}, then run '
+            'the cell again.'
+        )
+    else:
+        say(f'{saved}.')
 
 
 def _say_letter(file: CellFile) -> None:
@@ -187,22 +180,14 @@ def _parse(file: CellFile, name: str) -> ast.Module:
 
 def _without_main_call(tree: ast.Module) -> ast.Module:
     """Remove a bare ``main()`` at the top level, which would block the notebook."""
-    kept = []
     for statement in tree.body:
-        call = statement.value if isinstance(statement, ast.Expr) else None
-        if (
-            isinstance(call, ast.Call)
-            and isinstance(call.func, ast.Name)
-            and call.func.id == 'main'
-        ):
+        if isinstance(statement, ast.Expr) and ast.unparse(statement).startswith('main('):
             say(
                 f'Line {statement.lineno} of the cell calls main() whenever the file is read; it '
                 'was left out here, or this cell would not end. Write it below: '
                 "if __name__ == '__main__':"
             )
-        else:
-            kept.append(statement)
-    tree.body = kept
+            tree.body = [other for other in tree.body if other is not statement]
     return tree
 
 
@@ -229,8 +214,3 @@ def _defined(module: ModuleType) -> str:
         if not name.startswith('_') and getattr(value, '__module__', None) == module.__name__
     ]
     return ', '.join(names)
-
-
-def _lines(file: CellFile) -> str:
-    count = file.body.count('\n')
-    return f'{count} line' if count == 1 else f'{count} lines'

@@ -28,11 +28,11 @@ from autograder.judging.causes.builds import (
     texts_of,
 )
 from autograder.submission.cells import UNSOLVED
+from environment.ros import EnvironmentError_, ros_environment
 from roslab import child
 from roslab.errors import NotHereError
 from roslab.output import ElapsedTime, show
 from roslab.package_files import learner_package, LearnerPackage
-from roslab.ros_variables import build_variables
 
 _DEADLINE_S = 300.0
 _PRELOADED = (
@@ -86,17 +86,14 @@ class BuildReport:
                 f'{self.package} was not built.\n  {place}{self.diagnosis.error}\n'
                 f'  Try: {self.diagnosis.advice}{log}'
             )
-        names = ', '.join(self.messages)
         how = f'built in {self.seconds:.1f} s' if self.seconds else 'unchanged, nothing to build'
-        return f'{self.package}: {how}. {self._use(names)}'
-
-    def _use(self, names: str) -> str:
+        use = f'Ready: from {self.package}.msg import {", ".join(self.messages)}'
         if self.restart:
-            return (
+            use = (
                 f'This kernel already uses a different version of {self.package}, which cannot be '
                 'replaced while it runs: restart the kernel and run the cells again.'
             )
-        return f'Ready: from {self.package}.msg import {names}'
+        return f'{self.package}: {how}. {use}'
 
     def _repr_html_(self) -> str:
         colour = '#2e7d32' if self.ok else '#c0392b'
@@ -120,7 +117,7 @@ def build_messages(package_dir: str | Path | None = None) -> BuildReport:
     """
     package = _package(package_dir)
     report = _unfinished(package)
-    if report is None:
+    if report is None:  # a report of a failure is false
         report = _built(package)
     show(str(report), report._repr_html_())
     return report
@@ -144,34 +141,53 @@ def _package(package_dir: str | Path | None) -> LearnerPackage:
     return package
 
 
+def _failed(package: LearnerPackage, diagnosis: Diagnosis, log: Path | None = None) -> BuildReport:
+    return BuildReport(package.name, False, diagnosis=diagnosis, log=log)
+
+
 def _unfinished(package: LearnerPackage) -> BuildReport | None:
-    files = [name for name, text in package.files().items() if UNSOLVED in text]
-    files = [name for name in files if not name.endswith('.py')]
+    texts = package.files().items()
+    files = [name for name, text in texts if UNSOLVED in text and not name.endswith('.py')]
     if not files:
         return None
     advice = 'replace YOUR CODE HERE in its cell and run the cell again.'
     error = f'{" and ".join(files)}: not written yet.'
-    return BuildReport(package.name, False, diagnosis=Diagnosis('unfinished', error, advice, ''))
+    return _failed(package, Diagnosis('unfinished', error, advice, ''))
 
 
 def _built(package: LearnerPackage) -> BuildReport:
     variables = build_variables()
     digest = _digest(package, variables)
     note = package.workspace / 'install' / '.roslab.json'
-    if _noted(note).get('digest') == digest['digest']:
+    noted = _noted(note)
+    if noted.get('digest') == digest['digest']:
         return _usable(package, digest['interfaces'], 0.0)
-    outcome = _colcon(package, variables, _noted(note).get('interfaces') != digest['interfaces'])
+    outcome = _colcon(package, variables, noted.get('interfaces') != digest['interfaces'])
     log = package.workspace / 'log' / 'build_messages.log'
     log.parent.mkdir(parents=True, exist_ok=True)
     log.write_text(outcome.output, encoding='utf-8')
-    shown = Path(package.shown(log))
-    if outcome.returncode != 0:
-        return BuildReport(package.name, False, diagnosis=_failure(outcome, package), log=shown)
-    lacking = _lacking(package)
+    lacking = _lacking(package) if outcome.returncode == 0 else _failure(outcome, package)
     if lacking is not None:
-        return BuildReport(package.name, False, diagnosis=lacking, log=shown)
+        return _failed(package, lacking, Path(package.shown(log)))
     note.write_text(json.dumps(digest), encoding='utf-8')
     return _usable(package, digest['interfaces'], outcome.seconds)
+
+
+def build_variables() -> dict[str, str]:
+    """
+    Return the environment variables for building the learner's package.
+
+    This build must not find the course's own package of the same name, so the variables that only
+    the course's workspace needs are removed.
+
+    :raises NotHereError: if the environment has not been set up
+    """
+    try:
+        ros = ros_environment()
+    except EnvironmentError_ as error:
+        raise NotHereError(str(error)) from None
+    kept = {name: value for name, value in os.environ.items() if name not in ros.variables}
+    return {**kept, **ros.base_variables}
 
 
 def _failure(outcome: child.Outcome, package: LearnerPackage) -> Diagnosis:
@@ -182,11 +198,7 @@ def _failure(outcome: child.Outcome, package: LearnerPackage) -> Diagnosis:
 
 
 def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> child.Outcome:
-    """
-    Run colcon.
-
-    :param clean: remove older build files, because the messages have changed
-    """
+    """Run colcon."""
     workspace = package.workspace
     # Always build into an empty install folder: libraries loaded by this kernel must not be
     # overwritten in place, and files of removed messages must disappear.
@@ -230,12 +242,10 @@ def _generator(variables: dict[str, str]) -> tuple[str, ...]:
 
 def _lacking(package: LearnerPackage) -> Diagnosis | None:
     """Return what is missing after a build that succeeded."""
-    prefix = _prefix(package)
     if not _site_packages(package).joinpath('msg', '__init__.py').is_file():
         return NO_MESSAGES
-    if not (prefix / 'share/ament_index/resource_index/packages' / package.name).is_file():
-        return MISSING_AMENT_PACKAGE
-    return None
+    index = _prefix(package) / 'share' / 'ament_index' / 'resource_index' / 'packages'
+    return None if (index / package.name).is_file() else MISSING_AMENT_PACKAGE
 
 
 def _usable(package: LearnerPackage, interfaces: str, seconds: float) -> BuildReport:
@@ -276,9 +286,8 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
 
 
 def _put_first(variable: str, value: str) -> None:
-    rest = [
-        part for part in os.environ.get(variable, '').split(os.pathsep) if part not in ('', value)
-    ]
+    parts = os.environ.get(variable, '').split(os.pathsep)
+    rest = [part for part in parts if part not in ('', value)]
     os.environ[variable] = os.pathsep.join([value, *rest])
 
 
@@ -296,13 +305,12 @@ def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str
     """Return digests of all inputs of the build, and of the inputs that affect messages."""
     # Include the generator: CMake refuses a build folder created by another generator.
     base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")} {_generator(variables)}'
-    texts = package.files()
-    interfaces = {name: text for name, text in texts.items() if not name.endswith('.py')}
-    return {'digest': _hash(base, texts), 'interfaces': _hash(base, interfaces)}
-
-
-def _hash(base: str, texts: dict[str, str]) -> str:
-    return hashlib.sha256(json.dumps([base, sorted(texts.items())]).encode()).hexdigest()
+    texts = sorted(package.files().items())
+    interfaces = [one for one in texts if not one[0].endswith('.py')]
+    return {
+        name: hashlib.sha256(json.dumps([base, files]).encode()).hexdigest()
+        for name, files in (('digest', texts), ('interfaces', interfaces))
+    }
 
 
 def _noted(note: Path) -> dict[str, str]:

@@ -8,10 +8,9 @@ nbgrader treats a single line there as a failed cell.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence, Sized
 import sys
-from typing import Any
+from typing import Any, NamedTuple
 
 
 def shell() -> Any | None:
@@ -23,8 +22,7 @@ def shell() -> Any | None:
     return get_ipython()
 
 
-@dataclass(frozen=True)
-class Cell:
+class Cell(NamedTuple):
     """
     The execution of a notebook cell.
 
@@ -65,6 +63,23 @@ def say(text: str) -> None:
     print(text, flush=True)
 
 
+def counted(things: Sized, word: str) -> str:
+    """Return a number of things with their name, such as ``1 node`` or ``2 nodes``."""
+    return f'{len(things)} {word}{"s" * (len(things) != 1)}'
+
+
+def text_table(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
+    """Return rows as lines with aligned columns."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return '\n'.join(
+        '  '.join(
+            cell.rjust(width) if number in right else cell.ljust(width)
+            for number, (cell, width) in enumerate(zip(row, widths))
+        ).rstrip()
+        for row in rows
+    )
+
+
 def show(text: str, html: str) -> None:
     """
     Show a table: HTML in a frontend, plain text on stdout otherwise.
@@ -84,7 +99,6 @@ class ElapsedTime:
     """
     One line that counts the seconds in a frontend; without a frontend, it never changes.
 
-    :param text: describes the current work
     :param always: print the line even without a frontend
     :param progress: computes the progress from the end of the output so far
     """

@@ -32,11 +32,7 @@ _claimed: Claim | None = None
 
 
 def claim_domain(shell: Any) -> None:
-    """
-    Give this kernel a domain that no other kernel uses, unless the user has set one.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Give this kernel a domain that no other kernel uses, unless the user has set one."""
     global _claimed
     if chosen := os.environ.get(VARIABLE):
         # Claim the user's domain too, if the system allows it, so that other kernels avoid it.

@@ -26,12 +26,7 @@ _MOST_BYTES = 1_000_000
 
 @dataclass(frozen=True)
 class LearnerPackage:
-    """
-    A package in the workspace next to the notebook.
-
-    :param name: name of the package
-    :param root: folder of the notebook
-    """
+    """A package in the workspace next to the notebook."""
 
     name: str
     root: Path
@@ -92,14 +87,10 @@ class LearnerPackage:
         for path in sorted(self.folder.rglob('*')):
             inside = path.relative_to(self.folder).as_posix()
             name = inside.removeprefix(f'{self.name}/') if path.suffix == '.py' else inside
-            if _is_source(path, inside) and path.stat().st_size <= _MOST_BYTES:
+            hidden = any(part.startswith(('.', '__pycache__')) for part in inside.split('/'))
+            if path.is_file() and not hidden and path.stat().st_size <= _MOST_BYTES:
                 found[name] = path.read_text(encoding='utf-8', errors='replace')
         return found
-
-
-def _is_source(path: Path, inside: str) -> bool:
-    hidden = any(part.startswith(('.', '__pycache__')) for part in inside.split('/'))
-    return path.is_file() and not hidden
 
 
 _name = ''  # empty until a package is chosen: the course's own package is used

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 import os
 import stat
 import sys
@@ -26,7 +26,7 @@ import uuid
 
 from roslab.console import ConsoleLines, log_text, MARK, mark_console, spare_the_terminal
 from roslab.interrupts import no_interrupts
-from roslab.logtable import LogLine, show_logs
+from roslab.logtable import LogLine, record_logs
 from roslab.output import Cell, current_cell
 
 MOST_IN_CELL = 50
@@ -42,8 +42,6 @@ class Page:
     The output lines of the nodes that one cell has started.
 
     Only the executor's thread writes to a page; all other threads only read it.
-
-    :param cell: the cell that started the nodes
     """
 
     def __init__(self, cell: Cell) -> None:
@@ -96,23 +94,13 @@ class Pages:
 
     def page(self) -> Page | None:
         """Return the page of the running cell, for nodes that the cell starts."""
-        cell = self._running
-        if cell is None:
-            return None
-        if self._of_running is None:
-            self._of_running = Page(cell)
+        if self._of_running is None and self._running is not None:
+            self._of_running = Page(self._running)
         return self._of_running
 
     @contextmanager
-    def beside(self, page: Page | None) -> Iterator[None]:
-        """
-        Send what this thread prints and logs to a page inside the ``with`` block.
-
-        :param page: None changes nothing
-        """
-        if page is None:
-            yield
-            return
+    def beside(self, page: Page) -> Iterator[None]:
+        """Do what :func:`beside` does."""
         outer = getattr(self._here, 'page', None)
         token = self._stream.set_thread_parent(page.cell.request)
         self._here.page = page
@@ -228,11 +216,7 @@ _pages: Pages | None = None
 
 
 def lay_out(shell: Any) -> None:
-    """
-    Start sending the output of nodes to the cells that started them.
-
-    :param shell: what ``get_ipython()`` returns
-    """
+    """Start sending the output of nodes to the cells that started them."""
     global _pages
     stream: Any = sys.stdout
     can = ('set_thread_parent', 'pub_thread')
@@ -243,14 +227,9 @@ def lay_out(shell: Any) -> None:
     # A kernel that does not read its own stdout never shows lines of C code, so no line can
     # appear twice.
     if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
-        show_logs(_pages.write_log)
+        record_logs(_pages.write_log)
     shell.events.register('pre_run_cell', _pages.begin_cell)
     shell.events.register('post_run_cell', _pages.end_cell)
-
-
-def pages() -> Pages | None:
-    """Return the :class:`Pages` of this kernel, or None outside a notebook."""
-    return _pages
 
 
 def page_here() -> Page | None:
@@ -258,15 +237,6 @@ def page_here() -> Page | None:
     return _pages.page() if _pages is not None else None
 
 
-@contextmanager
-def beside(page: Page | None) -> Iterator[None]:
-    """
-    Send what this thread prints and logs to a page inside the ``with`` block.
-
-    :param page: None changes nothing
-    """
-    if _pages is None:
-        yield
-        return
-    with _pages.beside(page):
-        yield
+def beside(page: Page | None) -> AbstractContextManager[None]:
+    """Send what this thread prints and logs to a page inside the ``with`` block."""
+    return nullcontext() if _pages is None or page is None else _pages.beside(page)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 import math
 
 from drawing import svg
+from roslab.output import counted
 
 _WIDTH = 720.0
 _HEIGHT = 250.0
@@ -60,7 +62,7 @@ def curve_words(curve: Curve) -> str:
     values = [value for _, value in points]
     span = points[-1][0] - points[0][0]
     words = (
-        f'{curve.name}: {len(points)} value{"s" * (len(points) != 1)} in {span:.1f} s, '
+        f'{curve.name}: {counted(points, "value")} in {span:.1f} s, '
         f'from {min(values):g} to {max(values):g}, last {values[-1]:g}'
     )
     if len(points) < len(curve.points):
@@ -95,17 +97,32 @@ def curve_html(curve: Curve) -> str:
     def y_of(value: float) -> float:
         return _HEIGHT - _BOTTOM - (value - low) / (high - low) * (_HEIGHT - _TOP - _BOTTOM)
 
-    parts = _axes(curve.name, _legend(curve))
+    right, bottom = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
+    legend = [f'diamond: {label}' for label in curve.marks]
+    legend += [] if curve.threshold is None else [f'dashed: threshold {curve.threshold:g}']
+    parts = [
+        svg.text(_LEFT, 18, curve.name, bold=True, size=13),
+        # In the title row, no curve overlaps the legend.
+        svg.text(right, 18, ', '.join(legend), anchor='end', size=11),
+        svg.text(right, _HEIGHT - 6, 'seconds', anchor='end', size=11, faint=True),
+        svg.line(_LEFT, bottom, right, bottom),
+        svg.line(_LEFT, _TOP, _LEFT, bottom),
+    ]
     for tick in svg.ticks(begin, end):
-        parts.append(_x_tick(x_of(tick), tick))
+        x = x_of(tick)
+        parts.append(svg.line(x, bottom, x, bottom + 4))
+        parts.append(svg.text(x, bottom + 17, f'{tick:g}', anchor='middle', size=11))
     for tick in svg.ticks(low, high, 5):
-        parts.append(_y_tick(y_of(tick), tick))
+        y = y_of(tick)
+        parts.append(svg.line(_LEFT, y, right, y, faint=True))
+        parts.append(svg.text(_LEFT - 6, y + 4, f'{tick:g}', anchor='end', size=11))
     if curve.threshold is not None:
-        parts.append(_threshold(y_of(curve.threshold)))
+        y = y_of(curve.threshold)
+        parts.append(svg.line(_LEFT, y, right, y, colour=svg.RED, width=1.5, dashed=True))
     parts += _drawn([(x_of(time), y_of(value), value) for time, value in points], curve.threshold)
     parts += _marks(curve, x_of)
     if not points:
-        middle = (_LEFT + _WIDTH - _RIGHT) / 2
+        middle = (_LEFT + right) / 2
         parts.append(svg.text(middle, _TOP + 18, 'waiting for messages', anchor='middle'))
     title = f'Plot of {curve.name}'
     return svg.picture(_WIDTH, _HEIGHT, title, curve_words(curve), parts, _table(curve))
@@ -143,42 +160,6 @@ def _thinned(points: Sequence[Point], most: int) -> list[Point]:
     return kept
 
 
-def _legend(curve: Curve) -> str:
-    """Return the legend, placed in the title row where no curve overlaps it."""
-    parts = [f'diamond: {label}' for label in curve.marks]
-    if curve.threshold is not None:
-        parts.append(f'dashed: threshold {curve.threshold:g}')
-    return ', '.join(parts)
-
-
-def _axes(title: str, legend: str) -> list[str]:
-    bottom = _HEIGHT - _BOTTOM
-    return [
-        svg.text(_LEFT, 18, title, bold=True, size=13),
-        svg.text(_WIDTH - _RIGHT, 18, legend, anchor='end', size=11),
-        svg.text(_WIDTH - _RIGHT, _HEIGHT - 6, 'seconds', anchor='end', size=11, faint=True),
-        svg.line(_LEFT, bottom, _WIDTH - _RIGHT, bottom),
-        svg.line(_LEFT, _TOP, _LEFT, bottom),
-    ]
-
-
-def _x_tick(x: float, tick: float) -> str:
-    bottom = _HEIGHT - _BOTTOM
-    return svg.line(x, bottom, x, bottom + 4) + svg.text(
-        x, bottom + 17, f'{tick:g}', anchor='middle', size=11
-    )
-
-
-def _y_tick(y: float, tick: float) -> str:
-    return svg.line(_LEFT, y, _WIDTH - _RIGHT, y, faint=True) + svg.text(
-        _LEFT - 6, y + 4, f'{tick:g}', anchor='end', size=11
-    )
-
-
-def _threshold(y: float) -> str:
-    return svg.line(_LEFT, y, _WIDTH - _RIGHT, y, colour=svg.RED, width=1.5, dashed=True)
-
-
 def _marks(curve: Curve, x_of: Callable[[float], float]) -> Iterator[str]:
     """Yield a diamond at the bottom of the picture per event; simultaneous events are stacked."""
     for times in curve.marks.values():
@@ -188,23 +169,19 @@ def _marks(curve: Curve, x_of: Callable[[float], float]) -> Iterator[str]:
 
 
 def _drawn(points: list[tuple[float, float, float]], threshold: float | None) -> list[str]:
-    """Return the points and the curve, interrupted where a value is not finite."""
+    """Return the curve, interrupted where a value is not finite, and its points."""
     parts = []
-    stretch: list[str] = []
-    for x, y, value in [*points, (0.0, 0.0, math.nan)]:
-        if math.isfinite(value):
-            stretch.append(f'{x:.1f},{y:.1f}')
-        elif stretch:
+    for finite, stretch in groupby(points, key=lambda point: math.isfinite(point[2])):
+        if finite:
+            drawn = ' '.join(f'{x:.1f},{y:.1f}' for x, y, _ in stretch)
             parts.append(
-                f'<polyline points="{" ".join(stretch)}" fill="none" stroke="{svg.BLUE}" '
+                f'<polyline points="{drawn}" fill="none" stroke="{svg.BLUE}" '
                 'stroke-width="2" stroke-linejoin="round"/>'
             )
-            stretch = []
-    few = sum(math.isfinite(value) for _, _, value in points) <= _MOST_DOTS
-    for x, y, value in points:
-        if math.isfinite(value):
-            if threshold is not None and value > threshold:
-                parts.append(svg.shape('triangle', x, y, 5, svg.RED))
-            elif few:
-                parts.append(svg.shape('circle', x, y, 2.5, svg.BLUE))
+    shown = [point for point in points if math.isfinite(point[2])]
+    for x, y, value in shown:
+        if threshold is not None and value > threshold:
+            parts.append(svg.shape('triangle', x, y, 5, svg.RED))
+        elif len(shown) <= _MOST_DOTS:
+            parts.append(svg.shape('circle', x, y, 2.5, svg.BLUE))
     return parts

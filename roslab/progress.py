@@ -24,7 +24,7 @@ from autograder.files import json_bytes, keep
 from autograder.layout import Layout, lesson_files
 from autograder.submission.outline import Outline, Part, read_outline
 from roslab.errors import RoslabError
-from roslab.output import say, show
+from roslab.output import say, show, text_table
 
 FILE = 'progress.json'
 KINDS = ('checks', 'quizzes', 'tries')
@@ -64,7 +64,6 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
     Only a notebook inside the course's folder is recorded: a copy that is executed elsewhere, for
     example by a test, is not the learner's work.
 
-    :param kind: one of :data:`KINDS`
     :param result: points, or whether the answer was right
     :param tries: number to add to the stored tries, 1 for a check of an answer that is written
     """
@@ -175,12 +174,7 @@ def row_of(lesson: Outline, results: Results) -> tuple[str, ...]:
 def as_text(lessons: Sequence[Outline], results: Results) -> str:
     """Return the headline and one row per lesson as plain text."""
     table = [HEADER, *(row_of(lesson, results) for lesson in lessons)]
-    first, *others = (max(map(len, column)) for column in zip(*table))
-    lines = [
-        '  '.join([row[0].ljust(first), *(cell.rjust(n) for cell, n in zip(row[1:], others))])
-        for row in table
-    ]
-    return '\n'.join(['; '.join(headline(lessons, results)), '', *map(str.rstrip, lines)])
+    return f'{"; ".join(headline(lessons, results))}\n\n{text_table(table, right=(1, 2, 3))}'
 
 
 def _as_html(lessons: Sequence[Outline], results: Results) -> str:

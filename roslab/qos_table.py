@@ -36,6 +36,7 @@ from std_msgs.msg import Empty
 
 from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
+from roslab.output import text_table
 
 _PATIENCE_S = 10.0
 """Time limit [s], reached only on a very busy machine; a table usually takes 0.2 s."""
@@ -44,34 +45,30 @@ _tables = count(1)
 Choice = Mapping[str, Any]
 
 
-def _named(field: str, *policies: Any) -> dict[str, Choice]:
-    return {policy.name: {field: policy} for policy in policies}
+def _named(field: str, kind: Any, *names: str) -> dict[str, Choice]:
+    return {name: {field: kind[name]} for name in names}
 
 
 def _lasting(field: str) -> dict[str, Choice]:
-    return {
-        'no limit': {},
-        '2 s': {field: Duration(seconds=2)},
-        '1 s': {field: Duration(seconds=1)},
-    }
+    limits = {f'{seconds} s': {field: Duration(seconds=seconds)} for seconds in (2, 1)}
+    return {'no limit': {}, **limits}
 
 
-_RELIABILITY = _named('reliability', ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)
-_DURABILITY = _named('durability', DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL)
-_LIVELINESS = _named('liveliness', LivelinessPolicy.AUTOMATIC, LivelinessPolicy.MANUAL_BY_TOPIC)
+_UNDECIDED = ('SYSTEM_DEFAULT', 'BEST_AVAILABLE')
+_RELIABILITY = _named('reliability', ReliabilityPolicy, 'BEST_EFFORT', 'RELIABLE')
+_DURABILITY = _named('durability', DurabilityPolicy, 'VOLATILE', 'TRANSIENT_LOCAL')
 
 CHOICES: Mapping[str, Mapping[str, Choice]] = {
-    'reliability': _RELIABILITY
-    | _named('reliability', ReliabilityPolicy.SYSTEM_DEFAULT, ReliabilityPolicy.BEST_AVAILABLE),
-    'durability': _DURABILITY
-    | _named('durability', DurabilityPolicy.SYSTEM_DEFAULT, DurabilityPolicy.BEST_AVAILABLE),
+    'reliability': _RELIABILITY | _named('reliability', ReliabilityPolicy, *_UNDECIDED),
+    'durability': _DURABILITY | _named('durability', DurabilityPolicy, *_UNDECIDED),
     'reliability and durability': {
         f'{one}, {other}': {**_RELIABILITY[one], **_DURABILITY[other]}
         for one, other in product(_RELIABILITY, _DURABILITY)
     },
     'deadline': _lasting('deadline'),
-    'liveliness': _LIVELINESS
-    | _named('liveliness', LivelinessPolicy.SYSTEM_DEFAULT, LivelinessPolicy.BEST_AVAILABLE),
+    'liveliness': _named(
+        'liveliness', LivelinessPolicy, 'AUTOMATIC', 'MANUAL_BY_TOPIC', *_UNDECIDED
+    ),
     'lease': _lasting('liveliness_lease_duration'),
     'lifespan': _lasting('lifespan'),
     'depth': {
@@ -82,7 +79,6 @@ CHOICES: Mapping[str, Mapping[str, Choice]] = {
 }
 """The values to combine on both sides, weakest first, by the name of the table."""
 
-_UNDECIDED = ('SYSTEM_DEFAULT', 'BEST_AVAILABLE')
 _SIGNS = {True: '\N{CHECK MARK}', False: '\N{BALLOT X}'}
 # Transparent colours, so that text has enough contrast on light and on dark pages.
 _TINTS = {True: '#43a04729', False: '#e5393529'}
@@ -146,11 +142,6 @@ class Cell:
         """The outcome with a tick or a cross."""
         return f'{_SIGNS[self.matched]} {self.outcome}'
 
-    @property
-    def text(self) -> str:
-        """The outcome, and the check's verdict if it differs."""
-        return self.shown if self.agrees else f'{self.shown} (check: {self.check})'
-
     def __str__(self) -> str:
         pair = f'{self.offered} offered, {self.requested} requested'
         said = f'check says {self.check}'
@@ -167,7 +158,6 @@ class QosTable:
     """
 
     def __init__(self, policy: str, first: str, cells: Sequence[Cell]) -> None:
-        """Store the outcomes."""
         self.policy = policy
         self.first = first
         self.cells = tuple(cells)
@@ -196,13 +186,8 @@ class QosTable:
 
     def __repr__(self) -> str:
         head = ['offered \\ requested', *CHOICES[self.policy]]
-        rows = [head, *([name, *(cell.text for cell in cells)] for name, cells in self._rows())]
-        widths = [max(len(row[column]) for row in rows) for column in range(len(head))]
-        lines = [
-            '  '.join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        ]
-        return '\n'.join([self.caption, *lines])
+        rows = [head, *([name, *map(_text_of, cells)] for name, cells in self._rows())]
+        return f'{self.caption}\n{text_table(rows)}'
 
     def _repr_html_(self) -> str:
         """Return a table with a caption and header cells, readable without colours."""
@@ -221,6 +206,10 @@ class QosTable:
             f'<th scope="col" style="{rule}">offered (down), requested (across)</th>{head}'
             f'</tr></thead><tbody>{body}</tbody></table>'
         )
+
+
+def _text_of(cell: Cell) -> str:
+    return cell.shown if cell.agrees else f'{cell.shown} (check: {cell.check})'
 
 
 def _html_of(cell: Cell, rule: str) -> str:
@@ -246,7 +235,7 @@ def qos_table(policy: str = 'reliability and durability', *, first: str = 'publi
         raise RoslabError(f"first: expected 'publisher' or 'subscription', got {first!r}.")
     with HeldInterrupts(), _laboratory() as (node, executor):
         pairs = [
-            _Pair(node, number, one, other, first)
+            _Pair(node, f'pair_{number}', one, other, first)
             for number, (one, other) in enumerate(product(CHOICES[policy].items(), repeat=2))
         ]
         _await_all(pairs, executor)
@@ -281,24 +270,21 @@ class _Pair:
     def __init__(
         self,
         node: Node,
-        number: int,
+        topic: str,
         offered: tuple[str, Choice],
         requested: tuple[str, Choice],
         first: str,
     ) -> None:
         self.node = node
-        self.topic = f'pair_{number}'
+        self.topic = topic
         self.names = (offered[0], requested[0])
         # Set AUTOMATIC, because the check cannot judge the default, SYSTEM_DEFAULT.
         base = {'depth': 1, 'liveliness': LivelinessPolicy.AUTOMATIC}
-        self.profiles = (
-            QoSProfile(**{**base, **offered[1]}),
-            QoSProfile(**{**base, **requested[1]}),
-        )
+        self.profiles = tuple(QoSProfile(**{**base, **one[1]}) for one in (offered, requested))
         self.refusals: tuple[list[Any], list[Any]] = ([], [])
-        self.make = {'publisher': self._publish, 'subscription': self._subscribe}
-        for side in (first, *(side for side in self.make if side != first)):
-            self.make[side]()
+        make = [self._publish, self._subscribe]
+        for one in make if first == 'publisher' else reversed(make):
+            one()
 
     def _publish(self) -> None:
         events = PublisherEventCallbacks(incompatible_qos=self.refusals[0].append)
@@ -328,9 +314,11 @@ class _Pair:
         """Return the outcome of the pair."""
         verdict, reason = qos_check_compatible(*self.profiles)
         events = (*self.refusals[0], *self.refusals[1])
-        (publisher,) = self.node.get_publishers_info_by_topic(self.topic)
-        (subscription,) = self.node.get_subscriptions_info_by_topic(self.topic)
-        ends = (publisher.qos_profile, subscription.qos_profile)
+        ends = (
+            *self.node.get_publishers_info_by_topic(self.topic),
+            *self.node.get_subscriptions_info_by_topic(self.topic),
+        )
+        offered, requested = (_value(end.qos_profile, policy) for end in ends)
         return Cell(
             *self.names,
             matched=self.matched,
@@ -338,7 +326,7 @@ class _Pair:
             check=verdict.name,
             reason=reason,
             documented=documented(policy, *self.names),
-            became=(_value(ends[0], policy), _value(ends[1], policy)),
+            became=(offered, requested),
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 import html
 from pathlib import Path
 import re
@@ -17,11 +18,7 @@ _HERE = Path(__file__).parent
 
 
 class QuizWidget(anywidget.AnyWidget):
-    """
-    A question with radio buttons and an explanation for each option.
-
-    :param question: the question to show
-    """
+    """A question with radio buttons and an explanation for each option."""
 
     _esm = _HERE / 'quiz.js'
     _css = _HERE / 'quiz.css'
@@ -30,7 +27,8 @@ class QuizWidget(anywidget.AnyWidget):
 
     def __init__(self, question: Question) -> None:
         self._text = str(question)
-        super().__init__(question=_to_json(question))
+        options = list(map(asdict, question.options))
+        super().__init__(question={'text': question.text, 'options': options})
         self.observe(lambda change: _note(question, change['new']), 'chosen')
 
     def __repr__(self) -> str:
@@ -66,13 +64,3 @@ def _note(question: Question, chosen: int) -> None:
     """Store whether the last answer was right."""
     if 0 <= chosen < len(question.options):
         remember('quizzes', question.key, question.options[chosen].right)
-
-
-def _to_json(question: Question) -> dict[str, Any]:
-    return {
-        'text': question.text,
-        'options': [
-            {'text': option.text, 'right': option.right, 'why': option.why}
-            for option in question.options
-        ],
-    }

@@ -1,4 +1,8 @@
-"""``record`` and ``replay``: topics of this kernel's domain, to a file and back."""
+"""
+``record`` and ``replay``: topics of this kernel's domain, to a file and back.
+
+Functions import the modules for bags: mcap takes a quarter of a second, and few notebooks record.
+"""
 
 from __future__ import annotations
 
@@ -6,80 +10,86 @@ from collections.abc import Sequence
 import math
 from pathlib import Path
 import time
+from typing import TYPE_CHECKING
 
 from rclpy.node import Node
 
 from autograder.simulated import Simulation
-from roslab.bags.bag import Bag
-from roslab.bags.player import CONNECT_S, Player
-from roslab.bags.reader import open_bag
-from roslab.bags.recorder import Recorder
-from roslab.bags.simulated import write_simulation
-from roslab.bags.writer import BagWriter
 from roslab.errors import RoslabError
 from roslab.interrupts import HeldInterrupts
-from roslab.lookup import resolved
+from roslab.lookup import no_publisher, resolved
 from roslab.output import say
-from roslab.session import Session
-from roslab.silence import no_publisher
+from roslab.session import session
 from roslab.waiting import timeout_error, wait_in
+
+if TYPE_CHECKING:
+    from roslab.bags.bag import Bag
 
 _LOOK_S = 0.1
 """Time between two looks for new topics [s]."""
 PLAYER = 'rosbag2_player'
 
 
-def record_to(
-    session: Session, file: str | Path, sources: Sequence[str | Simulation], seconds: float
-) -> Bag:
+def record(file: str | Path, *sources: str | Simulation, seconds: float = 5.0) -> Bag:
     """
-    Record topics for some time, or save a simulation.
+    Record messages in an MCAP file, as ``ros2 bag record`` does, while nodes run.
 
-    :param file: the file, which ends in .mcap
-    :param sources: names of topics, none for all; or one simulation
+    An interrupt ends the recording and keeps what has arrived.
+
+    :param file: a name that ends in .mcap; an existing file is replaced
+    :param sources: names of topics; none for all topics. Or one simulation, to save it
     :param seconds: how long to record [s]
-    :returns: the summary of the file
+    :returns: the summary of the file, as ``ros2 bag info`` prints it
     :raises RoslabError: if an argument is wrong, or the file cannot be written
-    :raises TimeoutError: if no message arrived
+    :raises TimeoutError: if no message arrived; then no file is written
     """
     path = _path(file, sources)
     try:
         if any(isinstance(one, Simulation) for one in sources):
             return _saved(path, sources)
-        return _recorded(session, path, sources, _positive('seconds', seconds))
+        return _recorded(path, sources, _positive('seconds', seconds))
+    except TimeoutError:
+        raise
     except OSError as error:
-        if isinstance(error, TimeoutError):
-            raise
         raise RoslabError(f'{path}: cannot be written: {error.strerror or error}.') from None
 
 
-def replay_from(session: Session, file: str | Path, topics: Sequence[str], rate: float) -> None:
+def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
     """
-    Publish the messages of a bag again, from a node of this kernel.
+    Publish recorded messages again, with their types, QoS and rhythm, as ``ros2 bag play`` does.
 
-    :param topics: only these; none for all
+    :param file: an MCAP file, or the folder that ``ros2 bag record`` has written
+    :param topics: only these topics
     :param rate: 2.0 for twice as fast as recorded
-    :raises RoslabError: if the bag cannot be used, or an argument is wrong
+    :raises RoslabError: if the file is damaged or foreign, or a type has changed since
     """
+    from roslab.bags.player import CONNECT_S, Player
+    from roslab.bags.reader import open_bag
+
     speed = _positive('rate', rate)
-    if session.executor.is_this_thread:
+    current = session()
+    if current.executor.is_this_thread:
         raise RoslabError(
             'A callback cannot replay, because no other callback runs before it ends.'
         )
     bag = open_bag(Path(file))
-    names = [resolved(session.helper, topic) for topic in topics]
-    node = session.start(Node, PLAYER)
+    names = [resolved(current.helper, topic) for topic in topics]
+    node = current.start(Node, PLAYER)
     try:
         player = Player(node, bag, names)
-        wait_in(session, player.connected, CONNECT_S)
+        wait_in(player.connected, CONNECT_S)
         say(f'Replaying {file}: {bag.count} messages, {bag.seconds / speed:.1f} s')
         player.play(speed)
     finally:
-        session.stop(node)
+        current.stop(node)
 
 
-def _recorded(session: Session, path: Path, sources: Sequence[object], seconds: float) -> Bag:
-    node = session.helper
+def _recorded(path: Path, sources: Sequence[object], seconds: float) -> Bag:
+    from roslab.bags.recorder import Recorder
+    from roslab.bags.writer import BagWriter
+
+    current = session()
+    node = current.helper
     names = [resolved(node, str(topic)) for topic in sources]
     with BagWriter(path) as writer:
         recorder = Recorder(node, writer, names)
@@ -88,13 +98,13 @@ def _recorded(session: Session, path: Path, sources: Sequence[object], seconds: 
             while (left := end - time.monotonic()) > 0:
                 with HeldInterrupts():
                     recorder.look()
-                wait_in(session, lambda: recorder.heard, min(left, _LOOK_S))
+                wait_in(lambda: recorder.heard, min(left, _LOOK_S))
                 with HeldInterrupts():
                     recorder.drain()
         finally:
             with HeldInterrupts():
                 for subscription in recorder.subscriptions.values():
-                    session.forget(node, subscription)
+                    current.forget(node, subscription)
                 recorder.drain()
         refused = ' '.join(why for name, why in recorder.refused.items() if name in names)
         if not writer.count:
@@ -104,7 +114,7 @@ def _recorded(session: Session, path: Path, sources: Sequence[object], seconds: 
                 f'Heard no message on {silent} in {seconds:g} s, so no file was written.',
                 refused,
                 *nobody,
-                session.losses(),
+                current.losses(),
             )
         if refused:
             raise RoslabError(f'{refused} No file was written.')
@@ -113,6 +123,8 @@ def _recorded(session: Session, path: Path, sources: Sequence[object], seconds: 
 
 
 def _saved(path: Path, sources: Sequence[object]) -> Bag:
+    from roslab.bags.writer import BagWriter, write_simulation
+
     if len(sources) != 1 or not isinstance(sources[0], Simulation):
         raise RoslabError(
             "record() expected names of topics, or one simulation, as in record('run.mcap', run)."

@@ -99,14 +99,14 @@ class CheckReport:
         if self.problem is not None:
             remarks.append(self.problem.line())
         if self.result is not None:
-            remarks.extend(text for text in (self.result.note,) if text)
+            remarks += [self.result.note] if self.result.note else []
             if any(check.cause_id == _MISSING_FILE for check in self.result.checks):
                 remarks.append(_RUN_FIRST)
             if self.result.mode == 'none':
                 remarks.append(_NO_SANDBOX)
         return remarks
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         lines = [self._headline]
         for remark in self._remarks:
             lines += textwrap.wrap(remark, WIDTH, initial_indent='  ', subsequent_indent='  ')
@@ -115,9 +115,6 @@ class CheckReport:
                 lines += check_lines(check)
         lines += ['', self.worked[0]] if self.worked[0] else []
         return '\n'.join(lines)
-
-    def __repr__(self) -> str:
-        return str(self)
 
     def _repr_html_(self) -> str:
         remarks = ''.join(paragraph(remark) for remark in self._remarks)

@@ -30,7 +30,7 @@ _TWIST = 'geometry_msgs/msg/Twist'
 _PERIOD_S = 0.1
 
 
-class Robot:
+class Robot(LivePicture):
     """
     A robot in a room of 6 m by 3 m, from above; it starts at x = 0, y = 0, and looks along x.
 
@@ -39,13 +39,11 @@ class Robot:
     """
 
     def __init__(self, track: Track, clock: Callable[[], float] | None = None) -> None:
+        super().__init__(NAME)
         self._clock = clock
         self._track = track
         self._using = threading.Lock()  # cells, callbacks and the drawing thread move it on
         self.refused = ''
-        self.picture = LivePicture(
-            NAME, self._bundle, self._newest, lambda: self._clock is not None, self.end
-        )
 
     @property
     def x(self) -> float:
@@ -87,10 +85,13 @@ class Robot:
             return
         self._change(0.0, 0.0, DEADLINE)
 
-    def end(self) -> None:
+    def _finish(self) -> None:
         """Stay where it is from now on."""
         self._now()
         self._clock = None
+
+    def _can_change(self) -> bool:
+        return self._clock is not None
 
     def _change(self, speed: float, turn: float, *what: str) -> None:
         with HeldInterrupts(), self._using:
@@ -107,21 +108,11 @@ class Robot:
         track = self._now()
         return track.pose, len(track.happened), self.refused
 
-    def _bundle(self) -> dict[str, str]:
-        track = self._now()
-        return {
-            'text/plain': track_text(track, self.refused),
-            'text/html': track_html(track, self.refused),
-        }
-
-    def __str__(self) -> str:
-        return track_text(self._now(), self.refused)
+    def _html(self) -> str:
+        return track_html(self._now(), self.refused)
 
     def __repr__(self) -> str:
-        return str(self)
-
-    def _ipython_display_(self) -> None:
-        self.picture.show_again()
+        return track_text(self._now(), self.refused)
 
 
 class RobotNode(Node):
@@ -146,7 +137,7 @@ class RobotNode(Node):
 
     def destroy_node(self) -> None:
         """Destroy the node; its robot stays where it is."""
-        self.robot.end()
+        self.robot._finish()
         super().destroy_node()
 
     def _refuse(self, policy: int) -> None:
@@ -176,12 +167,9 @@ def robot(source: str | TopicRecord = 'cmd_vel', *, qos: QoSProfile | int = 10) 
     if isinstance(source, TopicRecord):
         return _replayed(source)
 
-    def make_robot() -> RobotNode:
-        return RobotNode(source, qos)
-
-    node = session().start(make_robot)
+    node = session().start(lambda: RobotNode(source, qos))
     assert isinstance(node, RobotNode)
-    node.robot.picture.begin()
+    node.robot.begin()
     return node.robot
 
 
@@ -197,5 +185,5 @@ def _replayed(record: TopicRecord) -> Robot:
         track.obey(time_s, command.linear.x, command.angular.z)
     track.advance(record.seconds)
     driven = Robot(track)
-    driven.picture.begin()
+    driven.begin()
     return driven

@@ -6,6 +6,7 @@ from itertools import groupby
 import math
 
 from drawing import svg
+from roslab.output import counted
 from roslab.robot_track import (
     BOTTOM_M,
     COMMAND,
@@ -42,21 +43,19 @@ def track_words(track: Track, refused: str = '') -> str:
 
     :param refused: policy because of which a publisher was refused, empty if none was
     """
-    x, y = _number(track.pose.x), _number(track.pose.y)
-    words = f'The robot is at x {x} m, y {y} m, after {track.time_s:.1f} s'
-    if not track.moving:
-        words += ', and stands still'
+    words = f'The robot is at {_place(track)}, after {track.time_s:.1f} s, and '
+    if track.moving:
+        words += f'drives {track.speed:g} m/s, turning {track.turn:g} rad/s'
     else:
-        words += f', and drives {track.speed:g} m/s, turning {track.turn:g} rad/s'
+        words += 'stands still'
     if track.at_wall:
         words += ' at a wall'
-    count = len(track.arrived)
-    words += f'. {count} command{"s" * (count != 1)} arrived'
-    if count:
+    words += f'. {counted(track.arrived, "command")} arrived'
+    if track.arrived:
         words += f', the last at {track.arrived[-1].time_s:.2f} s'
-    misses = sum(one.what == DEADLINE for one in track.happened)
+    misses = [one for one in track.happened if one.what == DEADLINE]
     if misses:
-        words += f'; a missed deadline stopped it {misses} time{"s" * (misses != 1)}'
+        words += f'; a missed deadline stopped it {counted(misses, "time")}'
     return words + (f'; a publisher was refused: {refused}.' if refused else '.')
 
 
@@ -80,8 +79,7 @@ def track_html(track: Track, refused: str = '') -> str:
         kind, colour = _SIGNS[sign]
         parts.append(svg.shape(kind, _x(first.pose.x), _y(first.pose.y), 5, colour))
     parts.append(_body(track))
-    title = f'Robot at x {_number(track.pose.x)} m, y {_number(track.pose.y)} m'
-    words = track_words(track, refused)
+    title, words = f'Robot at {_place(track)}', track_words(track, refused)
     return svg.picture(_WIDTH, _HEIGHT, title, words, parts, [_HEAD, *_rows(track)])
 
 
@@ -97,23 +95,20 @@ def _groups(track: Track) -> list[tuple[str, Happened, int]]:
 
 
 def _rows(track: Track) -> list[tuple[str, str, int, str, str, str, str]]:
-    return [
-        (
-            f'{first.time_s:.2f}',
-            sign,
-            count,
-            f'{first.speed:g}',
-            f'{first.turn:g}',
-            _number(first.pose.x),
-            _number(first.pose.y),
-        )
-        for sign, first, count in _groups(track)
-    ]
+    rows = []
+    for sign, one, count in _groups(track):
+        x, y = _number(one.pose.x), _number(one.pose.y)
+        rows.append((f'{one.time_s:.2f}', sign, count, f'{one.speed:g}', f'{one.turn:g}', x, y))
+    return rows
 
 
 def _sign(one: Happened) -> str:
     stops = one.what == COMMAND and not (one.speed or one.turn)
     return 'stop command' if stops else one.what
+
+
+def _place(track: Track) -> str:
+    return f'x {_number(track.pose.x)} m, y {_number(track.pose.y)} m'
 
 
 def _number(metres: float) -> str:
@@ -149,8 +144,9 @@ def _legend(track: Track, refused: str) -> list[str]:
     """Return the number of commands, and what the signs mean that are in the picture."""
     there = [name for name in _SIGNS if any(_sign(one) == name for one in track.happened)]
     signs = ', '.join(f'{_SIGNS[name][0]}: {name}' for name in there)
-    count = f'{len(track.arrived)} command{"s" * (len(track.arrived) != 1)} arrived'
-    first = f'refused: {refused}' if refused and not track.arrived else count
+    first = f'{counted(track.arrived, "command")} arrived'
+    if refused and not track.arrived:
+        first = f'refused: {refused}'
     return [
         svg.text(_LEFT, 20, first, bold=True, size=13),
         svg.text(_x(RIGHT_M), 20, signs, anchor='end', size=11),

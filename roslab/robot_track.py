@@ -6,7 +6,6 @@ The same commands at the same times give the same track.  No ROS here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 import math
 from typing import NamedTuple
 
@@ -33,8 +32,7 @@ class Pose(NamedTuple):
     heading: float
 
 
-@dataclass(frozen=True)
-class Happened:
+class Happened(NamedTuple):
     """
     Something that changed how the robot drives.
 

@@ -9,12 +9,10 @@ which JupyterLab saves every few seconds.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import NamedTuple
 
-from autograder.submission.cells import CellFile, CellSyntaxError, parse_cell
 from roslab.guide import notebook_path, read_cells
 from roslab.output import shell
 
@@ -24,8 +22,7 @@ _saves: dict[Path, tuple[int, int]] = {}
 """Execution number that saved each file, and the file's modification time after it [ns]."""
 
 
-@dataclass(frozen=True)
-class SavedFile:
+class SavedFile(NamedTuple):
     """
     A file of an exercise.
 
@@ -40,10 +37,12 @@ class SavedFile:
 
     def __str__(self) -> str:
         """Return the time of the save and the cell that saved the file, as text."""
-        by = (
-            f'In [{self.execution}]' if self.execution is not None else 'another kernel or program'
-        )
-        return f'{self.path.name}, saved {_clock(self.modified_s)} by {by}'
+        then, name = datetime.fromtimestamp(self.modified_s), self.path.name
+        today = then.date() == datetime.now().date()
+        clock = f'{then:%H:%M}' if today else f'{then:%d %b %H:%M}'
+        unknown = self.execution is None
+        by = 'another kernel or program' if unknown else f'In [{self.execution}]'
+        return f'{name}, saved {clock} by {by}'
 
 
 def note_save(path: Path) -> None:
@@ -66,11 +65,7 @@ def look_up(paths: Iterable[Path]) -> list[SavedFile]:
 
 
 def describe(files: Sequence[SavedFile]) -> str:
-    """
-    Return one line of text that names the judged files.
-
-    :param files: as :func:`look_up` returns them
-    """
+    """Return one line of text that names the judged files."""
     if len(files) <= _MOST_NAMED:
         return '; '.join(map(str, files))
     return f'{len(files)} files; the last one is {files[-1]}'
@@ -82,29 +77,15 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     if notebook is None:
         return []
     shown_s = notebook.stat().st_mtime
-    cells = list(_cell_files(notebook))
-    found = []
-    for file in files:
-        bodies = [cell.body for cell in cells if Path(cell.path).name == file.path.name]
+    bodies: dict[str, set[str]] = {}
+    for cell in read_cells():
+        if cell.file is not None:
+            bodies.setdefault(Path(cell.file.path).name, set()).add(cell.file.body)
+    return [
+        saved.path.name
+        for saved in files
         # Ignore a notebook saved before the cell ran: its text may be older than the file.
-        if (
-            bodies
-            and shown_s > file.modified_s
-            and file.path.read_text('utf-8', 'replace') not in bodies
-        ):
-            found.append(file.path.name)
-    return found
-
-
-def _cell_files(notebook: Path) -> Iterable[CellFile]:
-    for cell in read_cells(notebook):
-        with suppress(CellSyntaxError):
-            if (file := parse_cell(cell.source)) is not None:
-                yield file
-
-
-def _clock(seconds: float) -> str:
-    """Return the time as hours and minutes, with the date in front if it is not today."""
-    then = datetime.fromtimestamp(seconds)
-    today = then.date() == datetime.now().date()
-    return f'{then:%H:%M}' if today else f'{then:%d %b %H:%M}'
+        if saved.path.name in bodies
+        and shown_s > saved.modified_s
+        and saved.path.read_text('utf-8', 'replace') not in bodies[saved.path.name]
+    ]

@@ -13,11 +13,10 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext, suppress
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, suppress
 import time
 import traceback
-from typing import Any
+from typing import Any, NamedTuple
 
 import rclpy
 from rclpy.context import Context
@@ -31,19 +30,18 @@ from roslab.errors import NotHereError, RoslabError, shown_as
 from roslab.executor import BackgroundExecutor, CallbackStopped, destroy_wholly, Progress
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
-from roslab.output import has_frontend
+from roslab.output import say
 from roslab.pages import beside, Page, page_here
-from roslab.strangers import tell_of_strangers
 from roslab.tracebacks import last_line, short_traceback
 
 HELPER_NAME = '_roslab'
 """Node that owns the subscriptions of :func:`roslab.listen`; its leading underscore hides it."""
 
 _SLOW_CALLBACK_S = 1.0
+_WRITE_IT = '\n  Replace that line with your own code, run its cell, then run this one again.'
 
 
-@dataclass(frozen=True)
-class Started:
+class Started(NamedTuple):
     """A node and the page of the cell that started it."""
 
     node: Node
@@ -51,22 +49,14 @@ class Started:
 
 
 class Session:
-    """
-    Nodes that run in the background of a kernel.
+    """Nodes that run in the background of a kernel."""
 
-    :param context: a private context; by default, the one that ``rclpy.init`` creates
-    :param domain_id: ROS domain of a private context
-    """
-
-    def __init__(self, context: Context | None = None, domain_id: int | None = None) -> None:
+    def __init__(self) -> None:
         self.progress = Progress()
-        self._private = context
-        self._domain_id = domain_id
         self._background: BackgroundExecutor | None = None
         self._helper: Node | None = None
         self._started: dict[str, Started] = {}
         self._lost: dict[str, str] = {}
-        self._has_looked = False
         # A thread that still spins while the interpreter shuts down would abort the process.
         atexit.register(self.close)
 
@@ -77,6 +67,7 @@ class Session:
             background = self._background
             if background is None or not background.alive:
                 self.close()
+                record_logs()
                 background = BackgroundExecutor(
                     self._context(), self._on_failure, self.progress, self._beside_its_cell
                 )
@@ -99,11 +90,7 @@ class Session:
             return self._helper
 
     def owns(self, node: Node) -> bool:
-        """
-        Return whether a node is the current hidden node.
-
-        :param node: an earlier value of :attr:`helper`
-        """
+        """Return whether a node is the current hidden node."""
         background = self._background
         return node is self._helper and background is not None and background.alive
 
@@ -130,24 +117,16 @@ class Session:
         name: str | None = None,
         parameters: Mapping[str, Any] | None = None,
     ) -> Node:
-        """
-        Create a node and run it in the background.
-
-        :param factory: a subclass of Node, a function that returns a node, or an existing node
-        :param name: replaces the name given by the class
-        :param parameters: initial values of declared parameters
-        :raises RoslabError: if the factory creates no node
-        """
+        """Do what :func:`start` does."""
         with HeldInterrupts() as interrupts:
             executor = self.executor
             if isinstance(factory, Node):
                 node = factory
             else:
-                making = Construction(executor.context, self._make_room, name, parameters or {})
+                making = Construction(executor.context, self._stop_if_any, name, parameters or {})
                 node = self._construct(factory, making, interrupts)
             key = key_of(node.get_name(), node.get_namespace())
-            if key in self._started and self._started[key].node is not node:
-                self.stop(key)
+            self._stop_if_any(key, but=node)
             # Register the node first, because its first callback may raise before `add` returns.
             self._lost.pop(key, None)
             self._started[key] = Started(node, page_here())
@@ -159,12 +138,7 @@ class Session:
         return node
 
     def stop(self, which: Node | str) -> None:
-        """
-        Stop and destroy a node; a node that has already stopped is not an error.
-
-        :param which: the node, or its name
-        :raises NotHereError: if no node with this name was ever started
-        """
+        """Do what :func:`stop` does."""
         key = self._key(which)
         with HeldInterrupts():
             started = self._started.pop(key, None)
@@ -187,23 +161,18 @@ class Session:
     def close(self) -> None:
         """Destroy all nodes and shut the context down; a later use initialises ROS again."""
         with HeldInterrupts():
-            self._close()
-
-    def _close(self) -> None:
-        background, self._background = self._background, None
-        nodes = [started.node for started in self._started.values()]
-        if self._helper is not None:
-            nodes.append(self._helper)
-        self._helper = None
-        self._started.clear()
-        if background is None:
-            return
-        background.stop()
-        for node in nodes:
-            _destroy_quietly(node)
-        background.context.try_shutdown()
-        if self._private is None and not rclpy.ok():
-            rclpy.try_shutdown()  # so that rclpy can create a new default context
+            background, self._background = self._background, None
+            nodes = [self._helper, *(started.node for started in self._started.values())]
+            self._helper = None
+            self._started.clear()
+            if background is None:
+                return
+            background.stop()
+            for node in filter(None, nodes):
+                _destroy_quietly(node)
+            background.context.try_shutdown()
+            if not rclpy.ok():
+                rclpy.try_shutdown()  # so that rclpy can create a new default context
 
     def losses(self) -> str:
         """Return sentences about nodes that were stopped because of an exception."""
@@ -228,17 +197,8 @@ class Session:
 
     def _context(self) -> Context:
         """Return an initialised context."""
-        record_logs()
-        if self._private is not None:
-            if not self._private.ok():
-                self._private = self._private if self._private.handle is None else Context()
-                self._private.init(args=[], domain_id=self._domain_id)
-            return self._private
         if not rclpy.ok():
             rclpy.try_shutdown()
-            if not self._has_looked and has_frontend():
-                tell_of_strangers()
-            self._has_looked = True
             # rclpy's own handlers would shut the context down when a cell is interrupted.
             rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         return get_default_context()
@@ -271,12 +231,13 @@ class Session:
                 traceback.clear_frames(error.__traceback__)
             if isinstance(error, Exception) and not isinstance(error, RoslabError):
                 said = f'start({called}) created no node, because it raised an exception:'
-                shown_as(error, f'{said}\n{short_traceback(error)}{_what_to_do(error)}')
+                todo = _WRITE_IT if isinstance(error, NotImplementedError) else ''
+                shown_as(error, f'{said}\n{short_traceback(error)}{todo}')
             raise
         return node
 
-    def _make_room(self, key: str) -> None:
-        if key in self._started:
+    def _stop_if_any(self, key: str, but: Node | None = None) -> None:
+        if key in self._started and self._started[key].node is not but:
             self.stop(key)
 
     def _destroy(self, node: Node) -> None:
@@ -289,16 +250,12 @@ class Session:
         if isinstance(which, str):
             forms = (which, which.lstrip('/'), f'/{which}')
             return next((form for form in forms if form in self._started), which)
-        for key, started in tuple(self._started.items()):
-            if started.node is which:
-                return key
-        return repr(which)
+        keys = (key for key, one in tuple(self._started.items()) if one.node is which)
+        return next(keys, repr(which))
 
     def _beside_its_cell(self, node: Node | None) -> AbstractContextManager[None]:
-        for started in tuple(self._started.values()):
-            if started.node is node:
-                return beside(started.page)
-        return nullcontext()
+        pages = (one.page for one in tuple(self._started.values()) if one.node is node)
+        return beside(next(pages, None))
 
     def _on_failure(self, node: Node | None, error: BaseException) -> None:
         """
@@ -312,30 +269,18 @@ class Session:
         try:
             if not isinstance(error, CallbackStopped):
                 self._lost[key] = f'stopped: {last_line(error)}'
-                self._say_why(key, error, started.page if started else None)
+                with beside(started.page if started else None):
+                    say(
+                        f'{key} stopped because a callback raised an exception:\n'
+                        f'{short_traceback(error)}\n'
+                        '  The other nodes keep running. Correct the cell, run it, and start the '
+                        'node again.'
+                    )
         finally:
             if node is not None:
                 _destroy_quietly(node)
             if self._started.get(key) is started:
                 self._started.pop(key, None)
-
-    @staticmethod
-    def _say_why(key: str, error: BaseException, page: Page | None) -> None:
-        with beside(page):
-            print(
-                f'{key} stopped because a callback raised an exception:\n'
-                f'{short_traceback(error)}\n'
-                '  The other nodes keep running. Correct the cell, run it, and start the node '
-                'again.',
-                flush=True,
-            )
-
-
-def _what_to_do(error: Exception) -> str:
-    """Return a hint about an exercise that still contains its stub, or an empty string."""
-    if isinstance(error, NotImplementedError):
-        return '\n  Replace that line with your own code, run its cell, then run this one again.'
-    return ''
 
 
 def _is_alive(node: Node) -> bool:
@@ -361,3 +306,40 @@ def session() -> Session:
     if _session is None:
         _session = Session()
     return _session
+
+
+def start(
+    factory: Callable[..., Any] | Node,
+    *,
+    name: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> Node:
+    """
+    Create a node and run it in the background, replacing an older node of the same name.
+
+    :param factory: a subclass of Node, a function that returns a node, or an existing node
+    :param name: replaces the node's own name, as ``-r __node:=name`` does in a terminal
+    :param parameters: initial values of declared parameters, as ``-p name:=value`` does
+    :raises RoslabError: if the factory creates no node
+    """
+    return session().start(factory, name, parameters)
+
+
+def stop(node: Node | str) -> None:
+    """
+    Stop and destroy a node; a node that has already stopped is not an error.
+
+    :param node: the node, or its name
+    :raises NotHereError: if no node with this name was ever started
+    """
+    session().stop(node)
+
+
+def stop_all() -> None:
+    """Stop and destroy all nodes of this notebook, and end all subscriptions of ``listen``."""
+    session().stop_all()
+
+
+def nodes() -> dict[str, Node]:
+    """Return the nodes that this notebook runs, by name."""
+    return session().nodes()

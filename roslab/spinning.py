@@ -25,7 +25,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from roslab.errors import RoslabError
-from roslab.executor import GuardedExecutor
+from roslab.executor import BackgroundExecutor
 
 _SLICE_NS = 50_000_000
 """Maximum time for which an interrupt may remain unnoticed [ns]."""
@@ -102,7 +102,7 @@ def refuse_to_spin_twice() -> None:
 
     def add_node(self: Executor, node: Node) -> bool:
         serving = getattr(node, 'executor', None)
-        if isinstance(serving, GuardedExecutor) and serving is not self:
+        if isinstance(serving, BackgroundExecutor) and serving is not self:
             raise RoslabError(
                 f'{node.get_name()} runs already: start(...) spins it in the background, so this '
                 'cell need not. Leave the spinning out; to wait for something, use '

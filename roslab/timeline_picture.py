@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeVar
+from functools import partial
+from typing import Any, NamedTuple
 
 from drawing import svg
 from drawing.slider import cursor, slider
 from roslab.cli_text import message_yaml
 from roslab.errors import RoslabError
-from roslab.silence import type_name
+from roslab.lookup import type_name
+from roslab.output import counted, text_table
 
 _WIDTH = 760.0
 _MARGIN = 10.0
@@ -20,8 +21,7 @@ _MARK_SHAPES = ('triangle', 'diamond', 'cross', 'square', 'plus', 'circle')
 _MARK_COLOURS = (svg.RED, svg.ORANGE, svg.GREEN)
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """
     One row of the timeline.
 
@@ -37,13 +37,6 @@ class Row:
     mark: bool = False
     more: str = ''
     texts: tuple[str, ...] = ()
-    middle: ClassVar[float] = 15.0
-    """Distance of the row's line from its top."""
-
-    @property
-    def height(self) -> float:
-        """Height of the row in the picture."""
-        return 2 * self.middle
 
     @property
     def rate(self) -> float | None:
@@ -55,20 +48,38 @@ class Row:
     @property
     def amount(self) -> str:
         """The number and the rate of the messages, as text."""
-        thing = 'mark' if self.mark else 'message'
-        words = f'{len(self.times)} {thing}{"s" * (len(self.times) != 1)}'
+        words = counted(self.times, 'mark' if self.mark else 'message')
         return words if self.rate is None else f'{words}, {self.rate:.1f} Hz'
 
 
-RowT = TypeVar('RowT', bound=Row)
 Place = Callable[[float], float]
+"""Returns the place of a time [s] on the axis."""
+
+
+class Lane(NamedTuple):
+    """
+    One row of a picture with a time axis.
+
+    :param label: at the left of the row
+    :param more: a second, fainter label
+    :param amount: at the right of the row
+    :param draw: returns the drawing, from the height of the row's line and the axis
+    :param middle: distance of the row's line from its top
+    """
+
+    label: str
+    more: str
+    amount: str
+    draw: Callable[[float, Place], str]
+    italic: bool = False
+    middle: float = 15.0
+    height: float = 30.0
 
 
 class Timeline:
     """
     Messages on a time axis: a picture, or a table where pictures are not available.
 
-    :param rows: from top to bottom
     :param begin: left end of the axis [s]
     :param end: right end of the axis [s]
     """
@@ -78,53 +89,48 @@ class Timeline:
         self.begin = begin
         self.end = end
 
-    def __str__(self) -> str:
-        width = max([len(row.label) for row in self.rows], default=0)
-        lines = [f'{"row":<{width}}  {"count":>5}  {"rate":>8}  times [s]']
+    def __repr__(self) -> str:
+        table = [('row', 'count', 'rate', 'times [s]')]
         for row in self.rows:
             rate = 'mark' if row.mark else '-' if row.rate is None else f'{row.rate:.1f} Hz'
             times = svg.listed(row.times, _MOST_TIMES)
-            lines.append(f'{row.label:<{width}}  {len(row.times):>5}  {rate:>8}  {times}')
-        return '\n'.join(lines)
-
-    def __repr__(self) -> str:
-        return str(self)
+            table.append((row.label, str(len(row.times)), rate, times))
+        return text_table(table, right=(1, 2))
 
     def _repr_html_(self) -> str:
         return _draw(self)
 
 
-def make_timeline(
-    sources: Sequence[Any],
+def timeline(
+    *sources: Any,
     marks: Mapping[str, Iterable[float]] | None = None,
     seconds: float | None = None,
 ) -> Timeline:
     """
-    Return the timeline of listeners, plots, simulations or recorded topics.
+    Show messages on a time axis: a picture, or a plain-text table with ``str()``.
 
     :param sources: listeners, plots, simulations or recorded topics. The axis begins when the
         first listener began to listen; a simulation contributes all its topics
-    :param marks: names and times of other events, on the time scale of the first listener [s]
+    :param marks: names and times of other events, on the scale of the first listener's ``now`` [s]
     :param seconds: show only this much time before the newest event [s]
     :raises RoslabError: if a source has an unknown type, or a mark has no times
     """
-    sources = [one for source in sources for one in getattr(source, 'listeners', (source,))]
-    sources = [getattr(source, 'listener', source) for source in sources]  # a plot has one
-    if not sources:
+    found = [one for source in sources for one in getattr(source, 'listeners', (source,))]
+    found = [getattr(source, 'listener', source) for source in found]  # a plot has one
+    if not found:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."
         )
     # A simulation begins at 0, and its times are those of the axis.
-    zero = next((began for one in sources if (began := getattr(one, 'began', 0.0))), 0.0)
-    rows = [_row_of(source, zero) for source in sources]
+    zero = next((began for one in found if (began := getattr(one, 'began', 0.0))), 0.0)
+    rows = [_row_of(source, zero) for source in found]
     rows += [_row_of_mark(label, times) for label, times in (marks or {}).items()]
     stamps = [stamp for row in rows for stamp in row.times]
     end = max([*stamps, 0.1])
     begin = min([*stamps, 0.0]) if seconds is None else end - seconds
     if seconds is not None:
         rows = [
-            replace(
-                row,
+            row._replace(
                 times=tuple(t for t in row.times if t >= begin),
                 texts=tuple(text for t, text in zip(row.times, row.texts) if t >= begin),
             )
@@ -180,41 +186,45 @@ def _draw(line: Timeline) -> str:
     rows = line.rows
     described = '. '.join(f'{row.label}: {row.amount}' for row in rows)
     data = [(row.label, row.more, row.amount, svg.listed(row.times)) for row in rows]
-    span = max(line.end - line.begin, 1e-6)
-    title = f'Timeline of {span:.1f} seconds, {len(rows)} row{"s" * (len(rows) != 1)}'
+    axis = line.begin, max(line.end, line.begin + 1e-6)
+    title = f'Timeline of {axis[1] - axis[0]:.1f} seconds, {counted(rows, "row")}'
     table = [('row', 'type', 'amount', 'times [s]'), *data]
-    return draw_rows(rows, (line.begin, line.end), title, described, table, _row)
+    marks = [row for row in rows if row.mark]
+    lanes = []
+    for row in rows:
+        draw = partial(_mark if row.mark else _messages, row, marks)
+        lanes.append(Lane(row.label, row.more, row.amount, draw, italic=row.mark))
+    return draw_lanes(lanes, axis, title, described, table, moments=_moments(rows))
 
 
-def draw_rows(
-    rows: Sequence[RowT],
+def draw_lanes(
+    lanes: Sequence[Lane],
     axis: tuple[float, float],
     title: str,
     described: str,
     table: svg.Table,
-    row_content: Callable[[RowT, float, Place, int], str],
     legend: str = '',
+    moments: Sequence[tuple[float, str]] = (),
 ) -> str:
     """
     Return a picture with labelled rows above a time axis.
 
     :param axis: begin and end of the axis [s]
     :param described: the contents of the picture as text
-    :param row_content: returns the drawing of a row, from the row, the place of its line, a
-        function from seconds to the place on the axis, and the number of rows of marks above it
     :param legend: explains the symbols
+    :param moments: times [s] and words for a slider
     """
     begin, end = axis
     left = _MARGIN + max(
-        max(svg.text_width(row.label, 13), svg.text_width(row.more, 10)) for row in rows
+        max(svg.text_width(lane.label, 13), svg.text_width(lane.more, 10)) for lane in lanes
     )
-    right = _WIDTH - _MARGIN - max(svg.text_width(row.amount, 11) for row in rows)
+    right = _WIDTH - _MARGIN - max(svg.text_width(lane.amount, 11) for lane in lanes)
     span, pad = max(end - begin, 1e-6), 12.0
 
     def place(seconds: float) -> float:
         return left + pad + (seconds - begin) / span * (right - left - 2 * pad)
 
-    bottom = _MARGIN + sum(row.height for row in rows)
+    bottom = _MARGIN + sum(lane.height for lane in lanes)
     parts = []
     for tick in svg.ticks(begin, end):
         x = place(tick)
@@ -222,43 +232,51 @@ def draw_rows(
         parts.append(svg.text(x, bottom + 17, f'{tick:g}', anchor='middle', size=11))
     parts.append(svg.text(right + 4, bottom + 17, 'seconds', size=11, faint=True))
     parts.append(svg.text(_MARGIN, bottom + 34, legend, size=11) if legend else '')
-    marks, top = 0, _MARGIN
-    for row in rows:
-        y = top + row.middle
-        parts.append(_labels(row, y, left, right))
-        parts.append(row_content(row, y, place, marks))
-        marks += row.mark
-        top += row.height
-    moments = [(place(time), words) for time, words in _moments(rows)]
+    top = _MARGIN
+    for lane in lanes:
+        parts += [_labels(lane, top + lane.middle, left, right)]
+        parts += [lane.draw(top + lane.middle, place)]
+        top += lane.height
     below = ''
     if moments:
-        parts.append(cursor(moments[-1][0], _MARGIN, bottom + 4))
-        below = slider(title, moments, (place(begin), place(begin + span)), _WIDTH)
+        places = [(place(time), words) for time, words in moments]
+        parts.append(cursor(places[-1][0], _MARGIN, bottom + 4))
+        below = slider(title, places, (place(begin), place(begin + span)), _WIDTH)
     height = bottom + (46 if legend else 28)
     return svg.picture(_WIDTH, height, title, described, parts, table, below)
 
 
-def _labels(row: Row, y: float, left: float, right: float) -> str:
-    label_y = y if row.more else y + 4
-    return ''.join(
-        (
-            svg.text(left, label_y, row.label, anchor='end', bold=not row.mark, italic=row.mark),
-            svg.text(left, y + 12, row.more, anchor='end', size=10, faint=True)
-            if row.more
-            else '',
-            svg.line(left + 6, y, right - 6, y, faint=True),
-            svg.text(right + 4, y + 4, row.amount, size=11),
-        )
+def _labels(lane: Lane, y: float, left: float, right: float) -> str:
+    label = svg.text(
+        left,
+        y if lane.more else y + 4,
+        lane.label,
+        anchor='end',
+        bold=not lane.italic,
+        italic=lane.italic,
+    )
+    more = svg.text(left, y + 12, lane.more, anchor='end', size=10, faint=True)
+    line = svg.line(left + 6, y, right - 6, y, faint=True)
+    return (
+        label
+        + (more if lane.more else '')
+        + line
+        + svg.text(right + 4, y + 4, lane.amount, size=11)
     )
 
 
-def _row(row: Row, y: float, place: Place, marks: int) -> str:
-    # Draw only one tick per half pixel, to limit the size of the picture.
-    parts = []
-    for x in sorted({round(place(time) * 2) / 2 for time in row.times}):
-        if row.mark:
-            kind = _MARK_SHAPES[marks % len(_MARK_SHAPES)]
-            parts.append(svg.shape(kind, x, y, 5, _MARK_COLOURS[marks % len(_MARK_COLOURS)]))
-        else:
-            parts.append(svg.line(x, y - 9, x, y + 9, colour=svg.BLUE, width=1.8))
-    return ''.join(parts)
+def _xs(row: Row, place: Place) -> list[float]:
+    """Return one place per half pixel, to limit the size of the picture."""
+    return sorted({round(place(time) * 2) / 2 for time in row.times})
+
+
+def _messages(row: Row, _: Sequence[Row], y: float, place: Place) -> str:
+    ticks = (svg.line(x, y - 9, x, y + 9, colour=svg.BLUE, width=1.8) for x in _xs(row, place))
+    return ''.join(ticks)
+
+
+def _mark(row: Row, marks: Sequence[Row], y: float, place: Place) -> str:
+    number = marks.index(row)
+    kind = _MARK_SHAPES[number % len(_MARK_SHAPES)]
+    colour = _MARK_COLOURS[number % len(_MARK_COLOURS)]
+    return ''.join(svg.shape(kind, x, y, 5, colour) for x in _xs(row, place))

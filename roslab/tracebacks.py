@@ -22,14 +22,13 @@ _LIBRARIES = tuple(
 
 
 def short_traceback(error: BaseException) -> str:
-    """
-    Return the learner's lines of a traceback, innermost last, followed by the error.
-
-    :param error: an exception that was raised
-    """
+    """Return the learner's lines of a traceback, innermost last, followed by the error."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not is_library(frame.filename)]
-    lines = [_frame_text(frame) for frame in own[-_MOST_FRAMES:]]
+    lines = []
+    for frame in own[-_MOST_FRAMES:]:
+        lines.append(f'  {where(frame.filename, frame.lineno)}, in {frame.name}')
+        lines += [f'    {frame.line}'] if frame.line else []
     return '\n'.join([*lines, f'  {last_line(error)}'])
 
 
@@ -55,7 +54,6 @@ def code_name(source: str, otherwise: str) -> str:
     """
     Return the file name under which to compile code that belongs to the running cell.
 
-    :param source: the complete text of the cell
     :param otherwise: the file name to use outside IPython
     """
     running = shell()
@@ -75,8 +73,3 @@ def where(filename: str, line: int | None) -> str:
     format_code_name = getattr(getattr(running, 'compile', None), 'format_code_name', None)
     cell = format_code_name(filename) if format_code_name else None
     return f'{" ".join(cell) if cell else Path(filename).name}, line {line}'
-
-
-def _frame_text(frame: traceback.FrameSummary) -> str:
-    source = f'\n    {frame.line}' if frame.line else ''
-    return f'  {where(frame.filename, frame.lineno)}, in {frame.name}{source}'

@@ -7,7 +7,7 @@ import math
 from typing import TypeVar
 
 from roslab.errors import RoslabError, shown_as
-from roslab.session import Session
+from roslab.session import session
 
 T = TypeVar('T')
 
@@ -15,9 +15,9 @@ _SLICE_S = 0.05
 """Time between two looks at the condition when no callback runs, as in discovery [s]."""
 
 
-def wait_in(session: Session, condition: Callable[[], T], timeout_s: float) -> T:
+def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
     """
-    Wait in this thread while the session's nodes continue to run.
+    Wait in this thread while the nodes of this kernel continue to run.
 
     :param condition: evaluated after each callback
     :param timeout_s: how long to wait [s]
@@ -31,26 +31,29 @@ def wait_in(session: Session, condition: Callable[[], T], timeout_s: float) -> T
         )
     if not (isinstance(timeout_s, (int, float)) and math.isfinite(timeout_s) and timeout_s >= 0):
         raise RoslabError(f'timeout: expected a number of seconds, as in 5.0, got {timeout_s!r}.')
-    if session.executor.is_this_thread:
+    if session().executor.is_this_thread:
         raise RoslabError(
             'A callback cannot wait for other callbacks: all of them run in one thread. '
             'Return from it and do the rest in the callback of what you wait for.'
         )
-    value: T = session.progress.wait(condition, timeout_s, _SLICE_S)
+    value: T = session().progress.wait(condition, timeout_s, _SLICE_S)
     return value
 
 
-def wait_until_in(session: Session, condition: Callable[[], T], timeout_s: float, what: str) -> T:
+def wait_until(condition: Callable[[], T], timeout: float = 5.0, what: str = 'a condition') -> T:
     """
-    Wait until a condition is true.
+    Wait until a condition is true; nodes continue to run meanwhile.
 
+    :param condition: called after each callback, until it returns a true value
+    :param timeout: the longest time to wait [s]
     :param what: description of the condition, for the error message
-    :returns: the value of the condition
-    :raises TimeoutError: after the timeout; the message lists possible reasons
+    :returns: what the condition returned
+    :raises TimeoutError: after ``timeout``; its message lists possible reasons
     """
-    value = wait_in(session, condition, timeout_s)
+    value = wait_in(condition, timeout)
     if not value:
-        raise timeout_error(f'Waited {timeout_s:g} s for {what} without success.', session.hints())
+        hints = session().hints()
+        raise timeout_error(f'Waited {timeout:g} s for {what} without success.', hints)
     return value
 
 

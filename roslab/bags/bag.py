@@ -8,8 +8,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 _NS = 10**9
 _VERSION = 9
 """Of the format of metadata.yaml that ROS 2 Jazzy writes."""
@@ -20,7 +18,6 @@ class BagTopic:
     """
     A recorded topic.
 
-    :param name: full name
     :param type: such as ``std_msgs/msg/String``
     :param profiles: quality of service of its publishers, see :mod:`roslab.bags.qos`
     :param hash: hash of the type, '' if unknown
@@ -66,68 +63,42 @@ class Bag:
 
     def metadata(self) -> dict[str, Any]:
         """Return the values of ``metadata.yaml``, in its order."""
-        duration = {'nanoseconds': self.end_ns - self.start_ns}
-        starting_time = {'nanoseconds_since_epoch': self.start_ns}
+        span = {
+            'duration': {'nanoseconds': self.end_ns - self.start_ns},
+            'starting_time': {'nanoseconds_since_epoch': self.start_ns},
+            'message_count': self.count,
+        }
         return {
             'version': _VERSION,
             'storage_identifier': 'mcap',
-            'duration': duration,
-            'starting_time': starting_time,
-            'message_count': self.count,
+            **span,
             'topics_with_message_count': [_plain(topic) for topic in self.topics],
             'compression_format': '',
             'compression_mode': '',
             'relative_file_paths': [file.name for file in self.files],
-            'files': [
-                {
-                    'path': file.name,
-                    'starting_time': starting_time,
-                    'duration': duration,
-                    'message_count': self.count,
-                }
-                for file in self.files
-            ],
+            'files': [{'path': file.name, **span} for file in self.files],
             'custom_data': None,
             'ros_distro': self.distro,
         }
 
-    def __str__(self) -> str:
-        pad = ' ' * 19
-        topics = [
+    def __repr__(self) -> str:
+        pad = f'\n{" " * 19}'
+        topics = pad.join(
             f'Topic: {topic.name} | Type: {topic.type} | Count: {topic.count} | '
             'Serialization Format: cdr'
             for topic in self.topics
-        ]
-        return '\n'.join(
-            [
-                f'Files:             {f"{chr(10)}{pad}".join(file.name for file in self.files)}',
-                f'Bag size:          {_size(sum(file.stat().st_size for file in self.files))}',
-                'Storage id:        mcap',
-                f'ROS Distro:        {self.distro or "unknown"}',
-                f'Duration:          {_seconds(self.end_ns - self.start_ns)}s',
-                f'Start:             {_moment(self.start_ns)}',
-                f'End:               {_moment(self.end_ns)}',
-                f'Messages:          {self.count}',
-                f'Topic information: {f"{chr(10)}{pad}".join(topics)}',
-            ]
         )
-
-    def __repr__(self) -> str:
-        return str(self)
-
-
-def to_yaml(values: Any) -> str:
-    """Return values as YAML, in their order."""
-    text: str = yaml.dump(values, Dumper=_Dumper, sort_keys=False)
-    return text
-
-
-class _Dumper(yaml.SafeDumper):
-    """Writes repeated objects in full instead of naming the first."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        """Prevent PyYAML from writing anchors."""
-        return True
+        return (
+            f'Files:             {pad.join(file.name for file in self.files)}\n'
+            f'Bag size:          {_size(sum(file.stat().st_size for file in self.files))}\n'
+            'Storage id:        mcap\n'
+            f'ROS Distro:        {self.distro or "unknown"}\n'
+            f'Duration:          {_seconds(self.end_ns - self.start_ns)}s\n'
+            f'Start:             {_moment(self.start_ns)}\n'
+            f'End:               {_moment(self.end_ns)}\n'
+            f'Messages:          {self.count}\n'
+            f'Topic information: {topics}'
+        )
 
 
 def _plain(topic: BagTopic) -> dict[str, Any]:
@@ -143,14 +114,9 @@ def _plain(topic: BagTopic) -> dict[str, Any]:
     }
 
 
-def _size(count: float) -> str:
-    if count < 1024:
-        return f'{count:.0f} B'
-    for unit in ('KiB', 'MiB', 'GiB'):
-        count /= 1024
-        if count < 1024:
-            return f'{count:.1f} {unit}'
-    return f'{count / 1024:.1f} TiB'
+def _size(count: int) -> str:
+    power = min(max(count.bit_length() - 1, 0) // 10, 4)
+    return f'{count / 1024**power:.{min(power, 1)}f} {("B", "KiB", "MiB", "GiB", "TiB")[power]}'
 
 
 def _seconds(nanoseconds: int) -> str:

@@ -11,10 +11,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import qos_check_compatible, QoSCompatibility, ReliabilityPolicy
 
 from roslab.bags.bag import Bag, BagTopic
-from roslab.bags.definition import hash_of
 from roslab.bags.qos import profile_to_offer
 from roslab.bags.reader import BagError, messages_of
-from roslab.ros2.interface_files import interface_class
+from roslab.ros2.interface import hash_of, interface_class
 
 CONNECT_S = 3.0
 """Maximum time for subscriptions of other nodes to connect before the first message [s]."""
@@ -27,8 +26,6 @@ class Player:
     """
     Publishes the messages of a bag.
 
-    :param node: has the publishers
-    :param bag: the bag
     :param topics: only these, by full name; none for all
     :raises BagError: if a topic is missing, or a type is not installed or has other fields
     """
@@ -50,22 +47,19 @@ class Player:
                 profile = profile_to_offer(list(topic.profiles))
             except ValueError as error:
                 raise BagError(f'{bag.path}: {topic.name}: {error}.') from None
-            self._publishers[topic.name] = node.create_publisher(
-                kinds[topic.name], topic.name, profile
-            )
+            kind = kinds[topic.name]
+            self._publishers[topic.name] = node.create_publisher(kind, topic.name, profile)
 
     def connected(self) -> bool:
         """Return whether every subscription that can connect has done so."""
         return all(
-            one.get_subscription_count() >= self._possible(name, one)
+            one.get_subscription_count()
+            >= sum(
+                qos_check_compatible(one.qos_profile, info.qos_profile)[0]
+                != QoSCompatibility.ERROR
+                for info in self._node.get_subscriptions_info_by_topic(name)
+            )
             for name, one in self._publishers.items()
-        )
-
-    def _possible(self, name: str, publisher: Publisher) -> int:
-        offered = publisher.qos_profile
-        return sum(
-            qos_check_compatible(offered, info.qos_profile)[0] != QoSCompatibility.ERROR
-            for info in self._node.get_subscriptions_info_by_topic(name)
         )
 
     def play(self, rate: float, wait: Callable[[float], object] = time.sleep) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 import os
 from pathlib import Path
 from typing import NamedTuple
@@ -31,7 +32,6 @@ class BagMessage(NamedTuple):
 
     :param topic: full name
     :param received_ns: when the recorder received it [ns since 1970]
-    :param data: the serialised message
     """
 
     topic: str
@@ -43,7 +43,6 @@ def open_bag(path: Path) -> Bag:
     """
     Return the summary of a bag.
 
-    :param path: an MCAP file, or a folder with such files
     :raises BagError: if there is none, or it is damaged or does not hold ROS 2 messages
     """
     files = _files_in(path) if path.is_dir() else (path,)
@@ -59,14 +58,11 @@ def open_bag(path: Path) -> Bag:
             for topic in _topics_of(file, summary):
                 topics.setdefault(topic.name, topic)
                 counts[topic.name] += topic.count
-            if summary.statistics.message_count:
-                about = summary.statistics
+            about = summary.statistics
+            if about.message_count:
                 times += [about.message_start_time, about.message_end_time]
             distro = distro or _distro(reader)
-    named = (
-        BagTopic(name, one.type, one.profiles, one.hash, counts[name])
-        for name, one in sorted(topics.items())
-    )
+    named = (replace(one, count=counts[name]) for name, one in sorted(topics.items()))
     first, last = (min(times), max(times)) if times else (0, 0)
     return Bag(path, files, tuple(named), first, last, distro)
 

@@ -13,8 +13,8 @@ from rclpy.subscription import Subscription
 from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 
 from roslab.bags.writer import BagWriter
-from roslab.ros2.interface_files import interface_class
-from roslab.ros2.qos_options import qos_for_publishers
+from roslab.ros2.graph import qos_for_publishers
+from roslab.ros2.interface import interface_class
 
 _DEPTH = 1000
 """Messages that may wait for the next callback, so that a burst is not lost."""
@@ -27,8 +27,6 @@ class Recorder:
     Callbacks only store messages, because they may run in another thread; :meth:`drain` writes.
 
     :param node: a node that something else spins
-    :param writer: receives the messages
-    :param topics: full names; none for all topics that are not hidden
     :param tell: called with the name of each topic that is subscribed
     """
 
@@ -61,8 +59,7 @@ class Recorder:
             self.refused[name] = f'{name} has several types, {" and ".join(types)}.'
             return
         offered = [one.qos_profile for one in self.node.get_publishers_info_by_topic(name)]
-        qos = qos_for_publishers(self.node, name)
-        qos.depth = _DEPTH
+        qos = qos_for_publishers(self.node, name, _DEPTH)
         try:
             kind = interface_class(types[0])
             self._writer.add_topic(name, types[0], offered)

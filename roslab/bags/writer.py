@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 import os
 from pathlib import Path
-from types import TracebackType
+from typing import Any, TYPE_CHECKING
 
 from mcap.writer import CompressionType, Writer
+from rcl_interfaces.msg import Log
 from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
 
-from roslab.bags.bag import Bag, BagTopic, to_yaml
-from roslab.bags.definition import definition_of, hash_of
+from roslab.bags.bag import Bag, BagTopic
 from roslab.bags.qos import plain_profiles
+from roslab.cli_text import to_yaml
+from roslab.errors import RoslabError
+from roslab.ros2.interface import definition_of, hash_of
 
-_PROFILE = 'ros2'
-_ENCODING = 'ros2msg'
+if TYPE_CHECKING:
+    from autograder.simulated import LogRecord, Simulation
+
 DISTRO = 'jazzy'
 
 
@@ -37,7 +43,7 @@ class BagWriter:
         self._file = self._unfinished.open('wb')
         # Not compressed, as ros2 bag does it: some readers lack zstd.
         self._mcap = Writer(self._file, compression=CompressionType.NONE)
-        self._mcap.start(profile=_PROFILE, library='roslab')
+        self._mcap.start(profile='ros2', library='roslab')
         self._topics: dict[str, BagTopic] = {}
         self._channels: dict[str, int] = {}
         self._counts: dict[str, int] = {}
@@ -52,15 +58,12 @@ class BagWriter:
         """
         Add a topic; it may remain without messages.
 
-        :param name: full name
-        :param type_name: such as ``std_msgs/msg/String``
         :param profiles: what its publishers offer
         :raises LookupError: if the type is not installed
         """
         made = BagTopic(name, type_name, plain_profiles(profiles), hash_of(type_name), 0)
-        schema = self._mcap.register_schema(
-            type_name, _ENCODING, definition_of(type_name).encode()
-        )
+        definition = definition_of(type_name).encode()
+        schema = self._mcap.register_schema(type_name, 'ros2msg', definition)
         about = {
             'offered_qos_profiles': to_yaml(list(made.profiles)),
             'topic_type_hash': made.hash,
@@ -73,7 +76,6 @@ class BagWriter:
         Add a message.
 
         :param topic: full name, of a topic that was added
-        :param data: the serialised message
         :param received_ns: when it was received [ns since 1970]
         :param sent_ns: when it was published [ns since 1970]
         """
@@ -85,16 +87,15 @@ class BagWriter:
     def __enter__(self) -> BagWriter:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
         """Complete the file, except after an error that is not an interrupt."""
         try:
             if self._times and (error is None or not isinstance(error, Exception)):
-                bag = self._summary(*self._times)
+                topics = (
+                    replace(one, count=self._counts[name])
+                    for name, one in sorted(self._topics.items())
+                )
+                bag = Bag(self.path, (self.path,), tuple(topics), *self._times, DISTRO)
                 self._mcap.add_metadata(
                     'rosbag2', {'serialized_metadata': to_yaml(bag.metadata())}
                 )
@@ -106,9 +107,39 @@ class BagWriter:
             self._file.close()
             self._unfinished.unlink(missing_ok=True)
 
-    def _summary(self, start_ns: int, end_ns: int) -> Bag:
-        topics = (
-            BagTopic(name, one.type, one.profiles, one.hash, self._counts[name])
-            for name, one in sorted(self._topics.items())
-        )
-        return Bag(self.path, (self.path,), tuple(topics), start_ns, end_ns, DISTRO)
+
+def write_simulation(run: Simulation, writer: BagWriter) -> None:
+    """
+    Write the messages and log lines of a simulation, and the inputs that it was sent.
+
+    Second 0 of the simulation becomes the beginning of 1970.
+
+    :raises RoslabError: if a type is not installed, or a message was too long to be kept
+    """
+    rows: list[tuple[float, str, Any]] = []
+    types: dict[str, str] = {}
+    for name, record in [*run.sent.items(), *run.heard.items()]:
+        try:
+            messages = record.messages
+        except (ImportError, AttributeError):
+            raise RoslabError(
+                f'{name}: its type {record.type} is not installed here. Try: build_messages()'
+            ) from None
+        if None in messages:
+            raise RoslabError(f'{name}: the simulation keeps no messages of more than 64 KB.')
+        types[name] = record.type
+        rows += [(time, name, message) for time, message in zip(record.times, messages)]
+    if run.logs:
+        types['/rosout'] = 'rcl_interfaces/msg/Log'
+        rows += [(line.time_s, '/rosout', _log(line)) for line in run.logs]
+    for name, kind in types.items():
+        writer.add_topic(name, kind)
+    for time, name, message in sorted(rows, key=lambda row: row[0]):
+        when = round(time * 10**9)
+        writer.write(name, serialize_message(message), when, when)
+
+
+def _log(line: LogRecord) -> Log:
+    made = Log(name=line.logger, msg=line.text, level=getattr(Log, line.level))
+    made.stamp.sec, made.stamp.nanosec = divmod(round(line.time_s * 10**9), 10**9)
+    return made

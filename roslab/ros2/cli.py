@@ -1,23 +1,32 @@
 """
 Parse the command line of ``ros2``, run the verb and report its result.
 
-A verb is a function of the parsed arguments.  Its return value decides the exit of ``ros2``: None
-or 0 for success, another number as the exit code, a string as an error on stderr with exit code 1.
+:func:`verb` adds a function and its options to the table of verbs.  The function gets the parsed
+arguments and prints its result; its RuntimeError becomes one line on stderr and exit code 1.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 import os
 import signal
 import sys
-from typing import NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 Outcome = int | str | None
-Verb = Callable[[argparse.Namespace], Outcome]
-AddVerb = Callable[[str, Verb, str], argparse.ArgumentParser]
+"""Exit code of ``ros2``; a string is an error for stderr, with exit code 1."""
+Run = Callable[[argparse.Namespace], None]
+
+
+class Option(NamedTuple):
+    """Names and keywords of ``add_argument``, and whether exclusive options exclude it."""
+
+    names: tuple[str, ...]
+    how: dict[str, Any]
+    exclusive: bool = False
+
 
 ABOUT = (
     "The course's own small ros2 command: the same verbs, options and output as ROS 2 Jazzy's. "
@@ -33,26 +42,73 @@ GROUPS = {
     'param': 'Various param related sub-commands',
     'pkg': 'Various package related sub-commands',
     'run': 'Run a package specific executable',
-    'service': 'Various service related sub-commands',
     'topic': 'Various topic related sub-commands',
 }
-ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security')
+MODULES = {
+    'pkg': ('pkg', 'pkg_create'),
+    'run': ('pkg',),
+    'topic': ('topic', 'topic_echo', 'topic_pub', 'topic_rate'),
+}
+"""The modules with the verbs of a group, where they are not one of that name."""
+ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security', 'service')
 """Commands of a full installation that are not here, to be told from typing mistakes."""
 SHUT_DOWN = ('the given context is not valid', "rcl node's context is invalid")
 """Parts of rcl's errors after Ctrl-C or SIGTERM, which alone shut down early."""
 
+_verbs: dict[str, tuple[Run, Sequence[Option]]] = {}
+"""The verbs of the imported modules by name, such as ``topic list``."""
+
+
+def verb(name: str, *options: Option) -> Callable[[Run], Run]:
+    """
+    Return a decorator that adds a verb to the table; the function's docstring is the help.
+
+    :param name: group and verb, such as ``topic list``, or the name of a command without verbs
+    """
+
+    def add(run: Run) -> Run:
+        _verbs[name] = run, options
+        return run
+
+    return add
+
+
+def option(*names: str, exclusive: bool = False, **how: Any) -> Option:
+    """Return an argument; ``how`` are keywords of ``argparse``'s ``add_argument``."""
+    return Option(names, how, exclusive)
+
+
+def flag(*names_and_words: str, exclusive: bool = False) -> Option:
+    """Return an option without a value; its help comes last."""
+    *names, words = names_and_words
+    return option(*names, exclusive=exclusive, action='store_true', help=words)
+
+
+def positive_float(text: str) -> float:
+    """Parse a number greater than zero; for argparse."""
+    if not (number := float(text)) > 0:
+        raise ValueError
+    return number
+
+
+def positive_int(text: str) -> int:
+    """Parse an integer greater than zero; for argparse."""
+    if (number := int(text)) <= 0:
+        raise argparse.ArgumentTypeError('value must be a positive integer')
+    return number
+
+
+def natural(text: str) -> int:
+    """Parse an integer of zero or more; for argparse."""
+    if (number := int(text)) < 0:
+        raise ValueError
+    return number
+
 
 def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """
-    Return the parser; only the group that the arguments name is complete.
-
-    :param arguments: the arguments after ``ros2``
-    """
-    parser = argparse.ArgumentParser(
-        prog='ros2',
-        description=ABOUT,
-        epilog='Call `ros2 <command> -h` for more detailed usage.',
-    )
+    """Return the parser; only the group that the arguments name is complete."""
+    epilog = 'Call `ros2 <command> -h` for more detailed usage.'
+    parser = argparse.ArgumentParser(prog='ros2', description=ABOUT, epilog=epilog)
     # Options of the real ros2 that have no effect here.
     parser.add_argument('--use-python-default-buffering', action='store_true', help='no effect')
     groups = parser.add_subparsers(title='Commands', metavar='<command>', dest='command')
@@ -61,26 +117,35 @@ def build_parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         group = groups.add_parser(name, help=words, description=words)
         group.set_defaults(verb=None, help_of=group)
         if name == chosen:
-            import_module(f'roslab.ros2.{name}').add_arguments(group)
+            for module in MODULES.get(name, (name,)):
+                import_module(f'roslab.ros2.{module}')
+            _complete(group, name)
     return parser
 
 
-def verbs_of(group: argparse.ArgumentParser) -> AddVerb:
-    """
-    Return a function that adds a verb to a group of commands.
-
-    :param group: the parser of the group, such as that of ``ros2 topic``
-    """
-    name = group.prog.split()[-1]
-    verbs = group.add_subparsers(title='Verbs', metavar='<verb>')
+def _complete(group: argparse.ArgumentParser, name: str) -> None:
+    """Add the verbs of a group, or the options of a command without verbs."""
+    if name in _verbs:
+        _add_options(group, *_verbs[name])
+        return
+    if name == 'topic':
+        group.add_argument('--include-hidden-topics', action='store_true', help='also hidden ones')
     group.epilog = f'Call `ros2 {name} <verb> -h` for more detailed usage.'
+    verbs = group.add_subparsers(title='Verbs', metavar='<verb>')
+    for full, (run, options) in sorted(_verbs.items()):
+        if full.startswith(f'{name} '):
+            words = (run.__doc__ or '').rstrip('.')
+            parser = verbs.add_parser(full.split()[1], help=words, description=words)
+            _add_options(parser, run, options)
 
-    def add(verb: str, function: Verb, words: str) -> argparse.ArgumentParser:
-        parser: argparse.ArgumentParser = verbs.add_parser(verb, help=words, description=words)
-        parser.set_defaults(verb=function)
-        return parser
 
-    return add
+def _add_options(parser: argparse.ArgumentParser, run: Run, options: Iterable[Option]) -> None:
+    parser.set_defaults(verb=run)
+    exclusive = None
+    for names, how, excludes in options:
+        if excludes:
+            exclusive = exclusive or parser.add_mutually_exclusive_group()
+        (exclusive if excludes and exclusive else parser).add_argument(*names, **how)
 
 
 def main(arguments: Sequence[str]) -> Outcome:
@@ -95,11 +160,10 @@ def main(arguments: Sequence[str]) -> Outcome:
     if parsed.command is None or parsed.verb is None:
         (parser if parsed.command is None else parsed.help_of).print_help()
         return 0
-    verb: Verb = parsed.verb
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        return verb(parsed)
+        parsed.verb(parsed)
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except Exception as problem:
@@ -111,10 +175,12 @@ def main(arguments: Sequence[str]) -> Outcome:
         if isinstance(problem, RuntimeError):
             return str(problem)
         raise
+    return None
 
 
 def run_command(arguments: Sequence[str]) -> NoReturn:
     """Run the command and exit as ``ros2`` does, without a traceback."""
+    outcome: Outcome = None
     try:
         try:
             outcome = main(arguments)

@@ -26,7 +26,7 @@ processes that this command starts, announce themselves ten times a second
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 import os
 import time
@@ -34,6 +34,9 @@ import time
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+
+from roslab.ros2.cli import flag, option
+from roslab.ros2.graph import node_known, UNKNOWN
 
 QUIET_S = 0.12
 """Time without a change of the graph; longer than the 0.1 s between two announcements [s]."""
@@ -46,46 +49,45 @@ AGAIN_S = (0.2, 0.2, 0.2)
 LIMIT_S = 3.0
 """Maximum time to wait for discovery, or for the entity that a command is about [s]."""
 LOOK_S = 0.01
-UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
 Known = Callable[[Node], object]
 """A function that returns whether a node's graph contains the entity of a command."""
 
 
-def add_node_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that all verbs with a node share."""
-    parser.add_argument(
+NODE = (
+    option(
         '--spin-time',
         type=float,
         default=ALONE_S,
         metavar='S',
         help='seconds to look for others before saying that nobody is there (default: 0.5)',
-    )
-    parser.add_argument(
-        '-s', '--use-sim-time', action='store_true', help='take the time from /clock'
-    )
-    parser.add_argument(
-        '--no-daemon', action='store_true', help='no effect: this command has no daemon'
-    )
+    ),
+    flag('-s', '--use-sim-time', 'take the time from /clock'),
+    flag('--no-daemon', 'no effect: this command has no daemon'),
+)
+"""The options that all verbs with a node share."""
+NODE_NAME = option('node_name', help='Name of the ROS node')
+HIDDEN_NODES = flag('--include-hidden-nodes', 'also hidden ones')
 
 
 @contextmanager
-def ros_node(args: argparse.Namespace, name: str | None = None) -> Iterator[Node]:
+def ros_node(args: argparse.Namespace | None, name: str | None = None) -> Iterator[Node]:
     """
     Provide a node inside the ``with`` block, and shut ROS down afterwards.
 
-    :param args: the parsed options of :func:`add_node_arguments`
+    :param args: the parsed options of :data:`NODE`, None for a verb without them
     :param name: name of the node; by default a hidden name, which lists omit
     """
     # Write each log line immediately, even into a pipe, so that lines and messages keep their
     # order.
     os.environ.setdefault('RCUTILS_LOGGING_BUFFERED_STREAM', '1')
     rclpy.init(args=[])
+    simulated = Parameter('use_sim_time', value=bool(args and args.use_sim_time))
     try:
         node = Node(
             name or f'_ros2cli_{os.getpid()}',
             start_parameter_services=False,
-            parameter_overrides=[Parameter('use_sim_time', value=args.use_sim_time)],
+            parameter_overrides=[simulated],
         )
         try:
             yield node
@@ -171,29 +173,6 @@ def wait_for(node: Node, condition: Callable[[], bool], limit_s: float = LIMIT_S
     return True
 
 
-def full_name(name: str, namespace: str) -> str:
-    """Return the full name of a node, such as /lab/talker."""
-    return f'{namespace.rstrip("/")}/{name}'
-
-
-def node_names(node: Node, *, hidden: bool) -> list[str]:
-    """
-    Return the full names of all nodes, sorted; a name that two nodes share is listed twice.
-
-    :param hidden: include names that begin with an underscore
-    """
-    return sorted(
-        full_name(name, namespace)
-        for name, namespace in node.get_node_names_and_namespaces()
-        if hidden or not name.startswith('_')
-    )
-
-
-def node_known(node: Node, name: str) -> bool:
-    """Return whether the graph contains a node with this full name, hidden or not."""
-    return name in node_names(node, hidden=True)
-
-
 @contextmanager
 def asking(
     args: argparse.Namespace, known: Callable[[Node, str], object] = node_known
@@ -209,24 +188,3 @@ def asking(
         if not known(node, name):
             raise RuntimeError('Node not found')
         yield node, name
-
-
-def topic_types(node: Node, name: str) -> list[str]:
-    """Return the types of a topic, empty if the graph does not contain its full name."""
-    return dict(node.get_topic_names_and_types()).get(name, [])
-
-
-def service_types(node: Node, name: str) -> list[str]:
-    """Return the types of a service, empty if the graph does not contain its full name."""
-    return dict(node.get_service_names_and_types()).get(name, [])
-
-
-def topics_of(node: Node, *, hidden: bool) -> Sequence[tuple[str, list[str]]]:
-    """Return names and types of the topics, sorted."""
-    from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
-
-    return [
-        (name, types)
-        for name, types in sorted(node.get_topic_names_and_types())
-        if hidden or not topic_or_service_is_hidden(name)
-    ]

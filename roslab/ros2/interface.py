@@ -1,114 +1,140 @@
-"""Implement ``ros2 interface``."""
+"""Find installed interfaces and their definitions, and implement ``ros2 interface``."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+import json
+from pathlib import Path
 import re
 import sys
+from typing import Any
 
-from roslab.ros2.cli import Outcome, verbs_of
-from roslab.ros2.interface_files import (
-    interface_class,
-    interface_file,
-    interfaces_of,
-    KINDS,
-    packages_with_interfaces,
-)
+from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
+from ament_index_python.resources import get_resource, get_resources
 
+from roslab.ros2.cli import flag, option, verb
+
+KINDS = {'msg': 'Messages', 'srv': 'Services', 'action': 'Actions'}
+_SEPARATOR = '=' * 80
 _PRIMITIVE = re.compile(r'(bool|byte|char|float32|float64|u?int(8|16|32|64)|w?string)(<=\d+)?')
 _CONSTANT = re.compile(r'\S+\s+\w+\s*=')
 
 
-def add_arguments(group: argparse.ArgumentParser) -> None:
-    """Add the verbs."""
-    add = verbs_of(group)
-    _add_kinds(add('list', list_interfaces, 'List all interface types available'))
-    parser = add('package', package, 'Output a list of available interface types of one package')
-    parser.add_argument('package_name', help='Name of the ROS package, std_msgs')
-    _add_kinds(parser)
-    _add_kinds(add('packages', packages, 'Output a list of packages that provide interfaces'))
-    parser = add('proto', proto, 'Output an interface prototype')
-    parser.add_argument('type', help="Name of the interface, 'std_msgs/msg/String'")
-    parser.add_argument('--no-quotes', action='store_true', help='leave the quotes out')
-    parser = add('show', show, 'Output the interface definition')
-    comments = parser.add_mutually_exclusive_group()
-    comments.add_argument('--all-comments', action='store_true', help='also those of parts')
-    comments.add_argument('--no-comments', action='store_true', help='no comments, no empty lines')
-    parser.add_argument('type', help="'std_msgs/msg/String', or - to read it from stdin")
+class InterfaceError(LookupError, RuntimeError):
+    """An interface or its package that is not installed; ``ros2`` prints it as one line."""
 
 
-def _add_kinds(parser: argparse.ArgumentParser) -> None:
-    for kind, title in KINDS.items():
-        parser.add_argument(
-            f'-{kind[0]}',
-            f'--only-{kind}s',
-            dest='kinds',
-            action='append_const',
-            const=kind,
-            help=f'only {title.lower()}',
-        )
+def packages_with_interfaces() -> list[str]:
+    """Return the names of all packages that have interfaces, sorted."""
+    return sorted(get_resources('rosidl_interfaces'))
 
 
-def _kinds(args: argparse.Namespace) -> list[str]:
-    return args.kinds or list(KINDS)
+def interfaces_of(package: str, kinds: Iterable[str] = KINDS) -> list[str]:
+    """
+    Return the interfaces of a package, such as msg/String, sorted.
+
+    :param kinds: which of msg, srv and action to include
+    :raises InterfaceError: if the package does not exist or has no interfaces
+    """
+    try:
+        text, _ = get_resource('rosidl_interfaces', package)
+    except LookupError:
+        raise InterfaceError(f"Unknown package '{package}'") from None
+    wanted = tuple(f'{kind}/' for kind in kinds)
+    return sorted(
+        {
+            line.rpartition('.')[0]
+            for line in text.splitlines()
+            # The index also lists several generated files per interface and the parts of services.
+            if line.endswith(('.msg', '.srv', '.action')) and line.startswith(wanted)
+        }
+    )
 
 
-def list_interfaces(args: argparse.Namespace) -> Outcome:
-    """Print all interfaces, grouped by kind."""
-    for kind in _kinds(args):
+def interface_file(name: str) -> Path:
+    """
+    Return the path of the file that defines an interface.
+
+    :raises InterfaceError: if the name is malformed, or there is no such package or interface
+    """
+    parts = name.split('/')
+    if len(parts) != 3 or not all(parts):
+        raise InterfaceError(f"Invalid name '{name}'. Expected three parts separated by '/'")
+    package, kind, interface = parts
+    try:
+        share = Path(get_package_share_directory(package))
+    except (PackageNotFoundError, ValueError):
+        raise InterfaceError(f"Unknown package '{package}'") from None
+    path = share / kind / f'{interface}.{kind}'
+    if not path.is_file():
+        raise InterfaceError(f"Could not find the interface '{path}'")
+    return path
+
+
+def interface_class(name: str, kind: str = 'msg') -> Any:
+    """
+    Return the Python class of an interface.
+
+    :param name: name of the interface, such as std_msgs/msg/String or std_msgs/String
+    :param kind: the middle part to use if the name has only two parts
+    :raises InterfaceError: if the name is malformed or the class cannot be imported
+    """
+    parts = name.split('/')
+    if len(parts) == 2:
+        parts.insert(1, kind)
+    if len(parts) != 3 or not all(parts):
+        raise InterfaceError(f"'{name}' is no interface name such as std_msgs/msg/String")
+    try:
+        return getattr(import_module(f'{parts[0]}.{parts[1]}'), parts[2])
+    except (ImportError, AttributeError) as error:
+        raise InterfaceError(f"'{name}' cannot be imported: {error}") from None
+
+
+_PACKAGE = option('package_name', help='Name of the ROS package, std_msgs')
+_ONLY = tuple(
+    option(
+        f'-{kind[0]}',
+        f'--only-{kind}s',
+        dest='kinds',
+        action='append_const',
+        const=kind,
+        help=f'only {title.lower()}',
+    )
+    for kind, title in KINDS.items()
+)
+
+
+@verb('interface list', *_ONLY)
+def list_interfaces(args: argparse.Namespace) -> None:
+    """List all interface types available."""
+    for kind in args.kinds or KINDS:
         print(f'{KINDS[kind]}:')
         for name in packages_with_interfaces():
             for interface in interfaces_of(name, [kind]):
                 print(f'    {name}/{interface}')
-    return None
 
 
-def package(args: argparse.Namespace) -> Outcome:
-    """Print the interfaces of one package."""
-    try:
-        for interface in interfaces_of(args.package_name, _kinds(args)):
-            print(f'{args.package_name}/{interface}')
-    except LookupError as problem:
-        return problem.args[0]
-    return None
+@verb('interface package', _PACKAGE, *_ONLY)
+def package(args: argparse.Namespace) -> None:
+    """Output a list of available interface types of one package."""
+    for interface in interfaces_of(args.package_name, args.kinds or KINDS):
+        print(f'{args.package_name}/{interface}')
 
 
-def packages(args: argparse.Namespace) -> Outcome:
-    """Print the packages that have interfaces."""
-    for name in packages_with_interfaces():
-        if interfaces_of(name, _kinds(args)):
-            print(name)
-    return None
-
-
-def proto(args: argparse.Namespace) -> Outcome:
-    """Print an interface with its default values, as a template."""
-    from roslab.cli_text import message_yaml
-
-    try:
-        interface = interface_class(args.type)
-    except (LookupError, ValueError) as problem:
-        return problem.args[0]
-    for part in ('Request', 'Goal'):
-        interface = getattr(interface, part, interface)
-    quote = '' if args.no_quotes else '"'
-    print(f'{quote}{message_yaml(interface(), truncate=None)}{quote}')
-    return None
-
-
-def show(args: argparse.Namespace) -> Outcome:
-    """Print the definition of an interface, including the definitions of nested types."""
-    name = args.type
-    if name == '-':
-        name = sys.stdin.readline().strip()
+@verb(
+    'interface show',
+    flag('--all-comments', 'also those of parts', exclusive=True),
+    flag('--no-comments', 'no comments, no empty lines', exclusive=True),
+    option('type', help="'std_msgs/msg/String', or - to read it from stdin"),
+)
+def show(args: argparse.Namespace) -> None:
+    """Output the interface definition."""
+    name = sys.stdin.readline().strip() if args.type == '-' else args.type
     top = 'none' if args.no_comments else 'all'
-    try:
-        for line in definition(name, top, 'all' if args.all_comments else 'none'):
-            print(line)
-    except (LookupError, ValueError) as problem:
-        return problem.args[0]
-    return None
+    for line in definition(name, top, 'all' if args.all_comments else 'none'):
+        print(line)
 
 
 def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterator[str]:
@@ -118,8 +144,7 @@ def definition(name: str, comments: str, nested: str, depth: int = 0) -> Iterato
     :param name: name of the interface, such as std_msgs/msg/Header
     :param comments: 'all' or 'none': keep or drop comments and empty lines
     :param nested: the same for nested definitions
-    :raises ValueError: if the name is malformed
-    :raises LookupError: if there is no such interface
+    :raises InterfaceError: if there is no such interface
     """
     for line in interface_file(name).read_text(encoding='utf-8').splitlines():
         bare = _without_comment(line)
@@ -134,8 +159,7 @@ def parts_of(name: str) -> Iterator[str]:
     """
     Yield the full names of the message types in the fields of an interface.
 
-    :param name: such as std_msgs/msg/Header
-    :raises LookupError: if there is no such interface
+    :raises InterfaceError: if there is no such interface
     """
     for line in interface_file(name).read_text(encoding='utf-8').splitlines():
         if part := _part(_without_comment(line), name.split('/')[0]):
@@ -158,3 +182,37 @@ def _part(line: str, package_name: str) -> str:
         return ''
     parts = kind.split('/')
     return f'{parts[0]}/msg/{parts[-1]}' if len(parts) > 1 else f'{package_name}/msg/{kind}'
+
+
+def definition_of(name: str) -> str:
+    """
+    Return the text of a message type, followed by those of all its parts.
+
+    :raises LookupError: if a package or a type is not installed
+    """
+    texts: dict[str, str] = {}
+    waiting = [name]
+    while waiting:
+        one = waiting.pop(0)
+        if one not in texts:
+            texts[one] = interface_file(one).read_text(encoding='utf-8')
+            waiting += parts_of(one)
+    own = texts.pop(name)
+    parts = (
+        f'{_SEPARATOR}\nMSG: {part.replace("/msg/", "/")}\n{text}' for part, text in texts.items()
+    )
+    return '\n'.join([own, *parts])
+
+
+def hash_of(name: str) -> str:
+    """
+    Return the hash of a message type, which changes with its fields but not with its comments.
+
+    :returns: such as ``RIHS01_df66...``, or ``''`` if the package was built without it
+    :raises LookupError: if the type is not installed
+    """
+    file = interface_file(name).with_suffix('.json')
+    if not file.is_file():
+        return ''
+    hashes = json.loads(file.read_text(encoding='utf-8'))['type_hashes']
+    return next((one['hash_string'] for one in hashes if one['type_name'] == name), '')

@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 import re
 import signal
 import subprocess
 from threading import Thread
+from typing import NamedTuple
 from xml.etree import ElementTree
 
-from roslab.ros2.cli import Outcome
-from roslab.ros2.pkg import executables_of, PackageMissingError, prefix_of
+from roslab.ros2.cli import option, verb
+from roslab.ros2.pkg import executable_of, PackageMissingError, prefix_of
 
 TAGS = {
     'launch': (),
@@ -32,12 +32,10 @@ PATIENCE_S = 5.0
 _SHARE = re.compile(r'\$\(find-pkg-share ([a-z][a-z0-9_]*)\)')
 
 
-@dataclass(frozen=True)
-class Start:
+class Start(NamedTuple):
     """
     A program that a launch file starts.
 
-    :param name: name of the process in the output, such as ``talker-1``
     :param screen: whether to show the text that the program prints
     """
 
@@ -46,14 +44,12 @@ class Start:
     screen: bool
 
 
-def add_arguments(group: argparse.ArgumentParser) -> None:
-    """Add the options; this command has no verbs."""
-    group.add_argument('package_name', help='Name of the ROS package, or path of a launch file')
-    group.add_argument('launch_file_name', nargs='?', help='Name of the launch file')
-    group.set_defaults(verb=launch)
-
-
-def launch(args: argparse.Namespace) -> Outcome:
+@verb(
+    'launch',
+    option('package_name', help='Name of the ROS package, or path of a launch file'),
+    option('launch_file_name', nargs='?', help='Name of the launch file'),
+)
+def launch(args: argparse.Namespace) -> None:
     """Start all programs of a launch file and wait until they end."""
     starts = list(read(find(args.package_name, args.launch_file_name)))
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -69,7 +65,6 @@ def launch(args: argparse.Namespace) -> Outcome:
         _end(running)
     for thread in watching:
         thread.join()
-    return None
 
 
 def find(package: str, name: str | None) -> Path:
@@ -118,11 +113,8 @@ def read(path: Path) -> Iterator[Start]:
 
 def _start_of(node: ElementTree.Element, number: int) -> Start:
     package, name = node.get('pkg', ''), node.get('exec', '')
-    try:
-        found = [path for path in executables_of(package) if path.name == name]
-    except PackageMissingError:
-        raise RuntimeError(f"Package '{package}' not found") from None
-    if not found:
+    program = executable_of(package, name)
+    if program is None:
         raise RuntimeError(f"executable '{name}' not found in the package '{package}'")
     space = node.get('namespace', '')
     words = [f'__node:={node.get("name")}'] if node.get('name') else []
@@ -130,16 +122,14 @@ def _start_of(node: ElementTree.Element, number: int) -> Start:
     words += [f'{one.get("from")}:={one.get("to")}' for one in node.iter('remap')]
     given = [word for one in words for word in ('-r', one)]
     for param in node.iter('param'):
-        source = param.get('from')
-        given += ['-p', f'{param.get("name")}:={param.get("value")}'] if source is None else []
-        given += ['--params-file', _in_share(source)] if source is not None else []
+        if (source := param.get('from')) is None:
+            given += ['-p', f'{param.get("name")}:={param.get("value")}']
+        else:
+            path = _SHARE.sub(lambda found: f'{prefix_of(found[1])}/share/{found[1]}', source)
+            given += ['--params-file', path]
     arguments = ['--ros-args', *given] if given else []
-    command = (str(found[0]), *arguments)
-    return Start(f'{name}-{number}', command, node.get('output') == 'screen')
-
-
-def _in_share(text: str) -> str:
-    return _SHARE.sub(lambda found: f'{prefix_of(found[1])}/share/{found[1]}', text)
+    screen = node.get('output') == 'screen'
+    return Start(f'{name}-{number}', (str(program), *arguments), screen)
 
 
 def _started(start: Start) -> subprocess.Popen[str]:

@@ -1,10 +1,11 @@
-"""Implement ``ros2 pkg``."""
+"""Implement ``ros2 pkg`` and ``ros2 run``."""
 
 from __future__ import annotations
 
 import argparse
 import os
 from pathlib import Path
+import shlex
 
 from ament_index_python.packages import (
     get_package_prefix,
@@ -12,7 +13,7 @@ from ament_index_python.packages import (
     PackageNotFoundError,
 )
 
-from roslab.ros2.cli import Outcome, verbs_of
+from roslab.ros2.cli import flag, option, verb
 
 
 class PackageMissingError(RuntimeError):
@@ -22,22 +23,7 @@ class PackageMissingError(RuntimeError):
         super().__init__('Package not found')
 
 
-def add_arguments(group: argparse.ArgumentParser) -> None:
-    """Add the verbs."""
-    from roslab.ros2.pkg_create import add_create_arguments, create
-
-    add = verbs_of(group)
-    add_create_arguments(add('create', create, 'Create a new ROS 2 package'))
-    parser = add('executables', executables, 'Output a list of package specific executables')
-    parser.add_argument('package_name', nargs='?', help='Name of the ROS package')
-    parser.add_argument('--full-path', action='store_true', help='their full paths')
-    add('list', list_packages, 'Output a list of available packages')
-    parser = add('prefix', prefix, 'Output the prefix path of a package')
-    parser.add_argument('package_name', help='Name of the ROS package')
-    parser.add_argument('--share', action='store_true', help='its folder for shared files')
-    parser = add('xml', xml, 'Output the XML of the package manifest or a specific tag')
-    parser.add_argument('package_name', help='Name of the ROS package')
-    parser.add_argument('-t', '--tag', help='only the text of this tag, version')
+_PACKAGE = option('package_name', help='Name of the ROS package')
 
 
 def prefix_of(package: str) -> Path:
@@ -64,39 +50,59 @@ def executables_of(package: str) -> list[Path]:
     )
 
 
-def executables(args: argparse.Namespace) -> Outcome:
-    """Print the programs of one package or of all packages."""
+@verb(
+    'pkg executables',
+    option('package_name', nargs='?', help='Name of the ROS package'),
+    flag('--full-path', 'their full paths'),
+)
+def executables(args: argparse.Namespace) -> None:
+    """Output a list of package specific executables."""
     names = [args.package_name] if args.package_name else sorted(get_packages_with_prefixes())
     for name in names:
         for path in executables_of(name):
             print(path if args.full_path else f'{name} {path.name}')
-    return None
 
 
-def list_packages(args: argparse.Namespace) -> Outcome:
-    """Print the names of the installed packages."""
+@verb('pkg list')
+def list_packages(_: argparse.Namespace) -> None:
+    """Output a list of available packages."""
     print('\n'.join(sorted(get_packages_with_prefixes())))
-    return None
 
 
-def prefix(args: argparse.Namespace) -> Outcome:
-    """Print the folder in which a package is installed."""
+@verb('pkg prefix', _PACKAGE, flag('--share', 'its folder for shared files'))
+def prefix(args: argparse.Namespace) -> None:
+    """Output the prefix path of a package."""
     path = prefix_of(args.package_name)
     print(path / 'share' / args.package_name if args.share else path)
-    return None
 
 
-def xml(args: argparse.Namespace) -> Outcome:
-    """Print the manifest of a package, or the text of one of its tags."""
-    from xml.etree import ElementTree
+def executable_of(package: str, name: str) -> Path | None:
+    """
+    Return a program of a package, None if the package has no such program.
 
-    path = prefix_of(args.package_name) / 'share' / args.package_name / 'package.xml'
-    text = path.read_text(encoding='utf-8')
-    if args.tag is None:
-        print(text.rstrip('\n'))
-        return None
-    tags = [found.text or '' for found in ElementTree.fromstring(text).iter(args.tag)]
-    if not tags:
-        return f"No tag '{args.tag}' found in '{path}'"
-    print('\n'.join(tags))
-    return None
+    :raises RuntimeError: if the package is not installed
+    """
+    try:
+        found = executables_of(package)
+    except PackageMissingError:
+        raise RuntimeError(f"Package '{package}' not found") from None
+    return next((path for path in found if path.name == name), None)
+
+
+@verb(
+    'run',
+    option('--prefix', help="command to put in front, such as 'gdb -ex run --args'"),
+    _PACKAGE,
+    option('executable_name', help='Name of the executable'),
+    option('argv', nargs=argparse.REMAINDER, help='arguments of the executable, --ros-args ...'),
+)
+def run(args: argparse.Namespace) -> None:
+    """Replace this process with the executable, which then gets Ctrl-C and sets the exit code."""
+    path = executable_of(args.package_name, args.executable_name)
+    if path is None:
+        raise RuntimeError('No executable found')
+    command = [*shlex.split(args.prefix or ''), str(path), *args.argv]
+    try:
+        os.execvp(command[0], command)
+    except OSError as error:
+        raise RuntimeError(f'{command[0]}: {error.strerror}') from None

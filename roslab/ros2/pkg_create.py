@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 
-from roslab.ros2.cli import Outcome
+from roslab.ros2.cli import option, verb
 from roslab.ros2.pkg_files import ament_cmake_files, ament_python_files, NewPackage
 
 _LICENSES = (
@@ -29,29 +29,25 @@ _LICENSE_FILE = Path(__file__).with_name('LICENSE')
 """The course's own license, Apache-2.0, is the only one whose text is included."""
 
 
-def add_create_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument('package_name', help='The package name')
-    parser.add_argument('--package-format', type=int, default=3, choices=[2, 3])
-    parser.add_argument('--description', default='TODO: Package description')
-    parser.add_argument(
-        '--license', default='TODO: License declaration', help="'?' for a list of known names"
-    )
-    parser.add_argument('--destination-directory', default='.', help='where to make its folder')
-    parser.add_argument('--build-type', default='ament_cmake', choices=list(_FILES))
-    parser.add_argument('--dependencies', nargs='+', default=[], help='list of dependencies')
-    parser.add_argument('--maintainer-email', help='email address of the maintainer')
-    parser.add_argument('--maintainer-name', help='name of the maintainer')
-    parser.add_argument('--node-name', help='name of the empty executable')
-
-
-def create(args: argparse.Namespace) -> Outcome:
-    """Create a package."""
+@verb(
+    'pkg create',
+    option('package_name', help='The package name'),
+    option('--package-format', type=int, default=3, choices=[2, 3]),
+    option('--description', default='TODO: Package description'),
+    option('--license', default='TODO: License declaration', help="'?' lists the known names"),
+    option('--destination-directory', default='.', help='where to make its folder'),
+    option('--build-type', default='ament_cmake', choices=list(_FILES)),
+    option('--dependencies', nargs='+', default=[], help='list of dependencies'),
+    option('--maintainer-email', help='email address of the maintainer'),
+    option('--maintainer-name', help='name of the maintainer'),
+    option('--node-name', help='name of the empty executable'),
+)
+def create(args: argparse.Namespace) -> None:
+    """Create a new ROS 2 package."""
     if args.license == '?':
         print('Supported licenses:', *_LICENSES, sep='\n')
-        return None
-    if refusal := _refusal(args):
-        return refusal
+        return
+    _refuse(args)
     package = _package(args)
     destination = Path(args.destination_directory)
     _announce(package, destination)
@@ -65,26 +61,26 @@ def create(args: argparse.Namespace) -> Outcome:
             'It is recommended to use one of the ament license identifiers:\n'
             + '\n'.join(_LICENSES)
         )
-    return None
 
 
-def _refusal(args: argparse.Namespace) -> str:
-    """Return why the package cannot be created, '' if it can be."""
+def _refuse(args: argparse.Namespace) -> None:
+    """Raise a RuntimeError if the package cannot be created."""
     for what, name in (('package', args.package_name), ('node', args.node_name or 'x')):
         if not re.fullmatch(r'[a-z][a-z0-9_]*', name):
-            return (
+            raise RuntimeError(
                 f"Aborted since '{name}' is no {what} name: expected a lower case letter, then "
                 'lower case letters, digits and underscores.'
             )
     if args.build_type == 'ament_python' and args.package_name == 'test':
-        return "Aborted since 'ament_python' packages can't be named 'test': its tests are there."
+        raise RuntimeError(
+            "Aborted since 'ament_python' packages can't be named 'test': its tests are there."
+        )
     path = f'{args.destination_directory.rstrip("/")}/{args.package_name}'
     if Path(path).exists():
-        return (
+        raise RuntimeError(
             f'\nAborted!\nThe directory already exists: {path}\nEither remove the directory or '
             'choose a different destination directory or package name'
         )
-    return ''
 
 
 def _package(args: argparse.Namespace) -> NewPackage:

@@ -18,7 +18,8 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node, NodeNameNonExistentError
 from type_description_interfaces.srv import GetTypeDescription
 
-from roslab.ros2.discovery import full_name, wait_for
+from roslab.ros2.discovery import wait_for
+from roslab.ros2.graph import full_name
 
 ANSWER_S = 5.0
 AGAIN_S = 1.0
@@ -32,13 +33,14 @@ class NoAnswer(RuntimeError):
     """Report that a service is missing or does not respond."""
 
 
-def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWER_S) -> Any:
+def call(node: Node, kind: Any, name: str, limit_s: float = ANSWER_S, **request: Any) -> Any:
     """
     Call a service and return its response.
 
     :param kind: class of the service
     :param name: full name of the service
     :param limit_s: how long to wait for the service to appear, and then for its response [s]
+    :param request: fields of the request
     :raises NoAnswer: if the service is missing or does not respond
     """
     client = node.create_client(kind, name)
@@ -46,7 +48,7 @@ def call(node: Node, kind: type, name: str, request: Any, limit_s: float = ANSWE
         if not wait_for(node, client.service_is_ready, limit_s):
             raise NoAnswer(f'Wait for service timed out: {name} is not there')
         if meet(node, name, limit_s):
-            future = client.call_async(request)
+            future = client.call_async(kind.Request(**request))
             if wait_for(node, future.done, limit_s):
                 return future.result()
         raise NoAnswer(f'{name} did not answer within {limit_s:.0f} s: is its node spun?')

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import array
+from collections.abc import Mapping
 import time
 from typing import Any
 
@@ -10,12 +12,14 @@ import rclpy
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+import yaml
 
-from roslab.ros2.cli import Outcome
-from roslab.ros2.discovery import add_node_arguments, ros_node
-from roslab.ros2.filling import fill, parsed
-from roslab.ros2.qos_options import add_qos_arguments, preset, qos_asked_for
-from roslab.ros2.topic_class import named_class
+from roslab.cli_text import item_type
+from roslab.ros2.cli import flag, natural, option, positive_float, verb
+from roslab.ros2.discovery import NODE, ros_node
+from roslab.ros2.graph import named_class, preset
+from roslab.ros2.interface import interface_class
+from roslab.ros2.qos_options import qos_arguments, qos_asked_for
 
 _LOOK_S = 0.1
 _ACKNOWLEDGED_S = 3
@@ -23,69 +27,49 @@ _LOOKS_A_LINE = 10
 """Polls between two lines of output, one line a second."""
 
 
-def positive_float(text: str) -> float:
-    """Parse a number greater than zero; for argparse."""
-    if not (number := float(text)) > 0:
-        raise ValueError
-    return number
-
-
-def natural(text: str) -> int:
-    """Parse an integer of zero or more; for argparse."""
-    if (number := int(text)) < 0:
-        raise ValueError
-    return number
-
-
-def add_pub_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument('topic_name', help="Name of the ROS topic to publish to, '/chatter'")
-    parser.add_argument('message_type', help="Type of the ROS message, 'std_msgs/msg/String'")
-    parser.add_argument(
-        'values', nargs='?', default='{}', help="Values of the message as YAML, 'data: hello'"
-    )
-    parser.add_argument(
-        '-r', '--rate', metavar='N', type=positive_float, default=1.0, help='Hz (default: 1)'
-    )
-    parser.add_argument(
-        '-p', '--print', metavar='N', type=int, default=1, help='only print every N-th message'
-    )
-    times = parser.add_mutually_exclusive_group()
-    times.add_argument('-1', '--once', action='store_true', help='publish one message and exit')
-    times.add_argument(
-        '-t', '--times', type=natural, default=0, metavar='N', help='publish N messages and exit'
-    )
-    _add_waiting(parser)
-    parser.add_argument('-n', '--node-name', help='name of the publishing node')
-    add_qos_arguments(parser, 'publish', 'default')
-    add_node_arguments(parser)
-
-
-def _add_waiting(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
+@verb(
+    'topic pub',
+    option('topic_name', help="Name of the ROS topic to publish to, '/chatter'"),
+    option('message_type', help="Type of the ROS message, 'std_msgs/msg/String'"),
+    option('values', nargs='?', default='{}', help="Values of the message as YAML, 'data: hello'"),
+    option('-r', '--rate', metavar='N', type=positive_float, default=1.0, help='Hz (default: 1)'),
+    option('-p', '--print', metavar='N', type=int, default=1, help='print every N-th message'),
+    flag('-1', '--once', 'publish one message and exit', exclusive=True),
+    option(
+        '-t',
+        '--times',
+        type=natural,
+        default=0,
+        metavar='N',
+        help='publish N messages and exit',
+        exclusive=True,
+    ),
+    option(
         '-w',
         '--wait-matching-subscriptions',
         type=natural,
         metavar='N',
         help='wait until N subscriptions match (default: 1 with -1 or -t, otherwise 0)',
-    )
-    parser.add_argument(
+    ),
+    option(
         '--max-wait-time-secs',
         type=positive_float,
         metavar='S',
-        help='how long to wait for them (default: for ever)',
-    )
-    parser.add_argument(
+        help='how long to wait for them (default: forever)',
+    ),
+    option(
         '--keep-alive',
         metavar='S',
         type=positive_float,
         default=0.1,
         help='keep the publisher after the last message for so many seconds (default: 0.1)',
-    )
-
-
-def publish(args: argparse.Namespace) -> Outcome:
-    """Publish a message once or repeatedly."""
+    ),
+    option('-n', '--node-name', help='name of the publishing node'),
+    *qos_arguments('publish', 'default'),
+    *NODE,
+)
+def publish(args: argparse.Namespace) -> None:
+    """Publish a message to a topic."""
     message_class = named_class(args.message_type)
     values = parsed(args.values)
     times = 1 if args.once else args.times
@@ -97,7 +81,7 @@ def publish(args: argparse.Namespace) -> Outcome:
         try:
             fill(message, values, node.get_clock().now().to_msg())
         except Exception as problem:
-            return f'Failed to populate field: {problem}'
+            raise RuntimeError(f'Failed to populate field: {problem}') from None
         wanted = int(times > 0) if wanted is None else wanted
         _wait_for_subscriptions(node, publisher, wanted, args.max_wait_time_secs)
         print('publisher: beginning loop', flush=True)
@@ -107,7 +91,6 @@ def publish(args: argparse.Namespace) -> Outcome:
             # so also wait for a fixed time, as ros2 does.
             publisher.wait_for_all_acked(Duration(seconds=_ACKNOWLEDGED_S))
             _spin_for(node, args.keep_alive)
-    return None
 
 
 def _spin_for(node: Node, seconds: float) -> None:
@@ -157,3 +140,75 @@ def _publish(
     while times == 0 or count < times:
         rclpy.spin_once(node, timeout_sec=0.1)
     node.destroy_timer(timer)
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """
+    Parse YAML text into a dictionary of values.
+
+    :raises RuntimeError: if the text is not YAML, or not a mapping
+    """
+    try:
+        values = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise RuntimeError(f'The passed value is no YAML: {error}') from None
+    if values is None or values == '':
+        return {}
+    if not isinstance(values, dict):
+        raise RuntimeError('The passed value needs to be a dictionary in YAML format')
+    return values
+
+
+def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
+    """
+    Set fields of a message from a dictionary.
+
+    :param message: the message to change
+    :param values: values by field name; a nested message is a nested mapping
+    :param now: the time as a message, for ``stamp: now`` and ``header: auto``
+    :raises AttributeError: if a field does not exist
+    :raises TypeError, ValueError, AssertionError: if a value does not fit its field
+    """
+    kinds = message.get_fields_and_field_types()
+    for name, value in values.items():
+        old = getattr(message, name)
+        if now is not None and value == 'now' and kinds[name] == 'builtin_interfaces/Time':
+            setattr(message, name, now)
+        elif now is not None and value == 'auto' and kinds[name] == 'std_msgs/Header':
+            old.stamp = now
+        elif hasattr(old, 'get_fields_and_field_types'):
+            fill(old, value or {}, now)
+        else:
+            setattr(message, name, _converted(old, value, kinds[name], now))
+
+
+def _converted(old: Any, value: Any, kind: str, now: Any) -> Any:
+    """Return a value converted to the type of its field."""
+    item = item_type(kind)
+    if isinstance(old, list):
+        if '/' in item:
+            return [_message(item, one, now) for one in value]
+        return [_single(one, item) for one in value]
+    if isinstance(old, array.array):
+        return array.array(old.typecode, value)
+    if hasattr(old, 'dtype'):
+        import numpy
+
+        return numpy.array(value, dtype=old.dtype)
+    if isinstance(old, bytes):
+        return bytes([value]) if isinstance(value, int) else str(value).encode('latin-1')
+    return type(old)(value)
+
+
+def _single(value: Any, kind: str) -> Any:
+    if kind in ('boolean', 'bool'):
+        return bool(value)
+    if kind == 'octet':
+        return bytes([value])
+    return str(value)
+
+
+def _message(kind: str, value: Mapping[str, Any], now: Any) -> Any:
+    message = interface_class(kind)()
+    fill(message, value, now)
+    return message

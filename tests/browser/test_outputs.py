@@ -12,7 +12,7 @@ from lab_page import choose, open_notebook, run_all, solved
 import pytest
 
 from autograder.simulated import TopicRecord
-from roslab.timeline_picture import make_timeline
+from roslab.timeline_picture import timeline
 
 pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 
@@ -56,7 +56,7 @@ def test_slider_is_below_the_moment_that_it_shows(page: Any, shots: Path, width:
         '/a', 'std_msgs/msg/String', times, tuple({'data': 'x'} for _ in times), 10.0
     )
     page.set_viewport_size({'width': width, 'height': 300})
-    page.set_content(make_timeline([SimpleNamespace(listeners=[run])])._repr_html_())
+    page.set_content(timeline(SimpleNamespace(listeners=[run]))._repr_html_())
     slider, said = page.get_by_role('slider'), page.get_by_role('status')
     box = slider.bounding_box()
     length = box['width'] - THUMB_PX

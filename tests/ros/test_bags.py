@@ -16,7 +16,7 @@ rclpy = pytest.importorskip('rclpy')
 
 from mcap.reader import make_reader
 from mcap.writer import Writer
-from rclpy.context import Context
+from private_session import PrivateSession
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
@@ -33,9 +33,8 @@ from roslab.bags.reader import BagError, messages_of, open_bag
 from roslab.cli_text import message_dict
 from roslab.errors import RoslabError
 from roslab.listening import Listener
-from roslab.recording import record_to, replay_from
-from roslab.ros2.interface_files import interface_class, interfaces_of
-from roslab.session import Session
+from roslab.recording import record, replay
+from roslab.ros2.interface import interface_class, interfaces_of
 from tests.own_domain import own_domain
 
 pytestmark = pytest.mark.ros
@@ -162,9 +161,10 @@ def domain():
 
 
 @pytest.fixture
-def session(domain):
+def session(domain, monkeypatch):
     """Return a session in the domain of the test."""
-    made = Session(Context(), domain)
+    made = PrivateSession(domain)
+    monkeypatch.setattr('roslab.session._session', made)
     yield made
     made.close()
 
@@ -198,12 +198,12 @@ def test_record_and_replay_keep_messages_and_qos(session, tmp_path):
     """A listener receives what was recorded, from a publisher with the same QoS."""
     talk(session)
     file = tmp_path / 'run.mcap'
-    bag = record_to(session, file, ['chatter'], 1.0)
+    bag = record(file, 'chatter', seconds=1.0)
     session.stop('talker')
     assert [topic.name for topic in bag.topics] == ['/chatter']
     assert bag == open_bag(file)
 
-    heard = Listener(session, 'chatter', String, QoSProfile(depth=1000))
+    heard = Listener('chatter', String, QoSProfile(depth=1000))
     seen = []
     heard_first = session.helper.create_subscription(
         String,
@@ -211,7 +211,7 @@ def test_record_and_replay_keep_messages_and_qos(session, tmp_path):
         lambda _: seen.extend(session.helper.get_publishers_info_by_topic('/chatter')),
         10,
     )
-    replay_from(session, file, [], 1.0)
+    replay(file)
     assert [one.data for one in heard.wait(bag.count, LIMIT_S)] == texts_of(file)
     assert seen[0].node_name == 'rosbag2_player'
     assert seen[0].qos_profile.reliability == ReliabilityPolicy.RELIABLE
@@ -229,7 +229,7 @@ def test_all_topics_are_recorded_when_none_is_named(session, tmp_path):
         node.create_publisher(Int32, 'number', KEPT).publish(Int32(data=7))
         return node
 
-    bag = record_to(session, tmp_path / 'run.mcap', [], 2.0)
+    bag = record(tmp_path / 'run.mcap', seconds=2.0)
     counts = {topic.name: topic.count for topic in bag.topics}
 
     assert counts['/number'] == 1
@@ -270,7 +270,7 @@ def test_interrupted_recording_is_complete(session, tmp_path):
 
     talk(session, then=interrupt)
     with pytest.raises(KeyboardInterrupt):
-        record_to(session, tmp_path / 'run.mcap', ['chatter'], LIMIT_S)
+        record(tmp_path / 'run.mcap', 'chatter', seconds=LIMIT_S)
 
     session.stop_all()
     assert texts_of(tmp_path / 'run.mcap')[:3] == ['1', '2', '3']
@@ -288,7 +288,7 @@ def test_interrupted_replay_leaves_no_node(session, everything, tmp_path):
         String, 'chatter', lambda _: signal.pthread_kill(main, signal.SIGINT), 10
     )
     with pytest.raises(KeyboardInterrupt):
-        replay_from(session, file, [], 1.0)
+        replay(file)
 
     assert session.nodes() == {}
     session.helper.destroy_subscription(heard)
@@ -300,7 +300,7 @@ def test_nothing_heard_writes_no_file(session, tmp_path):
     file = tmp_path / 'run.mcap'
     file.write_text('older')
     with pytest.raises(TimeoutError, match=r'did you mean /chatter\?'):
-        record_to(session, file, ['chater'], 0.3)
+        record(file, 'chater', seconds=0.3)
 
     assert file.read_text() == 'older'
     assert [one.name for one in tmp_path.iterdir()] == ['run.mcap']
@@ -322,7 +322,7 @@ def test_wrong_arguments_of_record_are_named(
     """Wrong arguments are refused before anything is recorded."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(RoslabError) as raised:
-        record_to(session, file, sources, seconds)
+        record(file, *sources, seconds=seconds)
 
     assert why in str(raised.value)
     assert list(tmp_path.iterdir()) == []
@@ -378,7 +378,7 @@ def test_changed_type_is_not_published(session, tmp_path, monkeypatch):
         bag.add_topic('/chatter', 'std_msgs/msg/String')
         bag.write('/chatter', serialize_message(String()), 1, 1)
     with pytest.raises(BagError, match='has changed since /chatter was recorded'):
-        replay_from(session, file, [], 1.0)
+        replay(file)
 
     assert session.nodes() == {}
 
@@ -399,7 +399,7 @@ def test_simulation_is_saved_with_its_inputs_and_logs(session, tmp_path):
         'complete',
         5.0,
     )
-    bag = record_to(session, tmp_path / 'run.mcap', [run], 5.0)
+    bag = record(tmp_path / 'run.mcap', run)
     read = [(one.topic, one.received_ns / 1e9) for one in messages_of(bag)]
 
     assert read == [('/in', 1.0), ('/out', 2.0), ('/rosout', 2.5), ('/out', 3.0)]
@@ -461,7 +461,7 @@ def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_pat
     assert count == len(texts_of(tmp_path / 'run')) > 3
     told, _ = command('bag', 'info', 'run').communicate(timeout=LIMIT_S)
     assert f'Topic: /chatter | Type: std_msgs/msg/String | Count: {count} |' in told
-    heard = Listener(session, 'chatter', String, KEPT)
+    heard = Listener('chatter', String, KEPT)
     played = command('bag', 'play', 'run', '--loop')
     assert heard.wait(1, LIMIT_S)[0].data in texts_of(tmp_path / 'run')
     played.send_signal(signal.SIGINT)

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from roslab.ros2 import discovery
-from roslab.ros2.topic_class import known_class
+from roslab.ros2 import discovery, graph
+from roslab.ros2.graph import known_class
 
 pytestmark = [pytest.mark.ros]
 LATE_S = 1.0
@@ -71,28 +71,28 @@ def looked_s(monkeypatch):
     """Provide a function that returns how long a command looks [s], given its condition."""
 
     def look(known=None):
-        graph = Graph()
-        monkeypatch.setattr(discovery, 'time', graph)
-        monkeypatch.setattr(discovery, 'ros_node', contextmanager(lambda args: iter([graph])))
+        seen = Graph()
+        monkeypatch.setattr(discovery, 'time', seen)
+        monkeypatch.setattr(discovery, 'ros_node', contextmanager(lambda args: iter([seen])))
         with discovery.knowing_node(argparse.Namespace(spin_time=0.5), known) as node:
-            assert node is graph
-        return graph.now
+            assert node is seen
+        return seen.now
 
     return look
 
 
 def test_what_appears_late_is_found_when_it_appears(looked_s):
     """A quiet graph does not prove that a topic is missing; the wait ends when it appears."""
-    assert LATE_S < looked_s(lambda node: discovery.topic_types(node, '/late')) < LATE_S + 0.3
+    assert LATE_S < looked_s(lambda node: graph.topic_types(node, '/late')) < LATE_S + 0.3
     assert LATE_S < looked_s(lambda node: known_class(node, 'late')) < LATE_S + 0.3
 
 
 @pytest.mark.parametrize(
     ('kind', 'name', 'missing'),
     [
-        (discovery.topic_types, '/chatter', '/nope'),
-        (discovery.node_known, '/talker', '/nope'),
-        (discovery.service_types, '/talker/reset', '/nope'),
+        (graph.topic_types, '/chatter', '/nope'),
+        (graph.node_known, '/talker', '/nope'),
+        (graph.service_types, '/talker/reset', '/nope'),
     ],
 )
 def test_only_what_is_missing_takes_the_whole_time(looked_s, kind, name, missing):

@@ -120,17 +120,3 @@ def test_graph_calls_only_its_own_listener_this_notebook(kernels, tmp_path):
 
     assert 'another notebook listens' in seen
     assert 'this notebook listens' in theirs
-
-
-def test_nodes_that_a_notebook_made_itself_are_no_strangers(kernels):
-    """The look leaves out every node of its own process, whatever context it is in."""
-    kernel = kernels()
-    kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 1.0')
-    kernel.run(
-        'from rclpy.context import Context\nworld = Context(); world.init()\n'
-        'worker = Node("worker", context=world)'
-    )
-    outputs = kernel.run('mine = start(Talker)', cell_id='a')
-
-    assert outputs.error is None
-    assert outputs.text == ''

@@ -1,7 +1,6 @@
 """Pictures and facts of live nodes, in private contexts of the test process."""
 
 import contextlib
-from contextlib import ExitStack
 import queue
 import re
 import time
@@ -11,21 +10,18 @@ import pytest
 rclpy = pytest.importorskip('rclpy')
 
 from live_kernels import execute, kernel, kernel_to_share  # noqa: F401 - fixtures
-from rclpy.context import Context
+from private_session import PrivateSession, session  # noqa: F401 - fixture
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from std_msgs.msg import Float64, String
 
-from roslab import lookup
 from roslab.errors import NotHereError, RoslabError
-from roslab.graph_picture import graph_now
-from roslab.introspection import print_info, print_messages, print_rate, print_topics
+from roslab.graph_picture import graph
+from roslab.introspection import echo, hz, info, topics
 from roslab.listening import Listener
 from roslab.live_plot import Plot
-from roslab.session import Session
-from roslab.timeline_picture import make_timeline
+from roslab.timeline_picture import timeline
 from roslab.waiting import wait_in
-from tests.own_domain import own_domain
 
 pytestmark = pytest.mark.ros
 
@@ -61,22 +57,18 @@ class Hearing(Node):
         self.create_subscription(kind, topic, lambda message: None, qos)
 
 
-@pytest.fixture
-def session(monkeypatch):
-    """Return a session that shares nothing with other tests and stops searching quickly."""
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """Stop searching quickly."""
     monkeypatch.setattr('roslab.introspection.DISCOVERY_S', 0.2)
     monkeypatch.setattr('roslab.graph_picture.DISCOVERY_S', 0.2)
-    monkeypatch.setattr(lookup.find_topic, '__defaults__', (0.2,))
-    with ExitStack() as until:
-        session = Session(Context(), domain_id=own_domain(until))
-        yield session
-        session.close()
+    monkeypatch.setattr('roslab.lookup.DISCOVERY_S', 0.2)
 
 
 def seen(session, text, **options):
     """Wait until the text of the graph has a line with a text, and return all of it."""
-    wait_in(session, lambda: text in str(graph_now(session, **options)), SOON_S)
-    return str(graph_now(session, **options))
+    wait_in(lambda: text in str(graph(**options)), SOON_S)
+    return str(graph(**options))
 
 
 def test_live_nodes_that_fit_are_connected(session):
@@ -104,7 +96,7 @@ def test_live_nodes_whose_qos_differs_are_not_connected(session):
 def test_live_nodes_of_different_types_are_not_connected(session):
     """Two programs can use one name for two types, and neither hears the other."""
     session.start(Wave)
-    other = Session(Context(), domain_id=session.helper.context.get_domain_id())
+    other = PrivateSession(session.domain)
     try:
         other.start(lambda: Hearing(String))
         text = seen(session, 'type differs')
@@ -118,12 +110,12 @@ def test_live_nodes_of_different_types_are_not_connected(session):
 def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
     """The notebook's own node, /rosout and /parameter_events are shown only with all=True."""
     session.start(Wave)
-    listener = Listener(session, '/lab/number', Float64, RELIABLE)
+    listener = Listener('/lab/number', Float64, RELIABLE)
 
     short = seen(session, 'this notebook listens')
     assert '_roslab' not in short
     assert '--> /rosout' not in short
-    everything = seen(session, '--> /_roslab', everything=True)
+    everything = seen(session, '--> /_roslab', all=True)
     assert '/lab/wave' in everything
     assert '/parameter_events [' in everything
     assert listener.wait(1)
@@ -133,19 +125,19 @@ def test_graph_of_one_topic_leaves_the_others_out(session):
     """A relative name of the topic is enough."""
     session.start(Wave)
 
-    graph = graph_now(session, 'name')
-    assert graph.topics == ['/name']
-    assert graph.nodes == ['/lab/wave']
+    found = graph('name')
+    assert found.topics == ['/name']
+    assert found.nodes == ['/lab/wave']
 
 
 @pytest.mark.parametrize(
     'ask',
     [
-        lambda session: graph_now(session, '/nam'),
-        lambda session: print_messages(session, '/nam', 1, 1.0, None),
-        lambda session: print_rate(session, '/nam', 2, 1.0),
-        lambda session: print_info(session, '/nam'),
-        lambda session: Plot(session, '/nam', 'data', 20.0, None),
+        lambda: graph('/nam'),
+        lambda: echo('/nam'),
+        lambda: hz('/nam'),
+        lambda: info('/nam'),
+        lambda: Plot('/nam', 'data'),
     ],
 )
 def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
@@ -153,20 +145,20 @@ def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
     session.start(Wave)
 
     with pytest.raises(NotHereError, match=r'no topic.* /nam now\. Did you mean /name\?'):
-        ask(session)
+        ask()
 
 
 def test_impossible_name_of_a_topic_is_refused_with_the_rule(session):
     """The error has the rule of rcl, without the place in its source."""
     with pytest.raises(RoslabError, match="'two words' cannot be the name of a topic: ") as caught:
-        graph_now(session, 'two words')
+        graph('two words')
     assert '.c:' not in str(caught.value)
 
 
 def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
     """A best-effort publisher is heard without a profile."""
     session.start(Wave)
-    print_messages(session, 'name', 2, SOON_S, None)
+    echo('name', 2, SOON_S)
 
     assert capsys.readouterr().out == 'data: wave\n---\ndata: wave\n---\n'
 
@@ -176,14 +168,14 @@ def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
     wave = session.start(Wave)
 
     with pytest.raises(TimeoutError, match=r'there, but the QoS does not match\. .*subscription$'):
-        print_messages(session, '/name', 1, 0.1, LATCHED)
-    assert wait_in(session, lambda: not wave.count_subscribers('/name'), SOON_S)
+        echo('/name', 1, 0.1, qos=LATCHED)
+    assert wait_in(lambda: not wave.count_subscribers('/name'), SOON_S)
 
 
 def test_rate_of_a_timer_is_measured(session, capsys):
     """The layout is that of ``ros2 topic hz``."""
     wave = session.start(Wave)
-    print_rate(session, '/lab/number', 20, SOON_S)
+    hz('/lab/number', 20, SOON_S)
 
     out = capsys.readouterr().out
     assert re.fullmatch(
@@ -197,9 +189,9 @@ def test_rate_of_a_timer_is_measured(session, capsys):
 def test_info_describes_a_topic_or_a_node(session, capsys):
     """A topic has endpoints with QoS; a node has publishers and services."""
     session.start(Wave)
-    print_info(session, '/lab/number')
+    info('/lab/number')
     topic = capsys.readouterr().out
-    print_info(session, 'lab/wave')
+    info('lab/wave')
     node = capsys.readouterr().out
 
     assert topic.startswith(
@@ -215,7 +207,7 @@ def test_info_describes_a_topic_or_a_node(session, capsys):
 def test_topics_are_listed_with_their_types(session, capsys):
     """The topics are sorted by name, one per line."""
     session.start(Wave)
-    print_topics(session, True)
+    topics()
 
     assert '/lab/number [std_msgs/msg/Float64]\n/name [std_msgs/msg/String]\n' in (
         capsys.readouterr().out
@@ -225,12 +217,12 @@ def test_topics_are_listed_with_their_types(session, capsys):
 def test_reception_times_belong_to_their_messages(session):
     """Each message has a time after the beginning, and clear() removes both."""
     session.start(Wave)
-    heard = Listener(session, '/lab/number', Float64, RELIABLE)
+    heard = Listener('/lab/number', Float64, RELIABLE)
     heard.wait(10)
     times, now = heard.times, heard.now
     session.stop('/lab/wave')
     heard.stop()
-    wait_in(session, lambda: not list(session.helper.subscriptions), SOON_S)
+    wait_in(lambda: not list(session.helper.subscriptions), SOON_S)
 
     assert len(heard.times) == len(heard.messages)
     assert times == sorted(times)
@@ -242,11 +234,11 @@ def test_reception_times_belong_to_their_messages(session):
 def test_timeline_counts_what_listeners_heard(session):
     """The times of the second listener are moved to the axis of the first."""
     session.start(Wave)
-    first = Listener(session, '/lab/number', Float64, RELIABLE)
+    first = Listener('/lab/number', Float64, RELIABLE)
     first.wait(5)
-    second = Listener(session, '/name', String, qos_profile_sensor_data)
+    second = Listener('/name', String, qos_profile_sensor_data)
     second.wait(5)
-    line = make_timeline([first, second], marks={'second began': [second.began - first.began]})
+    line = timeline(first, second, marks={'second began': [second.began - first.began]})
 
     assert len(line.rows[1].times) >= 5
     assert line.rows[1].times[0] >= line.rows[2].times[0] > line.rows[0].times[3]
@@ -255,7 +247,7 @@ def test_timeline_counts_what_listeners_heard(session):
 def test_plot_waits_for_values_and_shows_them(session):
     """The values are those that were published, and the text shows the newest."""
     session.start(Wave)
-    plot = Plot(session, '/lab/number', 'data', 20.0, 3.0)
+    plot = Plot('/lab/number', 'data', threshold=3.0)
     values = plot.wait(6, SOON_S)
 
     assert values[:6] == [values[0] + step for step in range(6)]
@@ -270,8 +262,8 @@ def test_plot_of_a_wrong_field_leaves_no_subscription(session):
     wave = session.start(Wave)
 
     with pytest.raises(RoslabError, match='Numeric fields: data'):
-        Plot(session, '/lab/number', 'value', 20.0, None)
-    assert wait_in(session, lambda: not wave.count_subscribers('/lab/number'), SOON_S)
+        Plot('/lab/number', 'value')
+    assert wait_in(lambda: not wave.count_subscribers('/lab/number'), SOON_S)
 
 
 COUNTER = """

@@ -192,28 +192,6 @@ def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, 
     assert 'site-packages' not in shown
 
 
-def test_nodes_that_are_here_before_the_first_are_told_once(new_kernel, tmp_path):
-    """Nodes of a notebook in the same domain are named; the notebook's own are not."""
-    new_kernel.run('import os\nfrom roslab import *\nfrom rclpy.node import Node')
-    domain = new_kernel.run('os.environ["ROS_DOMAIN_ID"]').value.strip("'")
-    world = live_kernels.Kernel(tmp_path, domain=domain)
-    try:
-        quiet = world.run(TALKER + 'talker = start(Talker)', cell_id='a')
-        new_kernel.run('import roslab.strangers; roslab.strangers.LOOK_S = 60.0')
-        begin = 'one = start(lambda: Node("one"))'
-        first, again = new_kernel.run(begin, cell_id='b'), new_kernel.run(begin, cell_id='b')
-    finally:
-        world.shut_down()
-
-    assert quiet.text == ''
-    assert first.text == (
-        'Note: other programs in the ROS domain of this notebook run nodes already: /talker. This '
-        'notebook hears them too.\n'
-    )
-    assert '/one' not in first.text
-    assert again.text == ''
-
-
 def test_stop_all_leaves_no_node_and_no_subscription(kernel):
     """No node and no subscription stays in the graph, and a listener can start again."""
     kernel.run(TALKER)

@@ -1,38 +1,26 @@
 """Managed nodes in a notebook: the picture of their state, and their end."""
 
-from contextlib import ExitStack
 import re
 
 import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
+from private_session import PrivateSession, session  # noqa: F401 - fixture
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
 from roslab import lifecycle_picture
 from roslab.errors import NotHereError, RoslabError
 from roslab.lifecycle_picture import lifecycle, LifecyclePicture
-from roslab.session import Session
-from roslab.waiting import wait_until_in
-from tests.own_domain import own_domain
+from roslab.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
 
-@pytest.fixture
-def lab(monkeypatch):
-    """Return a session in a private context, as the functions of a lesson see it."""
-    with ExitStack() as until:
-        session = Session(rclpy.context.Context(), domain_id=own_domain(until))
-        monkeypatch.setattr(lifecycle_picture, 'session', lambda: session)
-        yield session
-        session.close()
-
-
-def test_picture_follows_the_node(lab):
+def test_picture_follows_the_node(session):
     """Each call shows the state of that moment, with the ways on."""
-    node = lab.start(lambda: LifecycleNode('valve'))
+    node = session.start(lambda: LifecycleNode('valve'))
     before = lifecycle(node)
     node.trigger_configure()
 
@@ -44,18 +32,17 @@ def test_picture_follows_the_node(lab):
     ]
 
 
-def test_name_is_as_good_as_the_node(lab):
+def test_name_is_as_good_as_the_node(session):
     """A node of this kernel is found by its name, with or without the slash."""
-    node = lab.start(lambda: LifecycleNode('valve'))
+    node = session.start(lambda: LifecycleNode('valve'))
     node.trigger_configure()
 
     assert lifecycle('valve').state == lifecycle('/valve').state == 'inactive'
 
 
-def test_node_elsewhere_is_asked_over_its_service(lab):
+def test_node_elsewhere_is_asked_over_its_service(session):
     """What is not a node of this kernel answers get_state."""
-    domain = lab.helper.context.get_domain_id()
-    elsewhere = Session(rclpy.context.Context(), domain_id=domain)
+    elsewhere = PrivateSession(session.domain)
     try:
         elsewhere.start(lambda: LifecycleNode('far')).trigger_configure()
 
@@ -64,15 +51,15 @@ def test_node_elsewhere_is_asked_over_its_service(lab):
         elsewhere.close()
 
 
-def test_ordinary_node_is_refused_with_what_to_do(lab):
+def test_ordinary_node_is_refused_with_what_to_do(session):
     """It has no states, and the message says which class has."""
     with pytest.raises(
         RoslabError, match=r'expected a LifecycleNode, got a Node.*rclpy\.lifecycle'
     ):
-        lifecycle(lab.start(Node, name='plain'))
+        lifecycle(session.start(Node, name='plain'))
 
 
-def test_unknown_name_is_refused(lab, monkeypatch):
+def test_unknown_name_is_refused(session, monkeypatch):
     """Nobody answers, and the message says for how long it was waited."""
     monkeypatch.setattr(lifecycle_picture, '_PATIENCE_S', 0.2)
 
@@ -80,15 +67,15 @@ def test_unknown_name_is_refused(lab, monkeypatch):
         lifecycle('nobody')
 
 
-def test_stopped_node_leaves_the_graph_though_a_name_refers_to_it(lab):
+def test_stopped_node_leaves_the_graph_though_a_name_refers_to_it(session):
     """Plain rclpy keeps the name of a lifecycle node until the object is gone."""
-    node = lab.start(lambda: LifecycleNode('valve'))
-    other = lab.start(Node, name='other')
-    wait_until_in(lab, lambda: 'valve' in other.get_node_names(), 5.0, 'the valve')
+    node = session.start(lambda: LifecycleNode('valve'))
+    other = session.start(Node, name='other')
+    wait_until(lambda: 'valve' in other.get_node_names(), 5.0, 'the valve')
 
-    lab.stop(node)
+    session.stop(node)
 
-    wait_until_in(lab, lambda: 'valve' not in other.get_node_names(), 5.0, 'its end')
+    wait_until(lambda: 'valve' not in other.get_node_names(), 5.0, 'its end')
     with pytest.raises(NotHereError, match='was stopped'):
         lifecycle(node)
 
@@ -101,7 +88,7 @@ def test_drawing_shows_the_state_without_colour_and_in_words(state):
     primary = state in lifecycle_picture.STATES
     assert re.findall(r'>(\w+)</text><text[^>]*>now<', drawn) == ([state] if primary else [])
     assert drawn.count('stroke-width="3"') == primary
-    assert f'aria-label="/a&lt;b is {state} ' in drawn
+    assert f'">/a&lt;b is {state} ' in drawn
     assert '/a<b' not in drawn
 
 

@@ -1,6 +1,5 @@
 """Nodes that run in the background, in private contexts of the test process."""
 
-from contextlib import ExitStack
 from io import StringIO
 import sys
 import threading
@@ -10,7 +9,7 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-from rclpy.context import Context
+from private_session import session  # noqa: F401 - fixture
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data, QoSProfile
@@ -20,10 +19,9 @@ from roslab.console import ConsoleLines, MARK
 from roslab.errors import NotHereError, RoslabError
 from roslab.executor import BackgroundExecutor, CallbackStopped
 from roslab.listening import Listener
-from roslab.logtable import log_table
-from roslab.session import HELPER_NAME, Session
-from roslab.waiting import wait_until_in
-from tests.own_domain import own_domain
+from roslab.logtable import logs
+from roslab.session import HELPER_NAME
+from roslab.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -78,20 +76,11 @@ class Endless(Node):
             pass
 
 
-@pytest.fixture
-def session():
-    """Return a session that shares nothing with other tests."""
-    with ExitStack() as until:
-        session = Session(Context(), domain_id=own_domain(until))
-        yield session
-        session.close()
-
-
 @pytest.mark.claim('J1')
 def test_started_node_publishes_while_the_test_waits(session):
     """A node that was started runs by itself."""
     session.start(Talker)
-    heard = Listener(session, 'chatter', String, RELIABLE)
+    heard = Listener('chatter', String, RELIABLE)
 
     said = [int(message.data) for message in heard.wait(3)][:3]
     assert said == [said[0], said[0] + 1, said[0] + 2]
@@ -141,7 +130,7 @@ def test_node_that_is_renamed_by_its_arguments_replaces_the_older_one_without_a_
 def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(session):
     """`start(Talker, name=..., parameters=...)` acts as remapping and -p do in a terminal."""
     node = session.start(Talker, name='other', parameters={'prefix': 'no. '})
-    heard = Listener(session, 'chatter', String, RELIABLE)
+    heard = Listener('chatter', String, RELIABLE)
 
     assert node.get_name() == 'other'
     assert heard.wait(1)[0].data.startswith('no. ')
@@ -174,9 +163,9 @@ def test_failing_callback_ends_its_node_and_no_other(session, capfd):
     """The exception names the node and the line; other nodes go on; nothing is on stderr."""
     talker = session.start(Talker)
     failing = session.start(Failing)
-    wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
+    wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
     count = talker.count
-    wait_until_in(session, lambda: talker.count > count + 5, SOON_S, 'the talker')
+    wait_until(lambda: talker.count > count + 5, SOON_S, 'the talker')
 
     out, err = capfd.readouterr()
     assert 'failing stopped' in out
@@ -194,7 +183,7 @@ def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypat
 
     def add_slowly(executor, node):
         add(executor, node)
-        wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
+        wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
 
     monkeypatch.setattr(BackgroundExecutor, 'add', add_slowly)
     session.start(Failing)
@@ -212,7 +201,7 @@ def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
         if len(began) == 1:
             raise CallbackStopped
 
-    session.executor._between_callbacks(request, SOON_S)
+    assert session.executor._do(request, SOON_S)
 
     assert len(began) == 2
 
@@ -228,7 +217,7 @@ def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
 
     monkeypatch.setattr(sys, 'stdout', Page())
     session.start(Failing)
-    wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
+    wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
 
     text, running, losses = seen[0]
     assert 'failing stopped' in text
@@ -239,9 +228,9 @@ def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
 def test_failed_node_can_be_started_again(session):
     """After the correction the cell is simply run again."""
     session.start(Failing)
-    wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
+    wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
     node = session.start(lambda: Talker('failing'))
-    wait_until_in(session, lambda: node.count > 3, SOON_S, 'the new node')
+    wait_until(lambda: node.count > 3, SOON_S, 'the new node')
 
     assert session.hints() == ''
 
@@ -251,10 +240,10 @@ def test_exit_in_a_callback_ends_its_node_only(session, error):
     """sys.exit() in a callback takes neither the kernel nor the executor along."""
     talker = session.start(Talker)
     session.start(lambda: Failing(error))
-    wait_until_in(session, lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
+    wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
     count = talker.count
 
-    assert wait_until_in(session, lambda: talker.count > count, SOON_S, 'the talker')
+    assert wait_until(lambda: talker.count > count, SOON_S, 'the talker')
 
 
 def test_endless_callback_is_named_and_ended_by_stop(session):
@@ -263,13 +252,13 @@ def test_endless_callback_is_named_and_ended_by_stop(session):
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
     with pytest.raises(TimeoutError, match=r"stop\('endless'\)"):
-        wait_until_in(session, lambda: False, 1.2, 'what cannot be')
+        wait_until(lambda: False, 1.2, 'what cannot be')
     begin = time.monotonic()
     session.stop(endless)
 
     assert time.monotonic() - begin < 60
     count = talker.count
-    assert wait_until_in(session, lambda: talker.count > count, SOON_S, 'the talker')
+    assert wait_until(lambda: talker.count > count, SOON_S, 'the talker')
 
 
 @pytest.mark.parametrize('which', ['talker', 'other'])
@@ -279,10 +268,10 @@ def test_a_node_stopped_in_a_callback_leaves_the_graph(session, which):
     other = session.start(Talker, name='other')
     other.create_timer(0.01, lambda: session.stop(which))
 
-    wait_until_in(session, lambda: which not in session.nodes(), SOON_S, 'the stop')
+    wait_until(lambda: which not in session.nodes(), SOON_S, 'the stop')
 
     seen = session.helper.get_node_names
-    assert wait_until_in(session, lambda: which not in seen(), SOON_S, 'the graph')
+    assert wait_until(lambda: which not in seen(), SOON_S, 'the graph')
 
 
 def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
@@ -399,7 +388,7 @@ def test_session_starts_anew_after_a_shutdown(session):
 
     assert session.nodes() == {}
     node = session.start(Talker)
-    assert wait_until_in(session, lambda: node.count > 2, SOON_S, 'the talker')
+    assert wait_until(lambda: node.count > 2, SOON_S, 'the talker')
 
 
 def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
@@ -410,14 +399,14 @@ def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
 
     assert list(session.nodes()) == ['talker']
     count = talker.count
-    assert wait_until_in(session, lambda: talker.count > count + 5, SOON_S, 'the talker')
+    assert wait_until(lambda: talker.count > count + 5, SOON_S, 'the talker')
 
 
 def test_wait_returns_the_value_and_is_woken_by_callbacks(session):
     """A wait ends with the callback that makes its condition true."""
     talker = session.start(Talker)
 
-    said = wait_until_in(session, lambda: talker.count >= 3 and 'three', SOON_S, 'three')
+    said = wait_until(lambda: talker.count >= 3 and 'three', SOON_S, 'three')
     assert said == 'three'
 
 
@@ -427,10 +416,10 @@ def test_wait_from_a_callback_is_refused(session, capfd):
     class Waiting(Node):
         def __init__(self):
             super().__init__('waiting')
-            self.create_timer(0.01, lambda: wait_until_in(session, lambda: False, SOON_S, 'it'))
+            self.create_timer(0.01, lambda: wait_until(lambda: False, SOON_S, 'it'))
 
     session.start(Waiting)
-    wait_until_in(session, lambda: 'waiting' not in session.nodes(), SOON_S, 'the failure')
+    wait_until(lambda: 'waiting' not in session.nodes(), SOON_S, 'the failure')
 
     assert 'A callback cannot wait' in capfd.readouterr().out
 
@@ -440,79 +429,75 @@ def test_wait_from_a_callback_is_refused(session, capfd):
 def test_wait_without_a_bound_is_refused(session, timeout):
     """No wait may last for ever."""
     with pytest.raises(RoslabError, match='seconds'):
-        wait_until_in(session, lambda: True, timeout, 'it')
+        wait_until(lambda: True, timeout, 'it')
 
 
 def test_silence_is_explained_by_a_similar_topic(session):
     """A typing mistake in the topic's name is pointed out."""
     session.start(Talker)
     with pytest.raises(TimeoutError, match='did you mean /chatter'):
-        Listener(session, 'chater', String, RELIABLE).wait(1, timeout=0.2)
+        Listener('chater', String, RELIABLE).wait(1, timeout=0.2)
 
 
 def test_silence_is_explained_by_incompatible_qos(session):
     """A best-effort publisher is not heard by a reliable listener."""
     session.start(lambda: Talker(qos=qos_profile_sensor_data))
     with pytest.raises(TimeoutError, match='QoS'):
-        Listener(session, 'chatter', String, RELIABLE).wait(1, timeout=0.2)
+        Listener('chatter', String, RELIABLE).wait(1, timeout=0.2)
 
 
 def test_another_type_on_the_topic_is_named(session, capfd):
     """Listening with the wrong type says which type there is, and nothing on stderr."""
     talker = session.start(Talker)
-    wait_until_in(session, lambda: talker.count > 0, SOON_S, 'the talker')
+    wait_until(lambda: talker.count > 0, SOON_S, 'the talker')
     with pytest.raises(RoslabError, match='std_msgs/msg/String'):
-        Listener(session, 'chatter', Int32, RELIABLE)
+        Listener('chatter', Int32, RELIABLE)
     assert capfd.readouterr().err == ''
 
 
 def test_topic_and_type_in_the_other_order_are_told(session):
     """The example has them in order, ready to be copied."""
     with pytest.raises(RoslabError, match=r"as in listen\('chatter', String\)"):
-        Listener(session, String, 'chatter', RELIABLE)
+        Listener(String, 'chatter', RELIABLE)
 
 
 def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
     """A kernel keeps the last traceback; the subscription must not stay with it."""
-    listener = Listener(session, 'chatter', String, RELIABLE)
+    listener = Listener('chatter', String, RELIABLE)
     with pytest.raises(TimeoutError) as kept:
         listener.wait(1, timeout=0.05)
     del listener
 
     assert kept.tb is not None
-    assert wait_until_in(
-        session, lambda: not list(session.helper.subscriptions), SOON_S, 'its end'
-    )
+    assert wait_until(lambda: not list(session.helper.subscriptions), SOON_S, 'its end')
 
 
 def test_failed_wait_names_the_exception_that_stopped_the_publisher(session):
     """Nobody publishes any more, and the reason is known."""
     session.start(Failing)
-    wait_until_in(session, lambda: not session.nodes(), SOON_S, 'the failure')
+    wait_until(lambda: not session.nodes(), SOON_S, 'the failure')
     with pytest.raises(TimeoutError, match='Node failing stopped: ZeroDivisionError: third'):
-        Listener(session, 'failures', String, RELIABLE).wait(1, timeout=0.05)
+        Listener('failures', String, RELIABLE).wait(1, timeout=0.05)
 
 
 def test_listener_without_a_name_hears_no_more(session):
     """Running a cell again must not leave the older subscription behind."""
     session.start(Talker)
-    first = Listener(session, 'chatter', String, RELIABLE)
+    first = Listener('chatter', String, RELIABLE)
     first.wait(1)
-    first = Listener(session, 'chatter', String, RELIABLE)
+    first = Listener('chatter', String, RELIABLE)
 
-    assert wait_until_in(
-        session, lambda: len(list(session.helper.subscriptions)) == 1, 5, 'the older to go'
-    )
+    assert wait_until(lambda: len(list(session.helper.subscriptions)) == 1, 5, 'the older to go')
     assert first.wait(1)
 
 
 def test_stopped_listener_keeps_what_it_heard(session):
     """stop() ends listening, not the notebook's evidence."""
     session.start(Talker)
-    heard = Listener(session, 'chatter', String, RELIABLE)
+    heard = Listener('chatter', String, RELIABLE)
     heard.wait(2)
     heard.stop()
-    wait_until_in(session, lambda: not list(session.helper.subscriptions), SOON_S, 'the end')
+    wait_until(lambda: not list(session.helper.subscriptions), SOON_S, 'the end')
 
     assert len(heard) >= 2
     assert 'stopped' in repr(heard)
@@ -521,19 +506,19 @@ def test_stopped_listener_keeps_what_it_heard(session):
 def test_logs_are_kept_by_node(session):
     """The table has the node's line, its level and its name."""
     node = session.start(Talker, name='logging_talker')
-    wait_until_in(session, lambda: node.count > 1, SOON_S, 'the talker')
-    lines = log_table('logging_talker')
+    wait_until(lambda: node.count > 1, SOON_S, 'the talker')
+    lines = logs('logging_talker')
 
     assert lines.messages == ['said 1']
     assert lines[0].level == 'INFO'
     assert 'said 1' in repr(lines)
-    assert '<td>INFO</td>' in lines._repr_html_()
+    assert '>INFO</td>' in lines._repr_html_()
 
 
 def test_helper_is_hidden_and_alone(session):
     """What the notebook adds to the graph is one node with a hidden name."""
     talker = session.start(Talker)
-    Listener(session, 'chatter', String, RELIABLE)
+    Listener('chatter', String, RELIABLE)
 
     assert sorted(talker.get_node_names()) == [HELPER_NAME, 'talker']
 

@@ -19,7 +19,7 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Int32
 
-from roslab import callbacks, watch_callbacks
+from roslab import callback_picture, callbacks, watch_callbacks
 from roslab.errors import RoslabError
 from tests.own_domain import own_domain
 
@@ -172,9 +172,8 @@ def test_callback_that_overlaps_with_itself_has_two_lanes(context):
         while len(seen.calls) < 2:
             executor.spin_once(timeout_sec=0.01)
 
-    (row,) = seen._rows()
     assert overlapping(seen.calls[:2])
-    assert row.lanes[:2] == [0, 1]
+    assert callback_picture._levels(seen.calls[:2], seen.end) == [0, 1]
 
 
 def test_messages_wait_until_the_node_is_spun_and_the_queue_loses_the_oldest(context):
@@ -195,7 +194,7 @@ def test_messages_wait_until_the_node_is_spun_and_the_queue_loses_the_oldest(con
     assert [(call.came < began < call.began) for call in seen.calls] == [True] * 3
     assert len(seen.lost) == 7
     assert all(one.came < seen.calls[0].came for one in seen.lost)
-    assert seen._rows()[0].amount == '3 called, 7 not, 2 not yet'
+    assert '3 called, 7 not, 2 not yet' in seen._repr_html_()
     assert str(seen).count('no callback') == 7
     assert str(seen).count('not yet') == 2
 
@@ -263,7 +262,8 @@ def test_callback_that_has_not_ended_is_drawn_until_the_end(context):
     free.set()
 
     assert seen.calls == []
-    assert seen._rows()[0].end == seen.end
+    begin = max(0.0, min(time for call in seen.events for time in call.times))
+    assert f'Callbacks in {seen.end - begin:.2f} seconds' in seen._repr_html_()
     assert '<rect' in seen._repr_html_()
 
 

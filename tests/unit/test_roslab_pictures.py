@@ -20,6 +20,7 @@ from drawing import svg
 from drawing.graph_layout import arrange
 from drawing.slider import MAX_MOMENTS, slider
 from roslab.cli_text import (
+    COMPLETE,
     echo_text,
     hz_text,
     message_yaml,
@@ -32,7 +33,7 @@ from roslab.fields import number_getter, numeric_fields
 from roslab.graph_facts import Endpoint, Facts, mismatch, Topic
 from roslab.graph_picture import Graph
 from roslab.plot_picture import Curve, curve_html, curve_text
-from roslab.timeline_picture import make_timeline
+from roslab.timeline_picture import timeline
 
 STRING = 'std_msgs/msg/String'
 RELIABLE = QoSProfile(depth=10)
@@ -288,7 +289,7 @@ def listener(topic, began, times):
 
 def test_timeline_puts_all_sources_on_the_axis_of_the_first():
     """A listener that began two seconds later has its messages two seconds later."""
-    line = make_timeline([listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5])])
+    line = timeline(listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5]))
 
     assert line.rows[0].times == (0.5, 1.0)
     assert line.rows[1].times == (2.5,)
@@ -300,7 +301,7 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
     """The simulation begins at 0, the live plot when its listener began."""
     record = TopicRecord('/a', STRING, (1.0, 2.0), ({}, {}), 2.0)
     run = SimpleNamespace(listeners=[record])
-    line = make_timeline([run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5]))])
+    line = timeline(run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5])))
 
     assert [row.times for row in line.rows] == [(1.0, 2.0), (0.5, 1.5)]
     assert [row.more for row in line.rows] == [STRING, STRING]
@@ -308,8 +309,8 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
 
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
     """What happened beside the messages differs from them and from each other in shape."""
-    line = make_timeline(
-        [listener('/a', 0.0, [0.0, 1.0, 2.0])], marks={'stopped': [1.5], 'started': [1.8]}
+    line = timeline(
+        listener('/a', 0.0, [0.0, 1.0, 2.0]), marks={'stopped': [1.5], 'started': [1.8]}
     )
     page = line._repr_html_()
     shapes = {
@@ -324,7 +325,7 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
 
 def test_timeline_of_the_last_seconds_leaves_older_messages_out():
     """`seconds` cuts the axis at its newest end."""
-    line = make_timeline([listener('/a', 0.0, [0.0, 4.0, 5.0])], seconds=2.0)
+    line = timeline(listener('/a', 0.0, [0.0, 4.0, 5.0]), seconds=2.0)
 
     assert line.rows[0].times == (4.0, 5.0)
     assert (line.begin, line.end) == (3.0, 5.0)
@@ -334,7 +335,7 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
     """The last step is shown first; live messages have none."""
     one = TopicRecord('/a', STRING, (1.0, 3.0), ({'data': 'x'}, {'data': '<y>'}), 4.0)
     other = TopicRecord('/b', STRING, (2.0,), ({'data': 'z'},), 4.0)
-    page = make_timeline([SimpleNamespace(listeners=[one, other])])._repr_html_()
+    page = timeline(SimpleNamespace(listeners=[one, other]))._repr_html_()
     held = html.unescape(re.search('data-moments="([^"]*)"', page)[1])
     places, words = zip(*json.loads(held))
 
@@ -346,7 +347,7 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
     assert places[1] - places[0] == pytest.approx(places[2] - places[1], abs=0.2)
     assert f'translate({places[2]})' in page
     assert '<y>' not in page
-    assert 'type="range"' not in make_timeline([listener('/a', 0.0, [1.0])])._repr_html_()
+    assert 'type="range"' not in timeline(listener('/a', 0.0, [1.0]))._repr_html_()
 
 
 def test_slider_of_many_moments_is_short_and_keeps_the_last():
@@ -369,7 +370,7 @@ def test_slider_of_many_moments_is_short_and_keeps_the_last():
 def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
     """A name is not a listener, and a word is not a time."""
     with pytest.raises(RoslabError, match=re.escape(said)):
-        make_timeline(sources, marks)
+        timeline(*sources, marks=marks)
 
 
 def curve(*values, threshold=None):
@@ -482,7 +483,7 @@ def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
 def test_long_texts_and_arrays_are_cut_unless_all_is_asked_for():
     """The first 128 are written, then three dots."""
     assert message_yaml(String(data='x' * 200)) == f'data: {"x" * 128}...\n'
-    assert message_yaml(String(data='x' * 200), truncate=None) == f'data: {"x" * 200}\n'
+    assert message_yaml(String(data='x' * 200), COMPLETE) == f'data: {"x" * 200}\n'
     assert message_yaml(Int32MultiArray(data=range(200))).endswith("- 127\n- '...'\n")
 
 

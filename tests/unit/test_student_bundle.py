@@ -79,7 +79,7 @@ class TestPacking:
             'temp_monitor_pkg/launch/x.launch.py',
             'temp_monitor_pkg/msg/Num.msg',
             'temp_monitor_pkg/test/x.py',
-            'roslab/api.py',
+            'roslab/session.py',
         ):
             path = tmp_path / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -102,7 +102,7 @@ class TestPacking:
             'environment.md',
             'notebooks/01/a.ipynb',
             'pixi.toml',
-            'roslab/api.py',
+            'roslab/session.py',
             'temp_monitor_pkg/launch/x.launch.py',
         ]
 
