@@ -20,7 +20,6 @@ import re
 import statistics
 
 from autograder.errors import GraderError
-from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.submission.code.python_text import NotPythonError, parsed
@@ -126,7 +125,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     :param at_least: minimum score of a listed pair, 0 to 1
     :raises GraderError: if there is no submission, or the folder cannot be read
     """
-    lesson = load_lesson(layout, assignment, NothingRuns())
+    lesson = load_lesson(layout, assignment)
     try:
         there = discover(submitted, assignment, lesson.notebook, layout.assignments())
     except OSError as error:

@@ -25,7 +25,7 @@ from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
 from autograder.exports.as_json import submission_json
-from autograder.grading.again import again, NothingRuns
+from autograder.grading.examine import again
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.judging.deviation import deviation
 from autograder.layout import Layout
@@ -89,7 +89,7 @@ def evidence(
     """
     result, exam_result, verdict = _find(layout, student, check, assignment)
     student = result.student
-    lesson = load_lesson(layout, result.assignment, NothingRuns())
+    lesson = load_lesson(layout, result.assignment)
     exam = next((one for one in lesson.exams if one.name == exam_result.exam), None)
     if exam is None:
         raise GraderError(f'The exam {exam_result.exam} of this result no longer exists.')
@@ -175,7 +175,7 @@ def _now(
     exam_result: ExamResult,
 ) -> str:
     """Judge the check once more and return a sentence that compares the verdicts."""
-    result, why = again(layout, exam, files, exam_result)
+    result, why = again(layout.recordings, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
     for check in result.checks:

@@ -36,7 +36,7 @@ from autograder.explaining.feedback import number, printable
 from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.live_entry import enter, Guard
-from autograder.grading.again import again, NothingRuns
+from autograder.grading.examine import again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult
@@ -191,7 +191,7 @@ def rejudge_command(
         also if check cells and exams give different points
     """
     there = graded(layout, assignment)
-    lessons = [load_lesson(layout, one.assignment, NothingRuns()) for one in there]
+    lessons = [load_lesson(layout, one.assignment) for one in there]
     if write:
         for lesson in lessons:
             refuse_unfit_points(layout, lesson)
@@ -240,7 +240,7 @@ def _rejudged(
         # Equal files get equal verdicts, so an untouched stub is judged once for the whole class.
         key = exam.name, files_digest(theirs), (last.recording, last.mode) if last else None
         if key not in known:
-            known[key] = again(layout, exam, theirs, last)
+            known[key] = again(layout.recordings, exam, theirs, last)
         result, kept = known[key]
         if result is None:
             return Rejudged(before, before, kept=f'{exam.name}: {kept}')
