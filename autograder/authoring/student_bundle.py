@@ -6,12 +6,10 @@ Students receive only files that are listed here, so a new file is not released 
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
-import zipfile
 
 from autograder.authoring.worked_answers import answer_files
-from autograder.files import keep
+from autograder.files import keep, zip_bytes
 from autograder.layout import Layout
 from environment import packed_package
 from environment.places import PROJECT
@@ -84,17 +82,14 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
     :param answers: whether to include the worked answers, which students can then open
     :returns: number of files in the zip
     """
-    files, made = bundled_files(layout), io.BytesIO()
-    texts = {name: (path.read_bytes(), path.stat().st_mode) for name, path in files.items()}
+    files = {
+        name: (path.read_bytes(), 0o755 if path.stat().st_mode & 0o100 else 0o644)
+        for name, path in bundled_files(layout).items()
+    }
     if package := layout.facts.package:
-        texts[f'{package}/{packed_package.FILE}'] = packed_package.pack(layout.root / package), 0
+        packed = packed_package.pack(layout.root / package)
+        files[f'{package}/{packed_package.FILE}'] = packed, 0o644
     if answers:
-        texts |= {name: (data, 0) for name, data in answer_files(layout).items()}
-    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
-        for name, (data, mode) in sorted(texts.items()):
-            entry = zipfile.ZipInfo(f'{TOP}/{name}', date_time=(2024, 1, 1, 0, 0, 0))
-            entry.external_attr = (0o755 if mode & 0o100 else 0o644) << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, data)
-    keep(bundle, made.getvalue())
-    return len(texts)
+        files |= {name: (data, 0o644) for name, data in answer_files(layout).items()}
+    keep(bundle, zip_bytes({f'{TOP}/{name}': file for name, file in files.items()}))
+    return len(files)

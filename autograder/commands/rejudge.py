@@ -17,9 +17,9 @@ from pathlib import Path
 import time
 from typing import Any
 
-from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
-from autograder.classroom.results_of_class import graded, last_results
+from autograder.classroom.pages import write_all_reports
+from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.commands import (
     ASSIGNMENT_OR_ALL,
     flag,
@@ -56,14 +56,14 @@ def run(chosen: argparse.Namespace) -> int:
     """Judge recordings again and print the changes."""
     layout = Layout.here()
     with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
-        changes, code = rejudge_command(
+        accounts = rejudge_command(
             layout, chosen.assignment, chosen.submitted, chosen.write, chosen.yes
         )
-    as_json = [change.to_json() for change in changes]
-    show(chosen.json, as_json, '\n'.join(change.text() for change in changes))
-    if refused := ' '.join(dict.fromkeys(one.refused for one in changes if one.refused)):
+    as_json = [account.to_json() for account in accounts]
+    show(chosen.json, as_json, '\n'.join(account.text() for account in accounts))
+    if refused := ' '.join(dict.fromkeys(one.refused for one in accounts if one.refused)):
         raise GraderError(refused)
-    return code
+    return FOR_REVIEW if any(one.kept for each in accounts for one in each.rejudged) else OK
 
 
 @dataclass(frozen=True)
@@ -135,11 +135,6 @@ class Account:
         """Return the results that can be entered in the gradebook."""
         return [one.graded for one in self.rejudged if one.graded is not None]
 
-    @property
-    def incomplete(self) -> bool:
-        """Return whether some submission could not be judged again."""
-        return any(one.kept for one in self.rejudged)
-
     def text(self) -> str:
         """Return the changes and a summary as plain text."""
         lines = [line for one in self.rejudged for line in one.lines()]
@@ -176,7 +171,7 @@ class Account:
 
 def rejudge_command(
     layout: Layout, assignment: str | None, submitted: Path | None, write: bool, yes: bool = False
-) -> tuple[list[Account], int]:
+) -> list[Account]:
     """
     Judge the recordings of one assignment, or of all graded assignments, again.
 
@@ -186,34 +181,38 @@ def rejudge_command(
         written even if the gradebook refuses some results
     :param yes: whether marks in the gradebook may be lowered or cleared; if not, and some would
         be, nothing is written
-    :returns: the outcome for each assignment, and the exit code if nothing was refused
     :raises GraderError: if the assignment is unknown or nothing was graded yet; with ``write``,
         also if check cells and exams give different points
     """
-    there = graded(layout, assignment)
-    lessons = [load_lesson(layout, one.assignment) for one in there]
+    there = [(load_lesson(layout, one.assignment), one) for one in graded(layout, assignment)]
     if write:
-        for lesson in lessons:
+        for lesson, _ in there:
             refuse_unfit_points(layout, lesson)
-    accounts = [rejudge(layout, lesson, submitted or layout.submitted) for lesson in lessons]
+    accounts = [
+        rejudge(layout, lesson, last, submitted or layout.submitted) for lesson, last in there
+    ]
     if write:
-        _write_all(layout, accounts, Guard(layout, yes))
-    return accounts, FOR_REVIEW if any(one.incomplete for one in accounts) else OK
+        guard = Guard(layout, yes)
+        for account in accounts:
+            guard.allowed(account.lesson, Journal(layout, account.lesson).new(account.to_enter))
+        for account in accounts:
+            _write(layout, account, guard)
+    return accounts
 
 
-def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
+def rejudge(layout: Layout, lesson: Lesson, last: ClassResults, submitted: Path) -> Account:
     """
     Judge the recordings of all students with results.
 
     :param submitted: the folder of the class
     """
-    before = last_results(layout, lesson.assignment)
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}
     known: Known = {}
     done = tuple(
-        _rejudged(layout, lesson, result, there.get(result.student), known) for result in before
+        _rejudged(layout, lesson, result, there.get(result.student), known)
+        for result in last.results
     )
     return Account(lesson, done, time.perf_counter() - began)
 
@@ -250,23 +249,17 @@ def _rejudged(
     return Rejudged(before, after, tuple(changed), graded=Graded(submission, opened, after))
 
 
-def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
-    """Return the checks that differ between two results of one exam."""
+def changes(before: ExamResult | None, after: ExamResult) -> Iterator[Changed]:
+    """Yield the checks that differ between two results of one exam."""
     old = {check.check: check for check in before.checks} if before else {}
     new = {check.check: check for check in after.checks}
-    found = []
     for name in dict.fromkeys((*old, *new)):
-        one, two = old.get(name), new.get(name)
-        if one is None or two is None or _shown(one) != _shown(two):
-            was, now = (x.verdict.value if x else 'no such check' for x in (one, two))
-            before_it, after_it = (x.points if x else 0.0 for x in (one, two))
-            why = _why(one, two)
-            found.append(Changed(after.exam, name, was, now, before_it, after_it, why))
-    return found
-
-
-def _shown(check: CheckResult) -> tuple[Any, ...]:
-    return check.verdict, check.points, check.max_points
+        pair = old.get(name), new.get(name)
+        shown = [(one.verdict, one.points, one.max_points) if one else None for one in pair]
+        if shown[0] != shown[1]:
+            was, now = (one.verdict.value if one else 'no such check' for one in pair)
+            points = [one.points if one else 0.0 for one in pair]
+            yield Changed(after.exam, name, was, now, points[0], points[1], _why(*pair))
 
 
 def _why(before: CheckResult | None, after: CheckResult | None) -> str:
@@ -283,21 +276,17 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
     return f'before: {before.observed or before.expected or before.verdict.value}'
 
 
-def _write_all(layout: Layout, accounts: Sequence[Account], guard: Guard) -> None:
-    """Write all results; without ``--yes``, write none if a mark would be lowered."""
-    for account in accounts:
-        guard.allowed(account.lesson, Journal(layout, account.lesson).new(account.to_enter))
-    for account in accounts:
-        account.lowered = guard.lowered_in(account.lesson.assignment)
-        account.refused = guard.refusal('nothing was written')
-        if account.refused:
-            account.written = 'Nothing was written, because marks would be lowered or cleared.'
-        else:
-            _write(layout, account, guard)
-
-
 def _write(layout: Layout, account: Account, guard: Guard) -> None:
-    """Enter new results in the gradebook, write all reports, and describe both in the account."""
+    """
+    Enter new results in the gradebook, write all reports, and describe both in the account.
+
+    Without ``--yes``, write nothing if a mark would be lowered.
+    """
+    account.lowered = guard.lowered_in(account.lesson.assignment)
+    account.refused = guard.refusal('nothing was written')
+    if account.refused:
+        account.written = 'Nothing was written, because marks would be lowered or cleared.'
+        return
     count = len(account.to_enter)
     new, account.refused = enter(layout, account.lesson, account.to_enter, guard)
     results = [one.after for one in account.rejudged]

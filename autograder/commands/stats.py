@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from autograder.classroom.class_report import write_class_report
+from autograder.classroom.pages import write_class_report
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, JSON, OK, show, takes

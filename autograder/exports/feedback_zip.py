@@ -10,13 +10,11 @@ of the submission.  Both are in the names of the downloads.  Both ignore any oth
 from __future__ import annotations
 
 from collections.abc import Mapping
-import io
 from pathlib import PurePath
 import re
-import zipfile
 
 from autograder.classroom.delivered import Delivered
-from autograder.files import safe_name
+from autograder.files import safe_name, zip_bytes
 
 PAGE = 'feedback.html'
 MOODLE = re.compile(r'.+?_\d+_assignsubmission_file')
@@ -43,12 +41,6 @@ def feedback_zip(pages: Mapping[str, bytes], names: Mapping[str, Delivered]) -> 
     :param pages: HTML by student id
     :param names: names of the submissions on their platforms, by student id
     """
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
-        for student, page in sorted(pages.items()):
-            name = name_in_zip(student, names.get(student))
-            entry = zipfile.ZipInfo(name, date_time=(2024, 1, 1, 0, 0, 0))
-            entry.external_attr = 0o644 << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, page)
-    return made.getvalue()
+    return zip_bytes(
+        {name_in_zip(one, names.get(one)): (page, 0o644) for one, page in pages.items()}
+    )

@@ -14,9 +14,8 @@ from pathlib import Path
 import sys
 
 from autograder.errors import GraderError
-from autograder.exports.gradescope import RESULTS, results_bytes
-from autograder.exports.gradescope_zip import SETTINGS
-from autograder.files import keep
+from autograder.exports.gradescope import RESULTS, results_of, SETTINGS
+from autograder.files import json_bytes, keep
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -39,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
         layout = Layout.here()
         settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
         result = grade(layout, settings['assignment'], root / 'submission', settings['allow_weak'])
-        keep(results, results_bytes(result, settings['visibility']))
+        keep(results, json_bytes(results_of(result, settings['visibility'])))
     except GraderError as error:
         print(f'No verdict, so no score: {error}', flush=True)
         return NO_VERDICT

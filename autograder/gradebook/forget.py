@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 import shutil
 
-from autograder.classroom.class_report import write_all_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import GraderError
 from autograder.gradebook.journal import drop

@@ -17,7 +17,6 @@ import pytest
 from rich.console import Console
 
 from autograder import __main__ as command
-from autograder.classroom.class_report import write_class_report
 from autograder.classroom.not_collected import (
     forget_not_collected,
     keep_not_collected,
@@ -26,7 +25,7 @@ from autograder.classroom.not_collected import (
     NotCollected,
     read_not_collected,
 )
-from autograder.classroom.pages import print_table, write_reports
+from autograder.classroom.pages import print_table, write_class_report, write_reports
 from autograder.classroom.results_of_class import graded
 from autograder.collect.take_in import collect
 from autograder.commands import OK
