@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from autograder.classroom.not_collected import names_to_write_to, not_collected, NotCollected
+from autograder.classroom.collected import names_to_write_to, not_collected, NotCollected
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes
 from autograder.classroom.statistics import (

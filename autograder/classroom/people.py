@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-import json
 from typing import Any
 import unicodedata
 
 from autograder.classroom.class_list import class_list
+from autograder.classroom.collected import read_note
 from autograder.errors import GraderError
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
-from autograder.submission.reading import read_file
 
 LONGEST_NAME = 200
 KEPT = frozenset('\t\n\r\u200c\u200d')
@@ -30,16 +29,8 @@ def read_people(layout: Layout) -> dict[str, str]:
 
 
 def saved_people(layout: Layout) -> dict[str, str]:
-    """
-    Return the names that ``collect`` has saved, by student id.
-
-    :returns: nothing if the file is missing or damaged
-    """
-    data, _ = read_file(layout.people, layout.people.name)
-    try:
-        found = json.loads(data or b'{}')
-    except (ValueError, RecursionError):
-        return {}
+    """Return the names that ``collect`` has saved, by student id; none if they are damaged."""
+    found = read_note(layout.people)
     return _clean(found) if isinstance(found, dict) else {}
 
 
@@ -95,15 +86,13 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
         keep(layout.people, json_bytes(merged))
 
 
-def _clean(names: Mapping[Any, Any]) -> dict[str, str]:
+def _clean(names: Mapping[str, Any]) -> dict[str, str]:
     """Return each name as one printable line of limited length; leave out empty names."""
     found = {}
     for student, name in names.items():
-        if isinstance(student, str) and isinstance(name, str):
-            kept = (
-                char for char in name[: 4 * LONGEST_NAME] if char.isprintable() or char in KEPT
-            )
-            shown = ' '.join(''.join(kept).split())
-            if shown:
+        if isinstance(name, str):
+            start = name[: 4 * LONGEST_NAME]
+            kept = ''.join(char for char in start if char.isprintable() or char in KEPT)
+            if shown := ' '.join(kept.split()):
                 found[student] = shown[:LONGEST_NAME].rstrip()
     return found

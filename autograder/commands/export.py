@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 import sys
 
-from autograder.classroom.delivered import read_delivered
+from autograder.classroom.collected import read_delivered
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.tables import read_bytes

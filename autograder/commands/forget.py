@@ -18,9 +18,8 @@ import time
 
 from sqlalchemy import text
 
+from autograder.classroom.collected import keep_delivered, keep_not_collected, read_not_collected
 from autograder.classroom.course_lock import alone
-from autograder.classroom.delivered import forget_delivered
-from autograder.classroom.not_collected import forget_not_collected, read_not_collected
 from autograder.classroom.people import namesake, saved_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
@@ -161,8 +160,8 @@ def forget(layout: Layout, student: str) -> Path | None:
         place = _forgotten(layout) / f'{student}_{now}'
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
-    forget_not_collected(layout, student)
-    forget_delivered(layout, student)
+    keep_not_collected(layout, (), without=student)
+    keep_delivered(layout, {}, without=student)
     forget_made(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)

@@ -22,8 +22,8 @@ from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
 from autograder.classroom.class_list import extensions
+from autograder.classroom.collected import not_collected, not_listed
 from autograder.classroom.course_lock import alone
-from autograder.classroom.not_collected import not_collected, not_listed
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import modes, ran_s, results_of_others

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 import re
 
-from autograder.classroom.delivered import Delivered
+from autograder.classroom.collected import Delivered
 from autograder.files import safe_name, zip_bytes
 
 PAGE = 'feedback.html'

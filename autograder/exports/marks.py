@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from autograder.classroom.not_collected import not_collected, NOTHING
+from autograder.classroom.collected import not_collected, NOTHING
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
 from autograder.gradebook.lowered import mark_of

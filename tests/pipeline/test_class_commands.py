@@ -18,7 +18,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
-from autograder.classroom.delivered import Delivered, keep_delivered
+from autograder.classroom.collected import Delivered, keep_delivered
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import graded as last
 from autograder.commands import FOR_REVIEW, OK

@@ -17,8 +17,7 @@ import pytest
 from rich.console import Console
 
 from autograder import __main__ as command
-from autograder.classroom.not_collected import (
-    forget_not_collected,
+from autograder.classroom.collected import (
     keep_not_collected,
     names_to_write_to,
     not_collected,
@@ -161,7 +160,7 @@ def test_forgotten_student_leaves_the_list(tmp_path, layout):
     (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
     lines = traces(layout, '1004').lines
 
-    forget_not_collected(layout, '1004')
+    keep_not_collected(layout, (), without='1004')
 
     assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
     assert f'reports: Not collected: {PDF}.' in lines
