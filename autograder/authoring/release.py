@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from autograder.authoring.portions import portions
 from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
-from autograder.gradebook.cell_points import unfit_points
+from autograder.gradebook.record import unfit_points
 from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release

@@ -195,7 +195,7 @@ def take_out_sample_class(layout: Layout) -> int:
 
     :returns: number of removed students
     """
-    from autograder.gradebook.forget import forget_made
+    from autograder.gradebook.record import forget_made
 
     names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}
     gone = set()

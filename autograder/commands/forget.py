@@ -28,10 +28,9 @@ from autograder.commands.grade import short
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import json_bytes, keep
-from autograder.gradebook.connection import query
-from autograder.gradebook.copies import keep_copy
-from autograder.gradebook.forget import forget_made
+from autograder.gradebook.database import keep_copy, query
 from autograder.gradebook.journal import journal, noted
+from autograder.gradebook.record import forget_made
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 

@@ -32,9 +32,9 @@ from autograder.commands.progress import progress
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
-from autograder.gradebook.cell_points import refuse_unfit_points
-from autograder.gradebook.copies import refuse_damaged
+from autograder.gradebook.database import refuse_damaged
 from autograder.gradebook.live_entry import Entering, Guard
+from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import (
     Engine,
     grade_class,

@@ -33,9 +33,9 @@ from autograder.commands import (
 )
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.live_entry import enter, Guard
+from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.examine import again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout

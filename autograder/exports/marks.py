@@ -14,8 +14,8 @@ from typing import Any
 from autograder.classroom.collected import not_collected, NOTHING
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
-from autograder.gradebook.lowered import mark_of
-from autograder.gradebook.settings import has_gradebook
+from autograder.gradebook.database import has_gradebook
+from autograder.gradebook.live_entry import mark_of
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 

@@ -25,8 +25,7 @@ from sqlalchemy import inspect, text
 
 from autograder.classroom.class_list import extensions
 from autograder.files import keep
-from autograder.gradebook.connection import connected, query, refused
-from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.gradebook.database import connected, gradebook_file, load_config, query, refused
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.reading import read_file

@@ -37,9 +37,9 @@ from traitlets.utils.importstring import import_item
 from autograder.classroom.class_list import extensions
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
-from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
-from autograder.gradebook.lowered import lowered_marks
+from autograder.gradebook.live_entry import lowered_marks
+from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -236,12 +236,12 @@ class GradeOutside(NbGraderPreprocessor):
         student, opened = resources['nbgrader']['student'], from_node(nb)
         result = grade_opened(opened, student, lesson, self._engine)
         submission = Submission(student, layout.submitted / student / lesson.assignment)
-        for mark in lowered_marks(layout, lesson, [Graded(submission, opened, result)]):
+        for change in lowered_marks(layout, lesson, [Graded(submission, opened, result)]).values():
             resources['nbgrader']['keep_scores'] = True
             self.log.warning(
                 'gradebook: the mark would be lowered, so it was not changed: %s. Try: make grade '
                 'ARGS=--yes',
-                mark.text(),
+                change,
             )
         return result
 

@@ -17,7 +17,7 @@ from autograder.classroom.results_of_class import graded as results_of
 from autograder.commands import FOR_REVIEW, OK, rejudge
 from autograder.commands import grade as grading
 from autograder.exam import catalog
-from autograder.gradebook.copies import copies
+from autograder.gradebook.database import copies
 from autograder.layout import Layout
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
