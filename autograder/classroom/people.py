@@ -36,28 +36,13 @@ def saved_people(layout: Layout) -> dict[str, str]:
 
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     """
-    Return the id of the student with this id or display name.
-
-    :param students: ids of the students to search
-    :raises GraderError: if no student has this id or name, or several have the name
-    """
-    if name in students:
-        return name
-    if found := namesake(layout, name, students):
-        return found
-    raise GraderError(
-        f'{name}: no student with this name or id has results.',
-        f'Students with results: {", ".join(sorted(students)[:20])}.',
-    )
-
-
-def namesake(layout: Layout, name: str, students: Collection[str]) -> str:
-    """
-    Return the id of the student with this display name, or an empty string.
+    Return the id of the student with this id or display name, or an empty string.
 
     :param students: ids of the students to search
     :raises GraderError: if several students have the name
     """
+    if name in students:
+        return name
     people = {one: named for one, named in read_people(layout).items() if one in students}
     found = sorted(one for one, named in people.items() if _folded(named) == _folded(name))
     if len(found) > 1:
