@@ -49,11 +49,7 @@ def executed(path: Path, **more: Any) -> NotebookNode:
 
 
 def execute(path: Path) -> None:
-    """
-    Execute a notebook and, if it succeeds, store the date in its file.
-
-    :raises CellExecutionError: if a cell raised an error
-    """
+    """Execute a notebook and, if no cell raises an error, store the date in its file."""
     executed(path)
     notebook = nbformat.read(path, as_version=4)
     today = date.today()
@@ -63,11 +59,7 @@ def execute(path: Path) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Execute all lessons, or the lessons named as arguments.
-
-    :returns: 0 if all of them ended without an error, else 1
-    """
+    """Execute all or the named lessons; return 0 if all of them ended without an error, else 1."""
     parser = argparse.ArgumentParser(
         prog='python -m autograder.authoring.execute', description=__doc__
     )

@@ -82,11 +82,7 @@ def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:
 
 
 def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterator[str]:
-    """
-    Yield one line for each grade id that another cell already uses.
-
-    :param seen: notebook by grade id; the ids of this notebook are added
-    """
+    """Yield one line for each grade id in ``seen``; add the others, with their notebook."""
     for cell in notebook['cells']:
         grade_id = marks_of(cell).get('grade_id')
         if grade_id in seen:

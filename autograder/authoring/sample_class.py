@@ -64,11 +64,7 @@ def damaged(notebook: Notebook, damage: str) -> bytes:
 
 
 def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
-    """
-    Yield the folders of the sample submissions of an assignment, by name.
-
-    :param everything: whether to include submissions that are only for tests
-    """
+    """Yield the folders of the samples of an assignment; ``everything``: also those for tests."""
     folder = layout.sample_class / assignment
     if folder.is_dir():
         for path in sorted(folder.iterdir()):
@@ -169,11 +165,7 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
 
 
 def take_out_sample_class(layout: Layout) -> int:
-    """
-    Remove the sample students from a course, when its first real class is collected.
-
-    :returns: number of removed students
-    """
+    """Remove the sample students before the first real class; return their number."""
     from autograder.gradebook.record import forget_made
 
     names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}

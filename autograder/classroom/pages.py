@@ -100,11 +100,7 @@ def write_reports(
 
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
-    """
-    Write the page of a class and return its path.
-
-    :param summary: one sentence about the grading
-    """
+    """Write the page of a class and return its path."""
     path = layout.reports / graded.assignment / 'class.html'
     missing = not_collected(layout, graded.assignment, {one.student for one in graded.results})
     numbers = class_numbers(layout, graded)
@@ -120,12 +116,7 @@ def class_page(
     people: Mapping[str, str] = NOBODY,
     missing: Sequence[NotCollected] = (),
 ) -> str:
-    """
-    Return the page of a class as HTML.
-
-    :param people: names by student id
-    :param missing: the work that could not be collected
-    """
+    """Return the page of a class as HTML; ``people`` are names by student id."""
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:
         by_exam.setdefault(check.exam, []).append(check)
@@ -236,12 +227,7 @@ def print_table(
     people: Mapping[str, str] = NOBODY,
     missing: Sequence[NotCollected] = (),
 ) -> None:
-    """
-    Print a table of students, points and first causes, then the flags for the instructor.
-
-    :param people: names by student id
-    :param missing: the work that could not be collected
-    """
+    """Print students, points and first causes as a table, then the flags for the instructor."""
     exams = [exam for one in results for exam in one.exams]
     weak = ', '.join(sorted({exam.mode for exam in exams if exam.not_protected}))
     title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment

@@ -62,11 +62,7 @@ class Marks:
 
 @dataclass(frozen=True)
 class CheckNumbers:
-    """
-    The results of a class in one check.
-
-    :param causes: causes of the failures as text, each with its frequency, most frequent first
-    """
+    """The results of a class in one check, with the most frequent causes and their frequency."""
 
     exam: str
     check: str

@@ -50,11 +50,7 @@ def takes(*options: Option) -> Callable[[Command], Command]:
 
 
 def describe(parser: argparse.ArgumentParser, run: Callable[..., Any], *more: Option) -> None:
-    """
-    Add a command's options to its parser.
-
-    :param more: options in addition to those attached with :func:`takes`
-    """
+    """Add a command's options and ``more`` to its parser."""
     for add in (*vars(run)['options'], *more):
         add(parser)
 

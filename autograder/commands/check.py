@@ -79,11 +79,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _kept_builds(exam: Exam) -> Path | None:
-    """
-    Return the folder of recordings for an exam that builds a package, else None.
-
-    Stored recordings spare the next check a build if the files have not changed.
-    """
+    """Return the folder of recordings if it spares the next check a build, else None."""
     folder = Layout.here().recordings
     if exam.scenario.program not in ('build', 'package'):
         return None

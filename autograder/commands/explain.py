@@ -232,11 +232,7 @@ def _around(
 
 
 def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
-    """
-    Return the checks of one student, one per line, as plain text.
-
-    :param results: from :func:`results_of`
-    """
+    """Return the checks of one student, one per line, as plain text."""
     lines = []
     people = read_people(layout)
     for result in results:
@@ -253,11 +249,7 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
 
 
 def evidence_text(found: Mapping[str, Any]) -> str:
-    """
-    Return the evidence as plain text of at most :data:`MOST_LINES` lines.
-
-    :param found: from :func:`evidence`
-    """
+    """Return the evidence as plain text of at most :data:`MOST_LINES` lines."""
     lines = [*_verdict_lines(found), '', *_seen_lines(found), '', *_origin_lines(found)]
     return _narrow(lines, MOST_LINES)
 

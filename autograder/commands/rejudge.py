@@ -201,11 +201,7 @@ def rejudge_command(
 
 
 def rejudge(layout: Layout, lesson: Lesson, last: ClassResults, submitted: Path) -> Account:
-    """
-    Judge the recordings of all students with results.
-
-    :param submitted: the folder of the class
-    """
+    """Judge the recordings of all students with results; ``submitted`` has their work."""
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}

@@ -21,12 +21,7 @@ MOODLE = re.compile(r'.+?_\d+_assignsubmission_file')
 
 
 def name_in_zip(student: str, delivered: Delivered | None) -> str:
-    """
-    Return the name of a student's page.
-
-    :param delivered: the name of the submission on its platform, if known; without one, the page
-        is in a folder with the student's id
-    """
+    """Return the name of a page for its platform, else in a folder with the student's id."""
     if delivered and delivered.kind == 'canvas':
         return f'{PurePath(delivered.place).stem}_{PAGE}'
     if delivered and delivered.kind == 'moodle' and (match := MOODLE.match(delivered.place)):
@@ -35,12 +30,7 @@ def name_in_zip(student: str, delivered: Delivered | None) -> str:
 
 
 def feedback_zip(pages: Mapping[str, bytes], names: Mapping[str, Delivered]) -> bytes:
-    """
-    Return the zip file; equal pages give equal bytes.
-
-    :param pages: HTML by student id
-    :param names: names of the submissions on their platforms, by student id
-    """
+    """Return the zip file of pages; pages and names on the platforms are by student id."""
     return zip_bytes(
         {name_in_zip(one, names.get(one)): (page, 0o644) for one, page in pages.items()}
     )

@@ -53,11 +53,7 @@ Cell = str | float | None
 
 
 def marks_csv(marks: Iterable[Mark], people: Mapping[str, str]) -> bytes:
-    """
-    Return one row per student.
-
-    :param people: names by student id, as far as they are known
-    """
+    """Return one row per student; ``people`` are the known names by student id."""
     rows = [
         (
             mark.assignment,

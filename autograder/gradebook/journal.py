@@ -143,11 +143,7 @@ class Journal:
         ]
 
     def note(self, entered: Sequence[Graded]) -> None:
-        """
-        Append notes about submissions that nbgrader has entered.
-
-        :param entered: the submissions passed to :func:`autograder.gradebook.record.record`
-        """
+        """Append notes about submissions that were passed to nbgrader, if it has entered them."""
         rows = shown(self.layout, self.lesson.assignment)
         lines = [
             _json_line({'student': one.result.student, **self._line(one, rows)})

@@ -145,11 +145,7 @@ class Guard:
         return [line for _, line in sorted(self.lowered.get(assignment, {}).items())]
 
     def refusal(self, done: str) -> str:
-        """
-        Return why marks were not changed; empty if no mark was protected.
-
-        :param done: what happened to the other marks, for the message
-        """
+        """Return why marks were not changed, and what was done; empty if no mark was protected."""
         counts = {name: len(marks) for name, marks in self.lowered.items() if marks}
         if self.yes or not counts:
             return ''

@@ -162,12 +162,7 @@ def timestamp_of(folder: Path) -> str:
 
 
 def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
-    """
-    Yield one line for each check cell whose points differ from its exam's.
-
-    :param where: name of the notebook in messages
-    :param exams: all exams of the lesson
-    """
+    """Yield one line for each check cell of a notebook whose points differ from its exam's."""
     cells = {
         marks['grade_id'].removeprefix(CHECK_PREFIX): float(marks['points'])
         for cell in notebook['cells']

@@ -25,22 +25,14 @@ _IN_CELL = re.compile(r'^Line (\d+)(?=[:,])')
 
 
 def package_name(files: Mapping[str, str]) -> str:
-    """
-    Return the name in the manifest of a package; empty if colcon could not build the files.
-
-    :param files: relative path to text
-    """
+    """Return the name in the manifest of a package; empty if colcon could not build the files."""
     builds = 'CMakeLists.txt' in files or 'setup.py' in files
     found = _NAME.search(files.get(MANIFEST, ''))
     return found[1] if found and builds else ''
 
 
 def as_package(exam: Exam, package: str) -> Exam:
-    """
-    Return an exam that builds the package and runs its executable instead of a node file.
-
-    :param package: the package's name, from :func:`package_name`
-    """
+    """Return an exam that builds the package and runs its executable instead of a node file."""
     if exam.scenario.program != 'node':
         return exam
     changed = copy.copy(exam)
@@ -53,12 +45,7 @@ def as_package(exam: Exam, package: str) -> Exam:
 def explained(
     exam: Exam, result: ExamResult, recording: Recording | None, files: Mapping[str, str]
 ) -> ExamResult:
-    """
-    Return a result whose messages describe a package instead of a notebook's cells.
-
-    :param exam: from :func:`as_package`
-    :param recording: None if nothing was run
-    """
+    """Return a result whose messages describe a package instead of a notebook's cells."""
     run = Run(files, recording or Recording({}, ()), exam.facts)
     why = why_no_program(run)
     facts: dict[str, Any] = {}

@@ -109,12 +109,7 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
 
 @dataclass(frozen=True)
 class Lesson:
-    """
-    The data for grading one assignment.
-
-    :param notebook: file name of the released notebook
-    :param release: content of the released notebook
-    """
+    """The data for grading one assignment: name and content of the release, and the exams."""
 
     assignment: str
     notebook: str
@@ -174,11 +169,7 @@ def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -
 def grade_notebook(
     data: bytes | None, lesson: Lesson, student: str, engine: Engine
 ) -> SubmissionResult:
-    """
-    Grade one notebook.
-
-    :param data: content of the notebook's file, None if it is missing
-    """
+    """Grade the content of one notebook file, None if it is missing."""
     opened = open_submission(data, lesson.release, lesson.notebook)
     return grade_opened(opened, student, lesson, engine)
 

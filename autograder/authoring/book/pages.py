@@ -73,12 +73,7 @@ def _write(notebook: nbformat.NotebookNode, path: Path) -> None:
 
 
 def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbformat.NotebookNode:
-    """
-    Return the students' lesson with the outputs of the solved one.
-
-    :param release: the lesson as students receive it, without outputs
-    :param solved: the executed solution of this lesson, with the same cell ids
-    """
+    """Return the students' lesson with the outputs of the solved one; cell ids are the same."""
     outputs = {cell.id: list(_shown(cell)) for cell in solved.cells if 'outputs' in cell}
     cells, after = [], 0
     for cell in release.cells:
