@@ -23,13 +23,7 @@ from rich.text import Text
 from autograder.classroom.collected import names_to_write_to, not_collected, NotCollected
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes
-from autograder.classroom.statistics import (
-    BINS,
-    CheckNumbers,
-    class_numbers,
-    ClassNumbers,
-    Marks,
-)
+from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, ClassNumbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name

@@ -67,10 +67,7 @@ ASSIGNMENT_OR_ALL = option(
 )
 SUBMITTED = option('--submitted', 'folder of submissions, as for grade', type=Path, metavar='DIR')
 TO_SUBMITTED = option(
-    '--to',
-    'folder to write to (default: autograder/_work/submitted)',
-    type=Path,
-    metavar='DIR',
+    '--to', 'folder to write to (default: autograder/_work/submitted)', type=Path, metavar='DIR'
 )
 VISIBLE = flag('--visible', 'run only the visible checks')
 FRESH = flag('--fresh', 'run every program again, even if its recording is stored')

@@ -248,11 +248,7 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         '.junit.xml',
         'write JUnit XML for CI servers',
     ),
-    'canvas': (
-        _canvas,
-        '.canvas.csv',
-        'fill one column of a gradebook file exported from Canvas',
-    ),
+    'canvas': (_canvas, '.canvas.csv', 'fill one column of a gradebook file exported from Canvas'),
     'moodle': (_moodle, '.moodle.csv', 'fill the grades in a grading worksheet from Moodle'),
     'lti': (_lti, '', 'send the marks to a learning platform by LTI 1.3'),
     'feedback': (

@@ -39,8 +39,7 @@ def junit_xml(marks: Iterable[Mark]) -> bytes:
         suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
     suites.set('time', f'{sum(float(suite.get("time", "0")) for suite in suites):.3f}')
     ElementTree.indent(suites)
-    text: bytes = ElementTree.tostring(suites, encoding='utf-8', xml_declaration=True)
-    return text + b'\n'
+    return ElementTree.tostring(suites, encoding='utf-8', xml_declaration=True) + b'\n'
 
 
 def clean(text: str) -> str:

@@ -87,8 +87,7 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
     seen: BaseException | None = error
     while seen is not None:
         if isinstance(seen, DBAPIError) and not isinstance(seen, (DataError, IntegrityError)):
-            found: SQLAlchemyError = seen
-            return found
+            return seen
         seen = seen.__cause__ or seen.__context__
     return None
 
