@@ -29,7 +29,7 @@ from sqlalchemy.exc import OperationalError, SQLAlchemyError
 from traitlets.config import Config
 
 from autograder.errors import GraderError, is_disk_full, of_system
-from autograder.gradebook.database import database_failure, load_config, refusal
+from autograder.gradebook.database import address, database_failure, load_config, refusal
 from autograder.gradebook.journal import refuse_incomplete
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -143,7 +143,7 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     refuse_incomplete(layout)
     try:
         with _quiet():
-            with api.Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
+            with api.Gradebook(address(layout)) as gradebook:
                 yield gradebook
     except (SQLAlchemyError, api.InvalidEntry) as error:
         if failure := database_failure(error):

@@ -63,9 +63,14 @@ def load_config(layout: Layout) -> Config:
         ) from error
 
 
+def address(layout: Layout) -> str:
+    """Return the URL of the gradebook, perhaps with a password."""
+    return str(load_config(layout).CourseDirectory.db_url)
+
+
 def gradebook_file(layout: Layout) -> Path | None:
     """Return the path of the gradebook, which may not exist; None for a gradebook on a server."""
-    place, found, path = str(load_config(layout).CourseDirectory.db_url).partition('sqlite:///')
+    place, found, path = address(layout).partition('sqlite:///')
     return Path(path) if found and not place else None
 
 
@@ -112,8 +117,7 @@ def refused(layout: Layout, said: str) -> GradebookRefusedError:
         if there := copies(layout):
             advice = advice.replace('a complete copy of the file', str(there[-1]))
     else:
-        url = make_url(str(load_config(layout).CourseDirectory.db_url))
-        where = url.render_as_string(hide_password=True)
+        where = make_url(address(layout)).render_as_string(hide_password=True)
         advice = 'check that the database server is running and that its gradebook is complete'
     return GradebookRefusedError(
         f'{where}: the gradebook cannot be used: {said}.',
@@ -135,20 +139,20 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         yield None
         return
     refuse_damaged(layout)
-    address = 'c.CourseDirectory.db_url'
+    where = 'c.CourseDirectory.db_url'
     try:
-        url = make_url(str(load_config(layout).CourseDirectory.db_url))
-        address = url.render_as_string(hide_password=True)
+        url = make_url(address(layout))
+        where = url.render_as_string(hide_password=True)
         engine = create_engine(url, poolclass=NullPool)
     except (SQLAlchemyError, ValueError) as error:
         raise GraderError(
-            f'{address}: this is not the address of a gradebook: {error}.',
+            f'{where}: this is not the address of a gradebook: {error}.',
             'Try: set c.CourseDirectory.db_url in nbgrader_config.py as docs/gradebook.md shows, '
             'then run the same command again. Finished runs are kept.',
         ) from error
     except ModuleNotFoundError as error:
         raise GraderError(
-            f'{address}: the driver {error.name} for this gradebook is not installed.',
+            f'{where}: the driver {error.name} for this gradebook is not installed.',
             'Try: .venv/bin/python -m pip install --no-deps -r '
             'environment/requirements-postgres.txt (see docs/gradebook.md)',
         ) from error
@@ -271,7 +275,9 @@ def refuse_damaged(layout: Layout) -> None:
         got = str(error)
     else:
         nothing = not path.stat().st_size
-        if not empty or not (_was_filled(layout) or (nothing and copies(layout))):
+        journals = (layout.work / 'entered').glob('*.jsonl')
+        was_filled = any(journal.read_bytes().strip() for journal in journals)
+        if not empty or not (was_filled or (nothing and copies(layout))):
             return
         got = 'an empty file' if nothing else 'it no longer has any submissions'
     raise _damaged(layout, path, got)
@@ -283,12 +289,6 @@ def _is_empty(book: sqlite3.Connection) -> bool:
     if not book.execute(tables).fetchone()[0]:
         return True
     return book.execute('select count(*) from submitted_assignment').fetchone() == (0,)
-
-
-def _was_filled(layout: Layout) -> bool:
-    """Return whether submissions were entered in the current gradebook."""
-    journals = (layout.work / 'entered').glob('*.jsonl')
-    return any(journal.read_bytes().strip() for journal in journals)
 
 
 def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
@@ -306,7 +306,7 @@ def how_to_dump(layout: Layout) -> str:
     """Return how to dump a gradebook on a server; empty for a file, which the grader copies."""
     if gradebook_file(layout) is not None:
         return ''
-    url = make_url(str(load_config(layout).CourseDirectory.db_url))
+    url = make_url(address(layout))
     plain = url.set(drivername=url.get_backend_name(), password=None).render_as_string()
     return (
         'The gradebook is on a server and not copied here; before --yes: pg_dump --format=custom '
