@@ -15,20 +15,24 @@ earlier, they could find out with many submissions what is tested.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+import json
 from pathlib import Path
 import stat
+import sys
 from typing import Any
 
 from autograder.classroom.results_of_class import lacks, modes, seconds_of_exam
 from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
-from autograder.explaining.feedback import number, printable
+from autograder.explaining.feedback import number, printable, titles_of
 from autograder.exports.marks import automatic
-from autograder.files import json_bytes, zip_bytes
+from autograder.files import json_bytes, keep, zip_bytes
+from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 from autograder.sandboxes.isolation import MODES
+from autograder.submission.inbox import open_folder
 from environment.places import PROJECT
 
 VISIBILITIES = ('after_published', 'after_due_date', 'visible', 'hidden')
@@ -154,8 +158,53 @@ def _output(exam: ExamResult, check: CheckResult) -> str:
     if check.verdict is Verdict.PASSED:
         return ''
     if check.verdict is Verdict.NOT_RUN:
-        titles = {one.check: one.title for one in exam.checks}
-        return (
-            f'Not checked, because it depends on: {titles.get(check.waits_for, check.waits_for)}'
-        )
+        awaited = titles_of(exam).get(check.waits_for, check.waits_for)
+        return f'Not checked, because it depends on: {awaited}'
     return '\n'.join(f'{name.capitalize()}: {text}' for name, text in check.facts.items())
+
+
+# -- in the container -----------------------------------------------------------------------
+
+
+def main(arguments: Sequence[str]) -> int:
+    """
+    Grade ``ROOT/submission`` and write ``ROOT/results/results.json``, unless it is for review.
+
+    Without this file, Gradescope reports a failed autograder instead of giving a zero.
+
+    :param arguments: one argument, the folder ROOT: ``/autograder`` in the container
+    :returns: the exit code: 1 if there is no verdict
+    """
+    root = Path(arguments[0])
+    results = root / 'results' / RESULTS
+    results.unlink(missing_ok=True)
+    try:
+        layout = Layout.here()
+        settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
+        result = grade(layout, settings['assignment'], root / 'submission', settings['allow_weak'])
+        keep(results, json_bytes(results_of(result, settings['visibility'])))
+    except GraderError as error:
+        print(f'No verdict, so no score: {error}', flush=True)
+        return 1
+    for flag in result.flags:
+        print(f'flag: {flag}')
+    return 0
+
+
+def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> SubmissionResult:
+    """
+    Grade the notebook in a folder with the full exams.
+
+    :param folder: folder with the student's upload
+    :raises GraderError: if no isolation mode that may run hidden exams works here
+    """
+    engine = grading_engine(layout, allow_weak=allow_weak)
+    if not engine.hidden:
+        raise GraderError('Only visible checks can run here, so there is no grade.')
+    lesson = load_lesson(layout, assignment, engine)
+    opened = open_one(open_folder(folder, 'submission', lesson.notebook), lesson)
+    return grade_opened(opened, 'submission', lesson, engine)
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

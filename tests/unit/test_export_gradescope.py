@@ -168,7 +168,7 @@ class TestZip:
 
         for name in (
             'autograder/__main__.py',
-            'autograder/exports/gradescope_run.py',
+            'autograder/exports/gradescope.py',
             'autograder/sandboxes/seccomp/x86_64.bpf',
             'environment/prepare.sh',
             'environment/requirements.lock',
