@@ -119,9 +119,7 @@ def class_page(
     return page.render(
         numbers=numbers,
         picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
-        bins=[(_label(marks, place), count) for place, count in enumerate(marks.bins)]
-        if marks
-        else [],
+        bins=_labels(marks) if marks else [],
         exams=list(by_exam.items()),
         students={one.student for one in graded.results},
         results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
@@ -146,32 +144,30 @@ def _common(
     }
 
 
+def _labels(marks: Marks) -> list[tuple[str, int]]:
+    """Return the range of points that each bar represents, as text, and its submissions."""
+    *lower, last = marks.rows()
+    rows = [(f'{low} to below {high}', count) for low, high, count in lower]
+    return [*rows, (f'{last[0]} to {last[1]}', last[2])]
+
+
 def histogram(marks: Marks) -> str:
     """Return the histogram of the marks as SVG; a table on the page shows the same numbers."""
     most = max(marks.bins)
     step = WIDTH / BINS
     parts = [svg.line(0, BASE, WIDTH, BASE)]
-    for place, count in enumerate(marks.bins):
+    for place, (low, high, count) in enumerate(marks.rows()):
         height = (BASE - TOP) * count / most
         middle = (place + 0.5) * step
         if count:
             top = BASE - height
             parts.append(svg.box(place * step + GAP / 2, top, step - GAP, height, colour=svg.BLUE))
             parts.append(svg.text(middle, top - 6, str(count), anchor='middle', bold=True))
-        low, high = (number(marks.max_points * edge / BINS) for edge in (place, place + 1))
         parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
     parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
-    words = ', '.join(f'{_label(marks, place)}: {n}' for place, n in enumerate(marks.bins) if n)
+    words = ', '.join(f'{label}: {count}' for label, count in _labels(marks) if count)
     title = f'How the points of {marks.count} submissions are distributed'
     return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
-
-
-def _label(marks: Marks, place: int) -> str:
-    """Return the range of points that a bar represents, as text."""
-    low, high = (marks.max_points * edge / BINS for edge in (place, place + 1))
-    if place == BINS - 1:
-        return f'{number(low)} to {number(high)}'
-    return f'{number(low)} to below {number(high)}'
 
 
 def _put(path: Path, text: str) -> None:

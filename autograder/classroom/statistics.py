@@ -19,6 +19,7 @@ from typing import Any
 
 from autograder.classroom.collected import not_collected
 from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes, ran_s
+from autograder.explaining.feedback import number
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
@@ -52,6 +53,11 @@ class Marks:
     highest: float
     full: int
     bins: tuple[int, ...]
+
+    def rows(self) -> list[tuple[str, str, int]]:
+        """Return the bins: both edges as text, and the number of submissions."""
+        edges = [number(self.max_points * edge / BINS) for edge in range(BINS + 1)]
+        return list(zip(edges, edges[1:], self.bins))
 
 
 @dataclass(frozen=True)

@@ -25,29 +25,14 @@ FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '�
 LATER_CELL = re.compile(r'(?<![;"\s])((?=["\s]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
 """Start of a formula after a semicolon, tab or line break, where a spreadsheet may split cells."""
 
-MARKS = [
-    'assignment',
-    'student',
-    'name',
-    'status',
-    'points',
-    'max_points',
-    'late_points',
-    'first_cause',
-    'flags',
-]
-CHECKS = [
-    'assignment',
-    'student',
-    'status',
-    'exam',
-    'check',
-    'verdict',
-    'points',
-    'max_points',
-    'cause_id',
-    'cause',
-]
+MARKS = (
+    *('assignment', 'student', 'name', 'status', 'points', 'max_points', 'late_points'),
+    *('first_cause', 'flags'),
+)
+CHECKS = (
+    *('assignment', 'student', 'status', 'exam', 'check', 'verdict', 'points', 'max_points'),
+    *('cause_id', 'cause'),
+)
 
 Cell = str | float | None
 
@@ -115,8 +100,7 @@ def harmless(text: str) -> str:
 
     In languages with a decimal comma, spreadsheets split cells at semicolons, even quoted ones.
     """
-    formula = text.lstrip(' ').startswith(FORMULA_STARTS) or text.lstrip().startswith(
-        FORMULA_STARTS
-    )
+    starts = text.lstrip(' '), text.lstrip()
+    formula = any(start.startswith(FORMULA_STARTS) for start in starts)
     text = LATER_CELL.sub(r"\1'\2", text)
     return f"'{printable(text)}" if formula else printable(text)

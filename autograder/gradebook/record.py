@@ -113,12 +113,12 @@ def _name(layout: Layout, students: Collection[str]) -> None:
 
 def forget_made(layout: Layout, students: Collection[str]) -> None:
     """Remove all entries of students from the journals, the gradebook and the reports."""
-    from autograder.gradebook import converters
-
     # Start with the journals: an empty gradebook with non-empty journals is refused as damaged.
     for assignment in layout.assignments():
         drop(layout, assignment, students)
     if has_gradebook(layout):
+        from autograder.gradebook import converters
+
         with converters.opened_gradebook(layout) as gradebook:
             for student in list(gradebook.students):
                 if student.id in students:
