@@ -28,7 +28,7 @@ from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import modes, ran_s, results_of_others
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
-from autograder.commands.progress import progress
+from autograder.commands.progress import progress, slowest_text
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
@@ -37,7 +37,7 @@ from autograder.gradebook.live_entry import Entering, Guard
 from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import Engine, grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
-from autograder.results import first_of, shortened, SubmissionResult
+from autograder.results import first_of, SubmissionResult
 from autograder.runs.grading_folder import grading_folder
 from autograder.sandboxes.isolation import banner, not_protected, WEAK
 from autograder.submission.inbox import discover, students_in, without_notebooks
@@ -45,7 +45,6 @@ from autograder.submission.inbox import discover, students_in, without_notebooks
 AHEAD = 64
 """Minimum number of runs queued on a cluster, so that workers that join later have work."""
 MAX_NAMED = 5
-NAME_CHARS = 30
 
 
 def _processors() -> int:
@@ -339,13 +338,9 @@ def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: floa
     """Return a sentence with the duration, the isolation modes and the number for review."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
-    # Students with equal files share a recording and its time: the first by name is the slowest,
-    # whatever the order of the runs.
-    by_name = sorted(results, key=lambda one: one.student)
-    slowest = max(by_name, key=lambda one: round(ran_s(one), 3))
-    if len(results) > 1 and ran_s(slowest):
-        name = shortened(printable(slowest.student), NAME_CHARS)
-        facts.append(f'longest run time: {name}, {ran_s(slowest):.1f} s')
+    slowest = slowest_text({one.student: ran_s(one) for one in results})
+    if len(results) > 1 and slowest:
+        facts.append(slowest)
     if used := modes(results):
         facts.append(f'isolation {", ".join(used)}')
     if reviews := sum(bool(one.review) for one in results):

@@ -44,7 +44,7 @@ def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monke
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
     """A short grading ends before the first line."""
     with progress(2, 'x') as tell:
-        tell(done(2))
+        tell('ann', done(2))
 
     captured = capsys.readouterr()
     assert captured.out == captured.err == ''
