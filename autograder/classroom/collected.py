@@ -11,15 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-import json
-from pathlib import Path
-from typing import Any
 
-from autograder.classroom.class_list import class_list
+from autograder.classroom.people import class_list
+from autograder.classroom.tables import read_note
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
-from autograder.submission.reading import read_file
 
 NOTHING = 'Nothing handed in'
 
@@ -65,15 +62,6 @@ class NotCollected:
 
 Deliveries = Mapping[tuple[str, str], Delivered]
 """By assignment and student id."""
-
-
-def read_note(path: Path) -> Any:
-    """Return the content of a JSON file; None if it is missing or damaged."""
-    data, _ = read_file(path, path.name)
-    try:
-        return json.loads(data or b'null')
-    except (ValueError, RecursionError):
-        return None
 
 
 def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:

@@ -21,11 +21,10 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
-from autograder.classroom.class_list import extensions
 from autograder.classroom.collected import not_collected, not_listed
 from autograder.classroom.course_lock import alone
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import read_people
+from autograder.classroom.people import extensions, read_people
 from autograder.classroom.results_of_class import modes, ran_s, results_of_others
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, slowest_text

@@ -23,7 +23,7 @@ from typing import Any
 
 from sqlalchemy import inspect, text
 
-from autograder.classroom.class_list import extensions
+from autograder.classroom.people import extensions
 from autograder.files import keep
 from autograder.gradebook.database import connected, gradebook_file, load_config, query, refused
 from autograder.grading.pipeline import Graded, Lesson

@@ -17,7 +17,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from autograder.classroom.class_list import extensions
+from autograder.classroom.people import extensions
 from autograder.errors import GraderError, of_system
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook import journal

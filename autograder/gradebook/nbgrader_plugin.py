@@ -29,7 +29,7 @@ from nbgrader.preprocessors import ClearSolutions, GetGrades, NbGraderPreprocess
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
-from autograder.classroom.class_list import extensions
+from autograder.classroom.people import extensions
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
