@@ -68,8 +68,10 @@ def run(chosen: argparse.Namespace) -> int:
     """Export the results in one format."""
     layout = Layout.here()
     make, ending, _ = FORMATS[chosen.format]
-    name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
-    path = getattr(chosen, 'to', None) or layout.work / 'exports' / f'{name}{ending}'
+    if chosen.assignment:
+        chosen.assignment = layout.assignment_named(chosen.assignment)
+    name = f'{chosen.assignment or "all"}{ending}'
+    path = getattr(chosen, 'to', None) or layout.work / 'exports' / name
     data, left_out, said = make(layout, chosen, path)
     if data:
         refuse_existing([path], chosen.force)
@@ -155,11 +157,11 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     file = chosen.worksheet
     data = _download(path, file, 'the worksheet from Moodle', moodle.FIX)
-    given, assignment = _marks(layout, chosen), layout.assignment_named(chosen.assignment)
+    given = _marks(layout, chosen)
     numbers = {
-        student: of_one[assignment]
+        student: of_one[chosen.assignment]
         for student, of_one in read_namesakes(layout).numbers.items()
-        if assignment in of_one
+        if chosen.assignment in of_one
     }
     done = moodle.fill(data, str(file), given, numbers, chosen.column, chosen.scale)
     return done.data, bool(done.left_out), done.text()
@@ -178,9 +180,8 @@ def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     _points(GRADEBOOK),
 )
 def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    given, assignment = _marks(layout, chosen), layout.assignment_named(chosen.assignment)
-    platform = lti.read_platform(chosen.platform)
-    url = lti.line_item(platform, chosen.platform, assignment)
+    given, platform = _marks(layout, chosen), lti.read_platform(chosen.platform)
+    url = lti.line_item(platform, chosen.platform, chosen.assignment)
     done = lti.send(platform, url, given, chosen.dry_run)
     said = 'Nothing was sent.' if chosen.dry_run else ''
     return b'', bool(done.left_out), '\n'.join(filter(None, (done.text(), said)))
@@ -190,16 +191,16 @@ def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     from autograder.gradebook.converters import feedback  # nbgrader takes seconds to import
 
-    given, assignment = _marks(layout, chosen), layout.assignment_named(chosen.assignment)
+    given = _marks(layout, chosen)
     ready = [mark.student for mark in given if mark.points is not None]
-    pages = feedback(layout, assignment, ready)
+    pages = feedback(layout, chosen.assignment, ready)
     names = {
         student: one
         for (name, student), one in read_delivered(layout).items()
-        if name == assignment
+        if name == chosen.assignment
     }
     if absent := sorted({*ready} - pages.keys()):
-        said = f'{assignment}: no feedback page for {", ".join(absent)}.'
+        said = f'{chosen.assignment}: no feedback page for {", ".join(absent)}.'
         raise GraderError(printable(said), 'Try: make grade, then the same command again')
     return feedback_zip(pages, names), _without_mark(given), f'{len(pages)} pages.'
 
@@ -221,8 +222,7 @@ def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     ),
 )
 def _autograder(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    assignment = layout.assignment_named(chosen.assignment)
-    data = autograder_zip(layout, assignment, chosen.visibility, chosen.allow_weak)
+    data = autograder_zip(layout, chosen.assignment, chosen.visibility, chosen.allow_weak)
     said = 'It contains the hidden exams and the secret of the course: keep it secret.'
     return data, False, said
 
