@@ -87,26 +87,23 @@ def _read(data: bytes, where: str) -> tuple[Table, int]:
 def _column(table: Table, top: int, where: str, wanted: str) -> int:
     """Return the index of the assignment column with this header, title or id."""
     there = {
-        index: found
-        for index, name in enumerate(table.header)
-        if (found := ASSIGNMENT.match(name)) and not READ_ONLY.search(table.rows[top][index])
+        name: found
+        for name, points in zip(table.header, table.rows[top])
+        if (found := ASSIGNMENT.match(name)) and not READ_ONLY.search(points)
     }
-    exact = [index for index, found in there.items() if found[0] == wanted]
-    meant = exact or [
-        index for index, found in there.items() if wanted in (found['title'], found['id'])
-    ]
+    fitting = [name for name, found in there.items() if wanted in (found['title'], found['id'])]
+    meant = [wanted] if wanted in there else fitting
     if len(meant) == 1:
-        return meant[0]
-    names = [found[0] for found in there.values()]
+        return table.header.index(meant[0])
     if meant:
-        several = ', '.join(table.header[index] for index in meant)
         raise GraderError(
-            f'{where}: several columns match {wanted!r}: {several}.', 'Try: --column with an id'
+            f'{where}: several columns match {wanted!r}: {", ".join(meant)}.',
+            'Try: --column with an id',
         )
-    titles = {found['title']: found[0] for found in there.values()}
+    titles = {found['title']: name for name, found in there.items()}
     close = get_close_matches(wanted, titles, n=1, cutoff=0.5)
     hint = f'Did you mean {titles[close[0]]!r}? ' if close else ''
     raise GraderError(
         f'{where}: there is no assignment column {wanted!r} that can be changed.',
-        f'{hint}Columns: {"; ".join(names[:SHOWN]) or "none"}.',
+        f'{hint}Columns: {"; ".join([*there][:SHOWN]) or "none"}.',
     )

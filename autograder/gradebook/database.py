@@ -209,12 +209,8 @@ def keep_copy(layout: Layout) -> Path | None:
     copy = copies_folder(layout) / time.strftime(_NAME, time.gmtime())
     unfinished = copy.with_name('unfinished')  # A fixed name is safe: only one grading runs.
     try:
-        with closing(sqlite3.connect(path)) as book:
-            if _is_empty(book):
-                return None
-        copy.parent.mkdir(exist_ok=True)
-        unfinished.unlink(missing_ok=True)
-        _copy(path, unfinished)
+        if not _copy(path, unfinished):
+            return None
         os.utime(unfinished, ns=(changed_ns, changed_ns))
         unfinished.replace(copy)
     except (sqlite3.Error, OSError) as error:
@@ -230,9 +226,13 @@ def keep_copy(layout: Layout) -> Path | None:
     return copy
 
 
-def _copy(path: Path, to: Path) -> None:
-    """Check the integrity of the gradebook, and write a copy to disk."""
+def _copy(path: Path, to: Path) -> bool:
+    """Check the integrity of the gradebook, and write a copy to disk unless it is empty."""
     with closing(sqlite3.connect(path)) as book:
+        if _is_empty(book):
+            return False
+        to.parent.mkdir(exist_ok=True)
+        to.unlink(missing_ok=True)
         (said,) = book.execute('pragma quick_check(1)').fetchone()
         if said != 'ok':
             raise sqlite3.DatabaseError(' '.join(said.split()))
@@ -240,6 +240,7 @@ def _copy(path: Path, to: Path) -> None:
         book.execute('vacuum into ?', (str(to),))
     with to.open('rb') as file:
         os.fsync(file.fileno())
+    return True
 
 
 def _remove_old(there: list[Path]) -> None:
