@@ -64,7 +64,7 @@ def damaged(notebook: Notebook, damage: str) -> bytes:
 
 
 def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
-    """Yield the folders of the samples of an assignment; ``everything``: also those for tests."""
+    """Yield the folders of an assignment's samples; ``everything`` includes those for tests."""
     folder = layout.sample_class / assignment
     if folder.is_dir():
         for path in sorted(folder.iterdir()):

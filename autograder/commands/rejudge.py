@@ -119,7 +119,7 @@ def rejudge(
     Judge the recordings of all students with results.
 
     :param submitted: the folder of the class
-    :returns: also the results of all students, and those for the gradebook
+    :returns: the account, the results of all students, and those for the gradebook
     """
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
