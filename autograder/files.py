@@ -1,16 +1,19 @@
-"""Write files atomically, and replace existing files only on request."""
+"""Write files atomically, replace existing files only on request, and pack zip files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 import fcntl
 import hashlib
+import io
 import json
 import os
 from pathlib import Path
+import stat
 from typing import Any
 from urllib.parse import quote
 import uuid
+import zipfile
 
 from autograder.errors import GraderError
 
@@ -87,3 +90,20 @@ def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def zip_bytes(files: Mapping[str, tuple[bytes, int]]) -> bytes:
+    """
+    Return a zip file; the same files give the same bytes.
+
+    :param files: content and permissions by name in the zip
+    """
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for name, (data, mode) in sorted(files.items()):
+            entry = zipfile.ZipInfo(name, date_time=(2024, 1, 1, 0, 0, 0))
+            entry.create_system = 3  # Unix, where the upper half of external_attr is st_mode.
+            entry.external_attr = (stat.S_IFREG | mode) << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, data)
+    return made.getvalue()

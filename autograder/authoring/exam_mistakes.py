@@ -78,12 +78,7 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
 
 
 def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
-    """
-    Yield one line for each attribute that must be equal in both versions of an exam but differs.
-
-    :param exam: the hidden exam
-    :param visible: the visible exam, which ``check(...)`` runs in a notebook
-    """
+    """Yield what must be equal in the hidden and the visible exam but differs, one line each."""
     for what in ('cells', 'requires', 'part', 'assignment'):
         if getattr(exam, what) != getattr(visible, what):
             yield (
@@ -152,11 +147,7 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
 
 
 def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
-    """
-    Return the headings of every readable released lesson, by the name of its folder.
-
-    :param notebooks: folder of the released notebooks
-    """
+    """Return the headings of every readable lesson in a folder, by the name of its own folder."""
     from autograder.submission.notebook import read_release
 
     found: dict[str, AbstractSet[str]] = {}
@@ -176,12 +167,7 @@ def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
 
 
 def mistakes_of(exams: Sequence[Exam], notebooks: Path) -> list[str]:
-    """
-    Return all mistakes in hidden exams that can be found without running them, one line each.
-
-    :param exams: hidden exams of the course
-    :param notebooks: folder of the released notebooks
-    """
+    """Return the mistakes in hidden exams that can be found without a run, one line each."""
     found, headings = unsendable(exams), lesson_headings(notebooks)
     for exam in exams:
         file = exam.scenario.file

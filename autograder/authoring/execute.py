@@ -13,10 +13,12 @@ from datetime import date
 from pathlib import Path
 import sys
 import tempfile
+from typing import Any
 
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 import nbformat
+from nbformat import NotebookNode
 
 from autograder.files import keep
 from autograder.layout import Layout, lesson_files
@@ -27,20 +29,29 @@ CELL_TIMEOUT_S = 400
 """Longer than a build of messages, which may take 300 s."""
 
 
-def execute(path: Path) -> None:
+def executed(path: Path, **more: Any) -> NotebookNode:
     """
-    Execute a copy of a notebook and, if it succeeds, store the date in the original.
+    Return a notebook with its outputs.
 
+    :param more: further settings of nbclient
     :raises CellExecutionError: if a cell raised an error
     """
     notebook = nbformat.read(path, as_version=4)
-    with tempfile.TemporaryDirectory() as folder:  # Cells write a ROS workspace here.
+    with tempfile.TemporaryDirectory(prefix='lesson_') as folder:  # for the cells' ROS workspace
         NotebookClient(
-            nbformat.from_dict(notebook),
+            notebook,
             kernel_name=KERNEL_NAME,
             timeout=CELL_TIMEOUT_S,
             resources={'metadata': {'path': folder}},
+            **more,
         ).execute()
+    return notebook
+
+
+def execute(path: Path) -> None:
+    """Execute a notebook and, if no cell raises an error, store the date in its file."""
+    executed(path)
+    notebook = nbformat.read(path, as_version=4)
     today = date.today()
     facts = notebook.metadata.setdefault(FACTS, {})
     facts['executed'] = f'with {KERNEL_TITLE} on {today.day} {today:%B %Y}'
@@ -48,11 +59,7 @@ def execute(path: Path) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Execute all lessons, or the lessons named as arguments.
-
-    :returns: 0 if all of them ended without an error, else 1
-    """
+    """Execute all or the named lessons; return 0 if all of them ended without an error, else 1."""
     parser = argparse.ArgumentParser(
         prog='python -m autograder.authoring.execute', description=__doc__
     )

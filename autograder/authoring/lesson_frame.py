@@ -38,20 +38,12 @@ class AddFrame(NbGraderPreprocessor):
 
 
 def outlines(folder: Path) -> list[Outline]:
-    """
-    Return the outlines of all lessons in order.
-
-    :param folder: ``solutions/`` or ``notebooks/`` of a course
-    """
+    """Return the outlines of all lessons of ``solutions/`` or ``notebooks/``, in order."""
     return [read_outline(path) for path in lesson_files(folder)]
 
 
 def contents(lessons: Sequence[Outline], here: int) -> str:
-    """
-    Return Markdown with a lesson's duration, needed lessons, last execution and links to parts.
-
-    :param here: index of the lesson
-    """
+    """Return Markdown with the duration, needed lessons, last execution and links of a lesson."""
     lesson = lessons[here]
     facts = [f'{lesson.minutes} minutes.'] if lesson.minutes else []
     if before := needed(lessons, here):
@@ -102,11 +94,7 @@ def _link(lesson: Outline, up: str = '') -> str:
 
 
 def start_here(solutions: Path, release: Path) -> None:
-    """
-    Write ``START_HERE.ipynb`` with the map of the lessons, if the course has a source for it.
-
-    :param release: folder that receives the notebook
-    """
+    """Write ``START_HERE.ipynb`` with the map of the lessons, if the course has its source."""
     source = solutions / START_HERE
     if source.is_file():
         notebook = nbformat.read(source, as_version=4)

@@ -125,11 +125,6 @@ def _notebook(words: Mapping[str, str]) -> str:
 
 
 def _marks(grade_id: str, grade: bool, **more: Any) -> dict[str, Any]:
-    """
-    Return nbgrader's metadata for an answer cell or for a check cell.
-
-    :param grade: True for a check cell, False for an answer cell
-    :param more: further metadata, such as the ``points`` of a check cell
-    """
+    """Return nbgrader's metadata for a check cell (``grade``) or for an answer cell."""
     marks = {'grade_id': grade_id, 'grade': grade, 'solution': not grade, 'locked': grade}
     return {'nbgrader': {**marks, 'task': False, 'schema_version': 3, **more}}

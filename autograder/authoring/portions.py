@@ -9,6 +9,7 @@ check`` prints the figures of each lesson and rejects lessons outside the range.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 import re
 from statistics import median
@@ -64,29 +65,18 @@ class Portions:
 
 def portions(notebook: Notebook) -> Portions:
     """Measure the cells of a lesson."""
-    texts = [cell['source'] for cell in notebook['cells'] if cell['cell_type'] == 'markdown']
-    code = [cell['source'] for cell in notebook['cells'] if cell['cell_type'] == 'code']
-    files = [source for source in code if _is_file(source)]
-    return Portions(
-        tuple(words(text) for text in texts),
-        tuple(lines(source) for source in code if source not in files),
-        tuple(lines(source) for source in files),
-    )
-
-
-def words(text: str) -> int:
-    """Count the words that a reader sees, without code blocks and HTML tags."""
-    shown = re.sub(r'```.*?```|<[^<>]+>', ' ', text, flags=re.DOTALL)
-    return len(re.findall(r"\w[\w'.-]*", shown))
-
-
-def lines(source: str) -> int:
-    """Count the lines that are not empty."""
-    return sum(1 for line in source.splitlines() if line.strip())
-
-
-def _is_file(source: str) -> bool:
-    try:
-        return parse_cell(source) is not None
-    except CellSyntaxError:
-        return False
+    words: list[int] = []
+    lines: list[int] = []
+    file_lines: list[int] = []
+    for cell in notebook['cells']:
+        if cell['cell_type'] == 'markdown':
+            # Code blocks and HTML tags are not read as words.
+            shown = re.sub(r'```.*?```|<[^<>]+>', ' ', cell['source'], flags=re.DOTALL)
+            words.append(len(re.findall(r"\w[\w'.-]*", shown)))
+        elif cell['cell_type'] == 'code':
+            file = None
+            with suppress(CellSyntaxError):
+                file = parse_cell(cell['source'])
+            count = sum(1 for line in cell['source'].splitlines() if line.strip())
+            (file_lines if file else lines).append(count)
+    return Portions(tuple(words), tuple(lines), tuple(file_lines))

@@ -13,18 +13,19 @@ from pathlib import Path
 import re
 import sys
 import tempfile
-from typing import TYPE_CHECKING
 
+from autograder.authoring.exam_mistakes import mistakes_of
+from autograder.authoring.lesson_frame import outlines, start_here, unknown_needs
 from autograder.authoring.portions import portions
 from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
-from autograder.gradebook.cell_points import unfit_points
+from autograder.exam.catalog import for_assignment
+from autograder.exam.exam import Exam
+from autograder.gradebook import converters
+from autograder.gradebook.record import unfit_points
 from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release
-
-if TYPE_CHECKING:
-    from autograder.exam.exam import Exam
 
 CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
 
@@ -32,48 +33,26 @@ CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
 # -- check ----------------------------------------------------------------------------------
 
 
-def check(layout: Layout, exams: Sequence[Exam] | None = None) -> list[str]:
-    """
-    Return the mistakes of the course, one line each; empty if there are none.
-
-    :param exams: exams to use instead of the course's own, for tests
-    """
-    from autograder.authoring.lesson_frame import outlines, unknown_needs
-
+def check(layout: Layout) -> list[str]:
+    """Return the mistakes of the course, one line each; empty if there are none."""
     found = [*drift(layout), *unknown_needs(outlines(layout.solutions))]
     seen: dict[str, str] = {}
-    for path in notebook_files(layout):
+    for path in (*lesson_files(layout.solutions), *lesson_files(layout.notebooks)):
         where = path.relative_to(layout.root).as_posix()
         notebook = read_release(path)
         found += stored_outputs(notebook, where)
         if path.is_relative_to(layout.solutions):
             found += repeated_ids(notebook, where, seen)
-            found += unfit_checks(notebook, where, path.parent.name, exams)
+            found += unfit_checks(notebook, where, for_assignment(path.parent.name))
             found += [f'{where}: {line}' for line in portions(notebook).problems()]
-    if exams is None:
-        found += unfit_exams(layout)
-    return found
-
-
-def unfit_exams(layout: Layout) -> list[str]:
-    """Return mistakes in the exams, such as unknown types or differences between versions."""
-    from autograder.authoring.exam_mistakes import mistakes_of
-    from autograder.exam.catalog import for_assignment
-
     exams = [exam for one in layout.assignments() for exam in for_assignment(one)]
-    return mistakes_of(exams, layout.notebooks)
-
-
-def notebook_files(layout: Layout) -> Iterator[Path]:
-    """Yield the paths of all notebooks in ``solutions/`` and ``notebooks/``."""
-    for folder in (layout.solutions, layout.notebooks):
-        yield from lesson_files(folder)
+    return [*found, *mistakes_of(exams, layout.notebooks)]
 
 
 def drift(layout: Layout) -> Iterator[str]:
     """Yield one line for each file in ``notebooks/`` that a new release would change."""
     with tempfile.TemporaryDirectory(prefix='release_') as folder:
-        _generate(layout, Path(folder))
+        generate(layout, Path(folder))
         wanted = _contents(Path(folder))
     there = _contents(layout.notebooks)
     for name in sorted(wanted.keys() | there.keys()):
@@ -103,11 +82,7 @@ def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:
 
 
 def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterator[str]:
-    """
-    Yield one line for each grade id that another cell already uses.
-
-    :param seen: notebook by grade id; the ids of this notebook are added
-    """
+    """Yield one line for each grade id in ``seen``; add the others, with their notebook."""
     for cell in notebook['cells']:
         grade_id = marks_of(cell).get('grade_id')
         if grade_id in seen:
@@ -116,14 +91,8 @@ def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterat
             seen[grade_id] = where
 
 
-def unfit_checks(
-    notebook: Notebook, where: str, assignment: str, exams: Sequence[Exam] | None
-) -> Iterator[str]:
+def unfit_checks(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
     """Yield one line for each check cell that does not match the exams of its lesson."""
-    if exams is None:
-        from autograder.exam.catalog import for_assignment
-
-        exams = for_assignment(assignment)
     known = {exam.name: exam for exam in exams}
     answers: set[str] = set()
     for cell in notebook['cells']:
@@ -131,51 +100,35 @@ def unfit_checks(
         if marks.get('solution'):
             answers.add(marks['grade_id'])
         elif marks.get('grade') and cell['cell_type'] == 'code':
-            yield from _unfit_check(cell, f'{where}, cell {marks["grade_id"]}', known, answers)
+            grade_id, match = marks['grade_id'], CHECK_CELL.match(cell['source'].strip())
+            name = match['exam'] if match else ''
+            if grade_id != f'{CHECK_PREFIX}{name}':
+                expected = f"check('{grade_id.removeprefix(CHECK_PREFIX)}')"
+                got = repr(cell['source'][:60])
+                yield f'{where}, cell {grade_id}: expected the one line {expected}, got {got}.'
+                continue
+            for needed in sorted(set(known[name].cells if name in known else ()) - answers):
+                yield (
+                    f'{where}, cell {grade_id}: the exam needs the answer {needed}, but no cell '
+                    'above has that id.'
+                )
     yield from unfit_points(notebook, where, exams)
-
-
-def _unfit_check(
-    cell: Notebook, where: str, known: dict[str, Exam], answers: set[str]
-) -> Iterator[str]:
-    """Yield mistakes in the code of a check cell or in its position below the answers."""
-    marks = marks_of(cell)
-    match = CHECK_CELL.match(cell['source'].strip())
-    name = match['exam'] if match else ''
-    if marks['grade_id'] != f'{CHECK_PREFIX}{name}':
-        expected = f"check('{marks['grade_id'].removeprefix(CHECK_PREFIX)}')"
-        yield f'{where}: expected the one line {expected}, got {cell["source"][:60]!r}.'
-        return
-    needed = known[name].cells if name in known else ()
-    for grade_id in sorted(set(needed) - answers):
-        yield f'{where}: the exam needs the answer {grade_id}, but no cell above has that id.'
 
 
 # -- release --------------------------------------------------------------------------------
 
 
-def regenerate(layout: Layout) -> tuple[str, ...]:
+def generate(layout: Layout, folder: Path) -> list[str]:
     """
-    Generate ``notebooks/`` from ``solutions/``.
+    Generate the students' notebooks from ``solutions/`` into a folder; return the assignments.
 
-    :returns: the assignments
-    :raises GraderError: if there is no assignment, or with nbgrader's message if nbgrader fails
+    :raises GraderError: with nbgrader's message if nbgrader fails
     """
-    if not (assignments := _generate(layout, layout.notebooks)):
-        raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
-    return assignments
-
-
-def _generate(layout: Layout, folder: Path) -> tuple[str, ...]:
-    """Generate the students' notebooks into a folder, and return the assignments."""
-    from autograder.authoring.lesson_frame import start_here
-    from autograder.gradebook import converters
-
     assignments = sorted({path.parent.name for path in lesson_files(layout.solutions)})
     for assignment in assignments:
         converters.generate(layout, assignment, folder, database=False)
     start_here(layout.solutions, folder)
-    return tuple(assignments)
+    return assignments
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -202,7 +155,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             lines = check(layout)
             print('\n'.join(lines) or 'The notebooks and the exams fit together.')
             return 1 if lines else 0
-        assignments = regenerate(layout)
+        if not (assignments := generate(layout, layout.notebooks)):
+            raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
         if lines := check(layout):
             print('\n'.join(lines))
             said = 'course: nothing was packed. Try: fix this, then make release'

@@ -15,7 +15,7 @@ grade`` grades in a new clone.  ``notebook`` names a damage to the notebook as a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 import json
 from pathlib import Path
 import shutil
@@ -33,63 +33,38 @@ from autograder.submission.notebook import marks_of, Notebook, read_release, Stu
 from autograder.submission.reading import read_file
 from autograder.submission.submission import rebuild
 
-
-def _bytes(notebook: Notebook) -> bytes:
-    """Return a notebook as JupyterLab saves it."""
-    return (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
-
-
-def _first_node(notebook: Notebook) -> int:
-    """Return the index of the first answer cell with a node."""
-    for place, cell in enumerate(notebook['cells']):
-        if cell['source'].startswith('%%node') and marks_of(cell).get('solution'):
-            return place
-    raise GraderError('The release has no %%node cell to damage.')
-
-
-def _renamed_cell(notebook: Notebook) -> bytes:
-    """Change the grade id of the first node's cell, as if a copy had replaced the cell."""
-    marks_of(notebook['cells'][_first_node(notebook)])['grade_id'] += '-copy1'
-    return _bytes(notebook)
-
-
-def _duplicated_cell(notebook: Notebook) -> bytes:
-    """Insert an unfinished copy below the first node's cell."""
-    place = _first_node(notebook)
-    cell = notebook['cells'][place]
-    source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
-    notebook['cells'].insert(place + 1, {**cell, 'source': source})
-    return _bytes(notebook)
-
-
-def _truncated(notebook: Notebook) -> bytes:
-    """Truncate the notebook, as if the disk had been full when it was saved."""
-    data = _bytes(notebook)
-    return data[: len(data) * 2 // 3]
-
-
-def _not_a_notebook(notebook: Notebook) -> bytes:
-    """Return JupyterLab's web page, as if it had been saved instead of the notebook."""
-    return b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
-
-
-DAMAGES: dict[str, Callable[[Notebook], bytes]] = {
-    '': _bytes,
-    'renamed_cell': _renamed_cell,
-    'duplicated_cell': _duplicated_cell,
-    'truncated': _truncated,
-    'not_a_notebook': _not_a_notebook,
-}
+DAMAGES = ('', 'renamed_cell', 'duplicated_cell', 'truncated', 'not_a_notebook')
+"""Damages to a notebook as a whole; one that is not a notebook is JupyterLab's web page."""
+NOT_A_NOTEBOOK = (
+    b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
+)
 UNTOUCHED = 'untouched'
 """Value of ``notebook`` for the unchanged release, without the answers of the reference."""
 
 
-def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
-    """
-    Yield the folders of the sample submissions of an assignment, by name.
+def damaged(notebook: Notebook, damage: str) -> bytes:
+    """Return a notebook as JupyterLab saves it, with one of the :data:`DAMAGES`."""
+    if damage == 'not_a_notebook':
+        return NOT_A_NOTEBOOK
+    if damage in ('renamed_cell', 'duplicated_cell'):
+        cells = notebook['cells']
+        place, cell = next(
+            (place, cell)
+            for place, cell in enumerate(cells)
+            if cell['source'].startswith('%%node') and marks_of(cell).get('solution')
+        )
+        if damage == 'renamed_cell':  # as if a copy had replaced the cell
+            marks_of(cell)['grade_id'] += '-copy1'
+        else:
+            source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
+            cells.insert(place + 1, {**cell, 'source': source})
+    data = (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
+    # A full disk truncates a file.
+    return data[: len(data) * 2 // 3] if damage == 'truncated' else data
 
-    :param everything: whether to include submissions that are only for tests
-    """
+
+def samples(layout: Layout, assignment: str, everything: bool = False) -> Iterator[Path]:
+    """Yield the folders of an assignment's samples; ``everything`` includes those for tests."""
     folder = layout.sample_class / assignment
     if folder.is_dir():
         for path in sorted(folder.iterdir()):
@@ -149,7 +124,7 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
         release,
         [StudentCell(name, solved[name]['cell_type'], text) for name, text in answers.items()],
     )
-    return DAMAGES[damage](notebook)
+    return damaged(notebook, damage)
 
 
 def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int:
@@ -190,12 +165,8 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
 
 
 def take_out_sample_class(layout: Layout) -> int:
-    """
-    Remove the sample students from a course, when its first real class is collected.
-
-    :returns: number of removed students
-    """
-    from autograder.gradebook.forget import forget_made
+    """Remove the sample students before the first real class; return their number."""
+    from autograder.gradebook.record import forget_made
 
     names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}
     gone = set()

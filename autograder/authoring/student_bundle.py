@@ -6,13 +6,14 @@ Students receive only files that are listed here, so a new file is not released 
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
-import zipfile
+import re
 
-from autograder.authoring.worked_answers import answer_files
-from autograder.files import keep
-from autograder.layout import Layout
+from autograder.exam.catalog import for_assignment
+from autograder.explaining.worked_answers import encoded, FOLDER
+from autograder.files import keep, zip_bytes
+from autograder.layout import Layout, lesson_files
+from autograder.submission.notebook import marks_of, read_release
 from environment import packed_package
 from environment.places import PROJECT
 
@@ -54,6 +55,7 @@ UNDER_ANOTHER_NAME = {'README.md': 'docs/students.md'}
 """Files with a different name in the students' copy: the project's README is for instructors."""
 NO_PARTS = {'hidden', '__pycache__', '.ipynb_checkpoints', 'ros_ws', 'build', 'install', 'log'}
 TOP = 'ros2-course'
+MARK = re.compile(r'^ *### (?:BEGIN|END) SOLUTION *\n?', re.MULTILINE)
 
 
 def bundled_files(layout: Layout) -> dict[str, Path]:
@@ -84,17 +86,33 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
     :param answers: whether to include the worked answers, which students can then open
     :returns: number of files in the zip
     """
-    files, made = bundled_files(layout), io.BytesIO()
-    texts = {name: (path.read_bytes(), path.stat().st_mode) for name, path in files.items()}
+    files = {
+        name: (path.read_bytes(), 0o755 if path.stat().st_mode & 0o100 else 0o644)
+        for name, path in bundled_files(layout).items()
+    }
     if package := layout.facts.package:
-        texts[f'{package}/{packed_package.FILE}'] = packed_package.pack(layout.root / package), 0
+        packed = packed_package.pack(layout.root / package)
+        files[f'{package}/{packed_package.FILE}'] = packed, 0o644
     if answers:
-        texts |= {name: (data, 0) for name, data in answer_files(layout).items()}
-    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
-        for name, (data, mode) in sorted(texts.items()):
-            entry = zipfile.ZipInfo(f'{TOP}/{name}', date_time=(2024, 1, 1, 0, 0, 0))
-            entry.external_attr = (0o755 if mode & 0o100 else 0o644) << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, data)
-    keep(bundle, made.getvalue())
-    return len(texts)
+        files |= {name: (data, 0o644) for name, data in answer_files(layout).items()}
+    keep(bundle, zip_bytes({f'{TOP}/{name}': file for name, file in files.items()}))
+    return len(files)
+
+
+def answer_files(layout: Layout) -> dict[str, bytes]:
+    """Return the worked answers of each lesson with exercises, by their name in the copy."""
+    found = {}
+    for path in lesson_files(layout.solutions):
+        lesson = path.parent.name
+        cells = {
+            marks['grade_id']: cell['source']
+            for cell in read_release(path)['cells']
+            if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('solution')
+        }
+        answers = {
+            exam.name: '\n\n\n'.join(MARK.sub('', cells[one]).strip() for one in exam.cells)
+            for exam in for_assignment(lesson)
+        }
+        if answers:
+            found[f'{FOLDER}/{lesson}.txt'] = encoded(answers)
+    return found

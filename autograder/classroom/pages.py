@@ -1,8 +1,9 @@
 """
-Show results: one HTML page per student, an index of the class, and a table in the terminal.
+Show results: one HTML page per student, two of the class, and a table in the terminal.
 
-Names, messages and log lines come from students.  So the pages escape all text, allow no script
-and load nothing, and the table contains no control characters.
+``index.html`` lists the students; ``class.html`` shows the distribution of marks, failed checks
+and their causes.  Names, messages and log lines come from students.  So the pages escape all text,
+allow no script and load nothing, and the table contains no control characters.
 """
 
 from __future__ import annotations
@@ -19,15 +20,40 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from autograder.classroom.not_collected import names_to_write_to, NotCollected
-from autograder.classroom.results_of_class import has_mark, lacks, modes
+from autograder.classroom.collected import names_to_write_to, not_collected, NotCollected
+from autograder.classroom.people import read_people
+from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes
+from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, ClassNumbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import keep, safe_name
-from autograder.results import ExamResult, shortened, SubmissionResult
+from autograder.layout import Layout
+from autograder.results import shortened, SubmissionResult
+from drawing import svg
 
 WHY_CHARS = 160
 NOBODY: Mapping[str, str] = {}
+WIDTH, HEIGHT = 640, 200
+BASE, TOP, GAP = 160, 28, 8
+"""Bottom of the bars, top of the highest bar, and gap between two bars [px]."""
+
+
+def write_all_reports(
+    layout: Layout, assignment: str, results: Sequence[SubmissionResult], summary: str = ''
+) -> Path:
+    """
+    Replace the results of a class and all its pages.
+
+    :param results: the results of all students
+    :param summary: one sentence about the grading
+    :returns: path of the index page
+    """
+    missing = not_collected(layout, assignment, {one.student for one in results})
+    index = write_reports(
+        layout.reports, assignment, results, summary, read_people(layout), missing
+    )
+    write_class_report(layout, ClassResults(assignment, tuple(results)), summary)
+    return index
 
 
 def write_reports(
@@ -39,13 +65,12 @@ def write_reports(
     missing: Sequence[NotCollected] = (),
 ) -> Path:
     """
-    Replace the results of a class and their pages.
+    Replace the results of a class, the students' pages and the index.
 
     The results are written first, atomically: all other commands read them, and the pages can be
     generated again.
 
     :param folder: folder that receives ``<assignment>/index.html`` and ``<assignment>/students/``
-    :param summary: one sentence about the grading
     :param people: names by student id, for the index; a student's own page shows no name
     :param missing: the work that could not be collected
     :returns: path of the index page
@@ -55,25 +80,94 @@ def write_reports(
     keep(pages / 'results.json', f'{data}\n'.encode())
     (pages / 'students').mkdir(exist_ok=True)
     templates = _templates()
-    written = {page_name(result.student) for result in results}
+    student = templates.get_template('student.html.j2')
     for result in results:
-        page = templates.get_template('student.html.j2').render(result=result)
-        _put(pages / page_name(result.student), with_unique_ids(page))
-    index = pages / 'index.html'
-    page = templates.get_template('index.html.j2').render(
-        assignment=assignment,
-        results=results,
-        flagged=worth_a_look(results),
-        summary=summary,
-        people=people,
-        missing=missing,
-        names=names_to_write_to(missing),
-    )
-    _put(index, page)
+        _put(pages / page_name(result.student), with_unique_ids(student.render(result=result)))
+    index = templates.get_template('index.html.j2')
+    facts = _common(results, summary, people, missing)
+    _put(pages / 'index.html', index.render(assignment=assignment, results=results, **facts))
+    written = {page_name(result.student) for result in results}
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
-    return index
+    return pages / 'index.html'
+
+
+def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
+    """Write the page of a class and return its path."""
+    path = layout.reports / graded.assignment / 'class.html'
+    missing = not_collected(layout, graded.assignment, {one.student for one in graded.results})
+    numbers = class_numbers(layout, graded)
+    page = class_page(graded, numbers, summary, read_people(layout), missing)
+    keep(path, page.encode('utf-8', 'replace'))
+    return path
+
+
+def class_page(
+    graded: ClassResults,
+    numbers: ClassNumbers,
+    summary: str = '',
+    people: Mapping[str, str] = NOBODY,
+    missing: Sequence[NotCollected] = (),
+) -> str:
+    """Return the page of a class as HTML; ``people`` are names by student id."""
+    by_exam: dict[str, list[CheckNumbers]] = {}
+    for check in numbers.checks:
+        by_exam.setdefault(check.exam, []).append(check)
+    marks = numbers.marks
+    page = _templates().get_template('class_report.html.j2')
+    return page.render(
+        numbers=numbers,
+        picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
+        bins=_labels(marks) if marks else [],
+        exams=list(by_exam.items()),
+        students={one.student for one in graded.results},
+        results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
+        **_common(graded.results, summary, people, missing),
+    )
+
+
+def _common(
+    results: Sequence[SubmissionResult],
+    summary: str,
+    people: Mapping[str, str],
+    missing: Sequence[NotCollected],
+) -> dict[str, Any]:
+    """Return what both pages of a class show; unreadable submissions come first."""
+    unusable = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
+    return {
+        'flagged': [*unusable, *((one.student, one.flags) for one in results if one.flags)],
+        'summary': summary,
+        'people': people,
+        'missing': missing,
+        'names': names_to_write_to(missing),
+    }
+
+
+def _labels(marks: Marks) -> list[tuple[str, int]]:
+    """Return the range of points that each bar represents, as text, and its submissions."""
+    *lower, last = marks.rows()
+    rows = [(f'{low} to below {high}', count) for low, high, count in lower]
+    return [*rows, (f'{last[0]} to {last[1]}', last[2])]
+
+
+def histogram(marks: Marks) -> str:
+    """Return the histogram of the marks as SVG; a table on the page shows the same numbers."""
+    most = max(marks.bins)
+    step = WIDTH / BINS
+    parts = [svg.line(0, BASE, WIDTH, BASE)]
+    for place, (low, high, count) in enumerate(marks.rows()):
+        height = (BASE - TOP) * count / most
+        middle = (place + 0.5) * step
+        if count:
+            top = BASE - height
+            parts.append(svg.box(place * step + GAP / 2, top, step - GAP, height, colour=svg.BLUE))
+            parts.append(svg.text(middle, top - 6, str(count), anchor='middle', bold=True))
+        parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
+    parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
+    words = ', '.join(f'{label}: {count}' for label, count in _labels(marks) if count)
+    title = f'How the points of {marks.count} submissions are distributed'
+    return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
 
 
 def _put(path: Path, text: str) -> None:
@@ -81,12 +175,6 @@ def _put(path: Path, text: str) -> None:
     unfinished = path.with_name(f'.{path.name}')
     unfinished.write_text(text, encoding='utf-8')
     unfinished.replace(path)
-
-
-def worth_a_look(results: Sequence[SubmissionResult]) -> list[tuple[str, tuple[str, ...]]]:
-    """Return each student with flags for the instructor; unreadable submissions come first."""
-    found = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
-    return [*found, *((one.student, one.flags) for one in results if one.flags)]
 
 
 def with_name(student: str, people: Mapping[str, str]) -> str:
@@ -112,7 +200,7 @@ def _templates() -> Environment:
         number=number,
         with_name=with_name,
         words=lambda name: str(name).replace('_', ' ').capitalize(),
-        checks=_checks,
+        checks=lambda exam: Markup(checks_html(exam)),  # noqa: S704 - it escapes all text
         link=lambda student: quote(page_name(student)),
         why=headline,
         has_mark=has_mark,
@@ -122,11 +210,6 @@ def _templates() -> Environment:
     return templates
 
 
-def _checks(exam: ExamResult) -> Any:
-    """Return the checks of an exam as HTML, in which all text from students is escaped."""
-    return Markup(checks_html(exam))  # noqa: S704
-
-
 def print_table(
     console: Console,
     assignment: str,
@@ -134,12 +217,7 @@ def print_table(
     people: Mapping[str, str] = NOBODY,
     missing: Sequence[NotCollected] = (),
 ) -> None:
-    """
-    Print a table of students, points and first causes, then the flags for the instructor.
-
-    :param people: names by student id
-    :param missing: the work that could not be collected
-    """
+    """Print students, points and first causes as a table, then the flags for the instructor."""
     exams = [exam for one in results for exam in one.exams]
     weak = ', '.join(sorted({exam.mode for exam in exams if exam.not_protected}))
     title = f'{assignment} (WEAK ISOLATION: {weak})' if weak else assignment

@@ -42,8 +42,7 @@ def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...
         return tuple(SubmissionResult.from_json(one) for one in data)
     except (ValueError, KeyError, TypeError) as error:
         raise GraderError(
-            f'{path}: the results cannot be read ({type(error).__name__}).',
-            'Try: grade again',
+            f'{path}: the results cannot be read ({type(error).__name__}).', 'Try: grade again'
         ) from error
 
 

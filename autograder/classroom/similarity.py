@@ -20,7 +20,6 @@ import re
 import statistics
 
 from autograder.errors import GraderError
-from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.submission.code.python_text import NotPythonError, parsed
@@ -126,7 +125,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     :param at_least: minimum score of a listed pair, 0 to 1
     :raises GraderError: if there is no submission, or the folder cannot be read
     """
-    lesson = load_lesson(layout, assignment, NothingRuns())
+    lesson = load_lesson(layout, assignment)
     try:
         there = discover(submitted, assignment, lesson.notebook, layout.assignments())
     except OSError as error:
@@ -140,11 +139,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
 
 
 def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
-    """
-    Return the course's own package as two references, if the lesson asks for its nodes.
-
-    One reference contains only these nodes, the other all modules of the package.
-    """
+    """Return the nodes of the course's own package, and all of it, if the lesson asks for them."""
     package = layout.facts.package
     modules = {
         path.name: path.read_text(encoding='utf-8')
@@ -285,11 +280,7 @@ def compare(
 def _scores(
     groups: Mapping[tuple[tuple[str, ...], ...], Sequence[str]],
 ) -> Iterator[tuple[float, Sequence[str], Sequence[str]]]:
-    """
-    Yield the score of each pair of groups, with the students of both.
-
-    :param groups: students by the tokens of their lines
-    """
+    """Yield the score of each pair of groups, with the students of both."""
     from rapidfuzz.distance import Indel
     from rapidfuzz.process import cdist
 

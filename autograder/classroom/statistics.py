@@ -17,14 +17,9 @@ from pathlib import Path
 import statistics
 from typing import Any
 
-from autograder.classroom.not_collected import not_collected
-from autograder.classroom.results_of_class import (
-    ClassResults,
-    has_mark,
-    lacks,
-    modes,
-    ran_s,
-)
+from autograder.classroom.collected import not_collected
+from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes, ran_s
+from autograder.explaining.feedback import number
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
@@ -59,14 +54,15 @@ class Marks:
     full: int
     bins: tuple[int, ...]
 
+    def rows(self) -> list[tuple[str, str, int]]:
+        """Return the bins: both edges as text, and the number of submissions."""
+        edges = [number(self.max_points * edge / BINS) for edge in range(BINS + 1)]
+        return list(zip(edges, edges[1:], self.bins))
+
 
 @dataclass(frozen=True)
 class CheckNumbers:
-    """
-    The results of a class in one check.
-
-    :param causes: causes of the failures as text, each with its frequency, most frequent first
-    """
+    """The results of a class in one check, with the most frequent causes and their frequency."""
 
     exam: str
     check: str
@@ -123,22 +119,20 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     :raises GraderError: if the class list is wrong
     """
     results = graded.results
-    marked = [result for result in results if not result.review]
     exams = [exam for result in results for exam in result.exams]
     slowest = sorted(filter(ran_s, results), key=ran_s, reverse=True)
-    headers = _headers(layout, exams)
+    missing = not_collected(layout, graded.assignment, {one.student for one in results})
+    headers: dict[str, list[Header]] = {}
+    for exam, name in dict.fromkeys((one.exam, one.recording) for one in exams):
+        header = _header(layout.recordings / exam / name) if name else {}
+        headers.setdefault(exam, []).append(header)
     return ClassNumbers(
         assignment=graded.assignment,
         submissions=len(results),
         marks=_marks([result for result in results if has_mark(result)]),
-        checks=_checks(marked),
+        checks=_checks([exam for one in results if not one.review for exam in one.exams]),
         review=tuple((one.student, one.review) for one in results if one.review),
-        missing=tuple(
-            (one.student, one.reason)
-            for one in not_collected(
-                layout, graded.assignment, {result.student for result in results}
-            )
-        ),
+        missing=tuple((one.student, one.reason) for one in missing),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
         repeated=tuple(
@@ -147,7 +141,10 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),
         modes=tuple(modes(results)),
         lacks=tuple(lacks(results)),
-        exams={exam: _digests(found) for exam, found in headers.items()},
+        exams={
+            exam: {name: _texts(found, name, DIGEST_CHARS) for name in ('scenario', 'environment')}
+            for exam, found in headers.items()
+        },
         versions=_versions([*chain(*headers.values())]),
     )
 
@@ -178,13 +175,12 @@ def _marks(results: Sequence[SubmissionResult]) -> Marks | None:
     )
 
 
-def _checks(results: Sequence[SubmissionResult]) -> tuple[CheckNumbers, ...]:
+def _checks(exams: Sequence[ExamResult]) -> tuple[CheckNumbers, ...]:
     """Return the statistics of every check, in the order of the exams."""
     found: dict[tuple[str, str], list[CheckResult]] = {}
-    for result in results:
-        for exam in result.exams:
-            for check in exam.checks:
-                found.setdefault((exam.exam, check.check), []).append(check)
+    for exam in exams:
+        for check in exam.checks:
+            found.setdefault((exam.exam, check.check), []).append(check)
     return tuple(_check(exam, checks) for (exam, _), checks in found.items())
 
 
@@ -218,34 +214,17 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
     return tuple((texts.most_common(1)[0][0], texts.total()) for texts in counted[:CAUSES])
 
 
-def _headers(layout: Layout, exams: Sequence[ExamResult]) -> dict[str, list[Header]]:
-    """Return the header of each recording, by exam; a header is empty if there is no recording."""
-    found: dict[str, list[Header]] = {}
-    for exam, name in dict.fromkeys((one.exam, one.recording) for one in exams):
-        header = _header(layout.recordings / exam / name) if name else {}
-        found.setdefault(exam, []).append(header)
-    return found
-
-
-def _digests(headers: Sequence[Header]) -> dict[str, tuple[str, ...]]:
-    """Return the digests of scenario and environment in headers; usually there is one of each."""
-    return {
-        name: tuple(digest[:DIGEST_CHARS] for digest in _texts(headers, name))
-        for name in ('scenario', 'environment')
-    }
-
-
 def _versions(headers: Sequence[Header]) -> dict[str, str]:
     """Return the software versions in the headers; this machine may have other versions now."""
     made = [one['made_with'] for one in headers if isinstance(one.get('made_with'), dict)]
     found = {name: _texts(made, name) for name in dict.fromkeys(chain(*made))}
-    found['environment'] = _digests(headers)['environment']
+    found['environment'] = _texts(headers, 'environment', DIGEST_CHARS)
     return {name: ' and '.join(texts) for name, texts in found.items() if texts}
 
 
-def _texts(headers: Sequence[Header], name: str) -> tuple[str, ...]:
-    """Return the distinct values of one field in the headers, as strings."""
-    return tuple(dict.fromkeys(str(one[name]) for one in headers if name in one))
+def _texts(headers: Sequence[Header], name: str, most: int | None = None) -> tuple[str, ...]:
+    """Return the distinct values of one field in the headers, as strings of limited length."""
+    return tuple(dict.fromkeys(str(one[name])[:most] for one in headers if name in one))
 
 
 def _header(path: Path) -> Header:

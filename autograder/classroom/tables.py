@@ -1,13 +1,16 @@
-"""Read CSV files that people and learning platforms write, and write them in the same form."""
+"""Read CSV files that people and learning platforms write, and notes of the grader in JSON."""
 
 from __future__ import annotations
 
 import csv
 from dataclasses import dataclass
 import io
+import json
 from pathlib import Path
+from typing import Any
 
 from autograder.errors import GraderError
+from autograder.submission.reading import read_file
 
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 
@@ -76,3 +79,12 @@ def read_bytes(path: Path, what: str, fix: str) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise GraderError(f'{path}: {what} cannot be read: {error.strerror}.', fix) from error
+
+
+def read_note(path: Path) -> Any:
+    """Return the content of a JSON file; None if it is missing or damaged."""
+    data, _ = read_file(path, path.name)
+    try:
+        return json.loads(data or b'null')
+    except (ValueError, RecursionError):
+        return None

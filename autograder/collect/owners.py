@@ -17,7 +17,7 @@ import pwd
 
 from autograder.collect.source.deliveries import Handed
 from autograder.errors import GraderError
-from autograder.gradebook.settings import load_config
+from autograder.gradebook.database import load_config
 from autograder.layout import Layout
 
 ADVICE = 'if you copied it there yourself: --trust-names (docs/exchange.md)'

@@ -6,10 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from autograder.classroom.class_list import extensions
-from autograder.classroom.delivered import Delivered, keep_delivered
-from autograder.classroom.not_collected import keep_not_collected, NotCollected
-from autograder.classroom.people import keep_people
+from autograder.classroom.collected import (
+    Delivered,
+    keep_delivered,
+    keep_not_collected,
+    NotCollected,
+)
+from autograder.classroom.people import extensions, keep_people
 from autograder.collect.choice import choose, Chosen, look, of_all
 from autograder.collect.kinds.kind import EXCHANGE, Found, handed_in
 from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes

@@ -50,11 +50,7 @@ def takes(*options: Option) -> Callable[[Command], Command]:
 
 
 def describe(parser: argparse.ArgumentParser, run: Callable[..., Any], *more: Option) -> None:
-    """
-    Add a command's options to its parser.
-
-    :param more: options in addition to those attached with :func:`takes`
-    """
+    """Add a command's options and ``more`` to its parser."""
     for add in (*vars(run)['options'], *more):
         add(parser)
 
@@ -71,10 +67,7 @@ ASSIGNMENT_OR_ALL = option(
 )
 SUBMITTED = option('--submitted', 'folder of submissions, as for grade', type=Path, metavar='DIR')
 TO_SUBMITTED = option(
-    '--to',
-    'folder to write to (default: autograder/_work/submitted)',
-    type=Path,
-    metavar='DIR',
+    '--to', 'folder to write to (default: autograder/_work/submitted)', type=Path, metavar='DIR'
 )
 VISIBLE = flag('--visible', 'run only the visible checks')
 FRESH = flag('--fresh', 'run every program again, even if its recording is stored')

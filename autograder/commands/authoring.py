@@ -17,9 +17,7 @@ from autograder.grading.pipeline import grading_engine
 from autograder.layout import Layout
 
 
-@takes(
-    option('folder', 'folder to create, or an empty folder', type=Path, metavar='DIR'),
-)
+@takes(option('folder', 'folder to create, or an empty folder', type=Path, metavar='DIR'))
 def new_course_command(chosen: argparse.Namespace) -> int:
     """Create the folder of a course and print the next commands."""
     made = new_course(chosen.folder)

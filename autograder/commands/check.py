@@ -21,6 +21,7 @@ from typing import Any, TYPE_CHECKING
 from autograder.commands import describe, JSON, OK, option, takes, USAGE, VISIBLE
 from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
 from autograder.layout import Layout
+from autograder.results import Problem
 from environment.ros import EnvironmentError_
 
 if TYPE_CHECKING:
@@ -79,11 +80,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _kept_builds(exam: Exam) -> Path | None:
-    """
-    Return the folder of recordings for an exam that builds a package, else None.
-
-    Stored recordings spare the next check a build if the files have not changed.
-    """
+    """Return the folder of recordings if it spares the next check a build, else None."""
     folder = Layout.here().recordings
     if exam.scenario.program not in ('build', 'package'):
         return None
@@ -118,7 +115,13 @@ def refuse(error: Exception, as_json: bool) -> None:
     what, fix = _what_and_fix(error)
     print(f'autograder: {" ".join(f"{what} {fix}".split())}', file=sys.stderr)
     if as_json:
-        print(json.dumps({'error': _as_problem(what, fix)}))
+        fix = (
+            fix.removeprefix('Try: ').rstrip('.')
+            or 'run the cell again; if the error remains, type make doctor in a terminal'
+        )
+        where = 'the checker itself, not your code'
+        problem = Problem(where, 'a verdict', what.rstrip(' .'), fix)
+        print(json.dumps({'error': asdict(problem)}))
 
 
 def _what_and_fix(error: Exception) -> tuple[str, str]:
@@ -132,18 +135,6 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
         return said.what, said.fix
     what, found, fix = str(error).partition('Try: ')
     return what, found + fix
-
-
-def _as_problem(what: str, fix: str) -> dict[str, Any]:
-    """Return an error as a :class:`Problem` in JSON types, for the notebook to show."""
-    from autograder.results import Problem
-
-    fix = (
-        fix.removeprefix('Try: ').rstrip('.')
-        or 'run the cell again; if the error remains, type make doctor in a terminal'
-    )
-    where = 'the checker itself, not your code'
-    return asdict(Problem(where, 'a verdict', what.rstrip(' .'), fix))
 
 
 if __name__ == '__main__':

@@ -12,7 +12,7 @@ import argparse
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
-import hashlib
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +25,8 @@ from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
 from autograder.exports.as_json import submission_json
-from autograder.grading.again import again, NothingRuns
-from autograder.grading.pipeline import Lesson, load_lesson, open_one
+from autograder.grading.examine import again
+from autograder.grading.pipeline import load_lesson, open_one
 from autograder.judging.deviation import deviation
 from autograder.layout import Layout
 from autograder.recording import Recording
@@ -89,16 +89,17 @@ def evidence(
     """
     result, exam_result, verdict = _find(layout, student, check, assignment)
     student = result.student
-    lesson = load_lesson(layout, result.assignment, NothingRuns())
+    lesson = load_lesson(layout, result.assignment)
     exam = next((one for one in lesson.exams if one.name == exam_result.exam), None)
     if exam is None:
         raise GraderError(f'The exam {exam_result.exam} of this result no longer exists.')
     folder = submitted or layout.submitted
-    found = _files(lesson, exam, student, folder)
+    files: Mapping[str, str] = {}
     now = f'cannot be judged again: no submission of {student} in {folder}; try --submitted'
-    if found is not None:
-        now = _now(layout, exam, verdict, found, exam_result)
-    files = found or {}
+    for submission in discover(folder, lesson.assignment, lesson.notebook, ()):
+        if submission.student == student:
+            files = lesson.files(open_one(submission, lesson))[exam.name].files
+            now = _now(layout, exam, verdict, files, exam_result)
     path = layout.recordings / exam.name / exam_result.recording
     recording = None
     with suppress(RecordingInvalid):
@@ -110,7 +111,7 @@ def evidence(
         'fault': result.fault,
         'check': asdict(verdict),
         'now': now,
-        'files': {name: _sha256(text.encode()) for name, text in files.items()},
+        'files': {name: sha256(text.encode()).hexdigest() for name, text in files.items()},
         'isolation': exam_result.mode,
         'flags': list(result.flags),
         'recording': _about(path, recording, files) if recording else None,
@@ -129,42 +130,36 @@ def results_of(
     :raises GraderError: if the student is not in the last results
     """
     results = [result for one in graded(layout, assignment) for result in one.results]
-    name = student_named(layout, student, {result.student for result in results})
-    return [result for result in results if result.student == name]
+    there = {result.student for result in results}
+    if name := student_named(layout, student, there):
+        return [result for result in results if result.student == name]
+    raise GraderError(
+        f'{student}: no student with this name or id has results.',
+        f'Students with results: {", ".join(sorted(there)[:20])}.',
+    )
 
 
 def _find(
     layout: Layout, student: str, check: str, assignment: str | None
 ) -> tuple[SubmissionResult, ExamResult, CheckResult]:
-    wanted_exam, _, name = check.rpartition('/')
-    there: list[str] = []
-    found = []
-    for result in results_of(layout, student, assignment):
-        for exam in result.exams:
-            there += [f'{exam.exam}/{verdict.check}' for verdict in exam.checks]
-            found += [
-                (result, exam, verdict)
-                for verdict in exam.checks
-                if verdict.check == name and wanted_exam in ('', exam.exam)
-            ]
+    every = [
+        (result, exam, verdict)
+        for result in results_of(layout, student, assignment)
+        for exam in result.exams
+        for verdict in exam.checks
+    ]
+    there = [f'{exam.exam}/{verdict.check}' for _, exam, verdict in every]
+    found = [one for one, name in zip(every, there) if f'/{name}'.endswith(f'/{check}')]
     if len(found) == 1:
         return found[0]
     if found:
-        several = ', '.join(f'{exam.exam}/{name}' for _, exam, _ in found)
+        several = ', '.join(f'{exam.exam}/{verdict.check}' for _, exam, verdict in found)
         raise GraderError(
             f'{check}: several checks have this name: {several}.', 'Try: name one of them'
         )
     raise GraderError(
         f'{check}: {student} has no check of this name.', f'Try: one of {", ".join(there)}'
     )
-
-
-def _files(lesson: Lesson, exam: Exam, student: str, submitted: Path) -> Mapping[str, str] | None:
-    for submission in discover(submitted, lesson.assignment, lesson.notebook, ()):
-        if submission.student == student:
-            opened = open_one(submission, lesson)
-            return lesson.files(opened)[exam.name].files
-    return None
 
 
 def _now(
@@ -175,7 +170,7 @@ def _now(
     exam_result: ExamResult,
 ) -> str:
     """Judge the check once more and return a sentence that compares the verdicts."""
-    result, why = again(layout, exam, files, exam_result)
+    result, why = again(layout.recordings, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
     for check in result.checks:
@@ -188,35 +183,32 @@ def _now(
 
 
 def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
+    process = recording.process
+    # stderr says more than stdout, unless it is empty.
+    texts = [str(process.get(name, '')) for name in ('stderr', 'stdout')]
+    said = next((text for text in texts if text.strip()), '')
     return {
         'name': path.name,
-        'sha256': _sha256(path.read_bytes()),
+        'sha256': sha256(path.read_bytes()).hexdigest(),
         'header': dict(recording.header),
         'events': len(recording.events),
         'end': recording.end_reason,
         'process': {
             name: value
-            for name, value in recording.process.items()
+            for name, value in process.items()
             if name not in ('event', 'stdout', 'stderr')
         },
         'of_these_files': recording.header.get('files') == files_digest(files),
-        'said': _last_words(recording),
+        'said': [line for line in said.splitlines() if line.strip()][-LAST_WORDS:],
     }
-
-
-def _last_words(recording: Recording) -> list[str]:
-    """Return the last lines that the program printed to stderr or, if that is empty, stdout."""
-    streams = (str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
-    said = next((text for text in streams if text.strip()), '')
-    return [line for line in said.splitlines() if line.strip()][-LAST_WORDS:]
 
 
 def _around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording
 ) -> dict[str, Any]:
     """Return the first deviation, the events around it, and the last inputs before it."""
-    checks = [one for one in exam.checks if one.name == name]
-    where = deviation(checks[0], Run(files, recording, exam.facts)) if checks else None
+    check = next((one for one in exam.checks if one.name == name), None)
+    where = deviation(check, Run(files, recording, exam.facts)) if check else None
     events = recording.events
     seen = [number for number, event in enumerate(events) if live_line(event)]
     shown, moment = seen[: BEFORE + AFTER], None
@@ -236,19 +228,11 @@ def _around(
     }
 
 
-def _sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
-
-
 # -- as text --------------------------------------------------------------------------------
 
 
 def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
-    """
-    Return the checks of one student, one per line, as plain text.
-
-    :param results: from :func:`results_of`
-    """
+    """Return the checks of one student, one per line, as plain text."""
     lines = []
     people = read_people(layout)
     for result in results:
@@ -261,19 +245,19 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
                     f'  {check.verdict.value:7} {points_of(check):>9}  {exam.exam}/{check.check}'
                 )
                 lines.append(f'{head}  {check.cause}' if check.cause else head)
-    lines = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
-    return '\n'.join([*lines, 'To see the evidence behind a verdict: explain STUDENT EXAM/CHECK'])
+    return _narrow([*lines, 'To see the evidence behind a verdict: explain STUDENT EXAM/CHECK'])
 
 
 def evidence_text(found: Mapping[str, Any]) -> str:
-    """
-    Return the evidence as plain text of at most :data:`MOST_LINES` lines.
-
-    :param found: from :func:`evidence`
-    """
+    """Return the evidence as plain text of at most :data:`MOST_LINES` lines."""
     lines = [*_verdict_lines(found), '', *_seen_lines(found), '', *_origin_lines(found)]
+    return _narrow(lines, MOST_LINES)
+
+
+def _narrow(lines: Sequence[str], most: int | None = None) -> str:
+    """Return text with lines of limited length and without control characters."""
     short = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
-    return '\n'.join(short[:MOST_LINES])
+    return '\n'.join(short[:most])
 
 
 def _verdict_lines(found: Mapping[str, Any]) -> list[str]:

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 import sys
 
-from autograder.classroom.delivered import read_delivered
+from autograder.classroom.collected import read_delivered
 from autograder.classroom.people import read_people
-from autograder.classroom.results_of_class import ClassResults, graded
+from autograder.classroom.results_of_class import graded
 from autograder.classroom.tables import read_bytes
 from autograder.collect.namesakes import read_namesakes
 from autograder.commands import (
@@ -28,29 +28,19 @@ from autograder.explaining.feedback import number, printable
 from autograder.exports import canvas, lti, moodle
 from autograder.exports.as_json import results_json
 from autograder.exports.feedback_zip import feedback_zip
-from autograder.exports.gradescope import RESULTS, results_bytes, results_in, VISIBILITIES
-from autograder.exports.gradescope_zip import autograder_zip
+from autograder.exports.gradescope import autograder_zip, VISIBILITIES
 from autograder.exports.junit import junit_xml
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
 from autograder.exports.table import checks_csv, marks_csv
-from autograder.files import keep, refuse_existing, safe_name
+from autograder.files import keep, refuse_existing
 from autograder.layout import Layout
 from autograder.sandboxes.isolation import MODES, WEAK
 
-Marked = Sequence[tuple[ClassResults, Sequence[Mark]]]
-Made = tuple[Mapping[Path, bytes | None], bool, str]
-"""Content by path (None removes the file), whether a score is missing, and text to print."""
+Made = tuple[bytes, bool, str]
+"""Content of the file (empty for no file), whether a score is missing, and text to print."""
 Make = Callable[[Layout, argparse.Namespace, Path], Made]
-VISIBILITY = option(
-    '--visibility',
-    'when students see the tests (default: %(default)s)',
-    choices=VISIBILITIES,
-    default=VISIBILITIES[0],
-)
 COMMON = (
-    option(
-        '--to', 'file or folder to write (default: in _work/exports/)', type=Path, metavar='PATH'
-    ),
+    option('--to', 'file to write (default: in _work/exports/)', type=Path, metavar='PATH'),
     flag('--force', 'replace an existing file'),
 )
 
@@ -78,62 +68,61 @@ def run(chosen: argparse.Namespace) -> int:
     """Export the results in one format."""
     layout = Layout.here()
     make, ending, _ = FORMATS[chosen.format]
-    name = layout.assignment_named(chosen.assignment) if chosen.assignment else 'all'
-    path = getattr(chosen, 'to', None) or layout.work / 'exports' / f'{name}{ending}'
-    files, left_out, said = make(layout, chosen, path)
-    refuse_existing(files, getattr(chosen, 'force', False))
-    for file, data in files.items():
-        if data is None:
-            file.unlink(missing_ok=True)
-        else:
-            keep(file, data, 0o600 if make is _autograder else 0o644)
-    print('\n'.join(filter(None, (str(path) if files else '', printable(said)))))
+    if chosen.assignment:
+        chosen.assignment = layout.assignment_named(chosen.assignment)
+    name = f'{chosen.assignment or "all"}{ending}'
+    path = getattr(chosen, 'to', None) or layout.work / 'exports' / name
+    data, left_out, said = make(layout, chosen, path)
+    if data:
+        refuse_existing([path], chosen.force)
+        keep(path, data, 0o600 if make is _autograder else 0o644)
+        print(path)
+    if said:
+        print(printable(said))
     return FOR_REVIEW if left_out else OK
 
 
-def _marked(layout: Layout, chosen: argparse.Namespace) -> Marked:
-    """Return the results and marks of each chosen assignment; print who lost points as late."""
+def _marks(layout: Layout, chosen: argparse.Namespace) -> list[Mark]:
+    """Return the marks in the chosen assignments; print who lost points as late."""
     source = getattr(chosen, 'points', AUTOMATIC)
-    found = [(one, marks(layout, one, source)) for one in graded(layout, chosen.assignment)]
-    for one, given in found:
-        for mark in given:
-            if mark.late_points:
-                lost = f'{number(mark.late_points)} points less, to {number(mark.points or 0.0)}'
-                line = f'late: {one.assignment}: {mark.student}: {lost}'
-                print(printable(line), file=sys.stderr)
+    found = [
+        mark for one in graded(layout, chosen.assignment) for mark in marks(layout, one, source)
+    ]
+    for mark in found:
+        if mark.late_points:
+            lost = f'{number(mark.late_points)} points less, to {number(mark.points or 0.0)}'
+            _warn(f'late: {mark.assignment}: {mark.student}: {lost}')
     return found
 
 
-def _without_mark(marked: Marked) -> bool:
+def _without_mark(given: Sequence[Mark]) -> bool:
     """Print who has no mark, and return whether there is such a student."""
-    missing = [(one, mark) for one, given in marked for mark in given if mark.points is None]
-    for one, mark in missing:
-        line = f'no mark: {one.assignment}: {mark.student}: {mark.status}'
-        print(printable(line), file=sys.stderr)
+    missing = [mark for mark in given if mark.points is None]
+    for mark in missing:
+        _warn(f'no mark: {mark.assignment}: {mark.student}: {mark.status}')
     return bool(missing)
 
 
-@takes(ASSIGNMENT_OR_ALL, _points(AUTOMATIC))
-def _csv(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    marked = _marked(layout, chosen)
-    return {path: marks_csv(marked, read_people(layout))}, _without_mark(marked), ''
+def _warn(line: str) -> None:
+    print(printable(line), file=sys.stderr)
 
 
-def _of_results(write: Callable[[Marked], bytes]) -> Make:
-    @takes(ASSIGNMENT_OR_ALL)
+def _of_marks(write: Callable[[Layout, Sequence[Mark]], bytes], *options: Option) -> Make:
+    @takes(ASSIGNMENT_OR_ALL, *options)
     def make(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-        marked = _marked(layout, chosen)
-        return {path: write(marked)}, _without_mark(marked), ''
+        given = _marks(layout, chosen)
+        return write(layout, given), _without_mark(given), ''
 
     return make
 
 
-def _keep_download(path: Path, download: Path, what: str) -> None:
-    """Refuse to write over the file that a platform exported, even with ``--force``."""
+def _download(path: Path, download: Path, what: str, fix: str) -> bytes:
+    """Read a platform's file, which the output must not replace, even with ``--force``."""
     if path.resolve() == download.resolve():
         raise GraderError(
             f'{path}: the output would overwrite {what}.', 'Try: --to with a different name'
         )
+    return read_bytes(download, what, fix)
 
 
 @takes(
@@ -144,11 +133,11 @@ def _keep_download(path: Path, download: Path, what: str) -> None:
     _points(GRADEBOOK),
 )
 def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    _keep_download(path, chosen.gradebook, 'the gradebook from Canvas')
-    ((_, given),) = _marked(layout, chosen)
-    data = canvas.read_file(chosen.gradebook)
-    done = canvas.fill(data, str(chosen.gradebook), chosen.column, given, chosen.scale)
-    return {path: done.data}, bool(done.left_out), done.text()
+    file = chosen.gradebook
+    data = _download(path, file, 'the gradebook from Canvas', canvas.FIX)
+    given = _marks(layout, chosen)
+    done = canvas.fill(data, str(file), chosen.column, given, chosen.scale)
+    return done.data, bool(done.left_out), done.text()
 
 
 @takes(
@@ -166,16 +155,16 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     _points(GRADEBOOK),
 )
 def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    _keep_download(path, chosen.worksheet, 'the worksheet from Moodle')
-    ((found, given),) = _marked(layout, chosen)
+    file = chosen.worksheet
+    data = _download(path, file, 'the worksheet from Moodle', moodle.FIX)
+    given = _marks(layout, chosen)
     numbers = {
-        student: of_one[found.assignment]
+        student: of_one[chosen.assignment]
         for student, of_one in read_namesakes(layout).numbers.items()
-        if found.assignment in of_one
+        if chosen.assignment in of_one
     }
-    data = read_bytes(chosen.worksheet, 'the worksheet from Moodle', moodle.FIX)
-    done = moodle.fill(data, str(chosen.worksheet), given, numbers, chosen.column, chosen.scale)
-    return {path: done.data}, bool(done.left_out), done.text()
+    done = moodle.fill(data, str(file), given, numbers, chosen.column, chosen.scale)
+    return done.data, bool(done.left_out), done.text()
 
 
 @takes(
@@ -191,45 +180,29 @@ def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     _points(GRADEBOOK),
 )
 def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    ((found, given),) = _marked(layout, chosen)
-    platform = lti.read_platform(chosen.platform)
-    url = lti.line_item(platform, chosen.platform, found.assignment)
+    given, platform = _marks(layout, chosen), lti.read_platform(chosen.platform)
+    url = lti.line_item(platform, chosen.platform, chosen.assignment)
     done = lti.send(platform, url, given, chosen.dry_run)
     said = 'Nothing was sent.' if chosen.dry_run else ''
-    return {}, bool(done.left_out), '\n'.join(filter(None, (done.text(), said)))
+    return b'', bool(done.left_out), '\n'.join(filter(None, (done.text(), said)))
 
 
 @takes(ASSIGNMENT, _points(GRADEBOOK))
 def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     from autograder.gradebook.converters import feedback  # nbgrader takes seconds to import
 
-    ((found, given),) = marked = _marked(layout, chosen)
+    given = _marks(layout, chosen)
     ready = [mark.student for mark in given if mark.points is not None]
-    pages = feedback(layout, found.assignment, ready)
+    pages = feedback(layout, chosen.assignment, ready)
     names = {
         student: one
-        for (assignment, student), one in read_delivered(layout).items()
-        if assignment == found.assignment
+        for (name, student), one in read_delivered(layout).items()
+        if name == chosen.assignment
     }
     if absent := sorted({*ready} - pages.keys()):
-        said = f'{found.assignment}: no feedback page for {", ".join(absent)}.'
+        said = f'{chosen.assignment}: no feedback page for {", ".join(absent)}.'
         raise GraderError(printable(said), 'Try: make grade, then the same command again')
-    said = f'{len(pages)} pages.'
-    return {path: feedback_zip(pages, names)}, _without_mark(marked), said
-
-
-@takes(ASSIGNMENT, VISIBILITY)
-def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Made:
-    ((found, given),) = marked = _marked(layout, chosen)
-    files = {
-        # None removes a file of an earlier grading.
-        folder / safe_name(one.student) / RESULTS: None
-        if mark.points is None
-        else results_bytes(one, chosen.visibility)
-        for one, mark in zip(found.results, given)  # those without a submission come last
-    }
-    files |= dict.fromkeys(set(results_in(folder, found.assignment)) - set(files))
-    return files, _without_mark(marked), ''
+    return feedback_zip(pages, names), _without_mark(given), f'{len(pages)} pages.'
 
 
 @takes(
@@ -241,37 +214,41 @@ def _gradescope(layout: Layout, chosen: argparse.Namespace, folder: Path) -> Mad
         default='',
         metavar='MODE',
     ),
-    VISIBILITY,
+    option(
+        '--visibility',
+        'when students see the tests (default: %(default)s)',
+        choices=VISIBILITIES,
+        default=VISIBILITIES[0],
+    ),
 )
 def _autograder(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
-    assignment = layout.assignment_named(chosen.assignment)
-    data = autograder_zip(layout, assignment, chosen.visibility, chosen.allow_weak)
+    data = autograder_zip(layout, chosen.assignment, chosen.visibility, chosen.allow_weak)
     said = 'It contains the hidden exams and the secret of the course: keep it secret.'
-    return {path: data}, False, said
+    return data, False, said
 
 
 FORMATS: Mapping[str, tuple[Make, str, str]] = {
     'csv': (
-        _csv,
+        _of_marks(lambda layout, given: marks_csv(given, read_people(layout)), _points(AUTOMATIC)),
         '.csv',
         'write a table with one row per submission (RFC 4180, safe to open in a spreadsheet)',
     ),
     'checks-csv': (
-        _of_results(lambda marked: checks_csv(one for one, _ in marked)),
+        _of_marks(lambda _, given: checks_csv(given)),
         '.checks.csv',
         'write a table with one row per submission and check',
     ),
     'json': (
-        _of_results(results_json),
+        _of_marks(lambda _, given: results_json(given)),
         '.json',
         'write all results as JSON (see docs/results.schema.json)',
     ),
-    'junit': (_of_results(junit_xml), '.junit.xml', 'write JUnit XML for CI servers'),
-    'canvas': (
-        _canvas,
-        '.canvas.csv',
-        'fill one column of a gradebook file exported from Canvas',
+    'junit': (
+        _of_marks(lambda _, given: junit_xml(given)),
+        '.junit.xml',
+        'write JUnit XML for CI servers',
     ),
+    'canvas': (_canvas, '.canvas.csv', 'fill one column of a gradebook file exported from Canvas'),
     'moodle': (_moodle, '.moodle.csv', 'fill the grades in a grading worksheet from Moodle'),
     'lti': (_lti, '', 'send the marks to a learning platform by LTI 1.3'),
     'feedback': (
@@ -279,7 +256,6 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         '.feedback.zip',
         'pack feedback pages with the file names that Canvas and Moodle expect',
     ),
-    'gradescope': (_gradescope, '.gradescope', 'write a results.json per submission'),
     'gradescope-autograder': (
         _autograder,
         '.gradescope.zip',

@@ -9,19 +9,20 @@ with equal files share them.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection
 from contextlib import nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 import shutil
 import time
+from typing import NoReturn
 
 from sqlalchemy import text
 
+from autograder.classroom.collected import keep_delivered, keep_not_collected, read_not_collected
 from autograder.classroom.course_lock import alone
-from autograder.classroom.delivered import forget_delivered
-from autograder.classroom.not_collected import forget_not_collected, read_not_collected
-from autograder.classroom.people import namesake, saved_people
+from autograder.classroom.people import saved_people, student_named
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.namesakes import keep_namesakes, read_namesakes
 from autograder.commands import flag, OK, option, takes
@@ -29,10 +30,9 @@ from autograder.commands.grade import short
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import json_bytes, keep
-from autograder.gradebook.connection import query
-from autograder.gradebook.copies import keep_copy
-from autograder.gradebook.forget import forget_made
+from autograder.gradebook.database import keep_copy, query
 from autograder.gradebook.journal import journal, noted
+from autograder.gradebook.record import forget_made
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 
@@ -82,67 +82,45 @@ def traces(layout: Layout, student: str) -> Traces:
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
     """
-    student = _student(layout, student)
-    has_results = [name for name, graded in _results(layout).items() if student in graded]
+    marks, saved = _marks(layout), saved_people(layout)
+    refused = read_not_collected(layout)
+    graded = {
+        one: {result.student for result in last_results(layout, one)}
+        for one in layout.assignments()
+        if results_file(layout, one).is_file()
+    }
+    made = [layout.work / 'autograded', layout.work / 'feedback']
+    folders = {above: _folders(above) for above in (layout.submitted, *made)}
+    known = {*marks, *saved, *(one.student for one in refused)}
+    known.update(*folders.values(), *graded.values())
+    student = student_named(layout, student, known) or _unknown(student, known)
+    has_results = [name for name, students in graded.items() if student in students]
     entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
-    name = saved_people(layout).get(student)
-    folders = tuple(above / student for above in _made(layout) if student in _folders(above))
+    theirs = tuple(above / student for above in made if student in folders[above])
     lines = [
-        *(f'gradebook: {mark}' for mark in _marks(layout).get(student, ())),
+        *(f'gradebook: {mark}' for mark in marks.get(student, ())),
         f'reports: result and page of {", ".join(has_results)}' if has_results else '',
         f'journal of the gradebook: {", ".join(entered)}' if entered else '',
-        f'name: {name}' if name else '',
-        *(
-            f'reports: {one.reason}'
-            for one in read_not_collected(layout)
-            if one.student == student
-        ),
-        *(f'folder: {short(folder, layout)}' for folder in folders),
+        f'name: {saved[student]}' if student in saved else '',
+        *(f'reports: {one.reason}' for one in refused if one.student == student),
+        *(f'folder: {short(folder, layout)}' for folder in theirs),
     ]
     moved, place = None, layout.submitted / student
-    if student in _folders(layout.submitted):
+    if student in folders[layout.submitted]:
         line = f'not touched: {short(place, layout)}'
         if student in students_in(layout.submitted, layout.assignments()):
             moved, to = place, short(_forgotten(layout), layout)
             line = f'moved to {to} so that it is not graded again: {short(place, layout)}'
         lines.append(line)
-    return Traces(student, tuple(filter(None, lines)), folders, moved)
+    return Traces(student, tuple(filter(None, lines)), theirs, moved)
 
 
-def _student(layout: Layout, name: str) -> str:
-    """
-    Return the id of a student about whom the course has any data.
-
-    :raises GraderError: if there is no such student, or several have the name
-    """
-    folders = (_folders(above) for above in (layout.submitted, *_made(layout)))
-    refused = (one.student for one in read_not_collected(layout))
-    known = {*_marks(layout), *saved_people(layout), *refused}.union(
-        *folders, *_results(layout).values()
-    )
-    if name in known:
-        return name
-    if found := namesake(layout, name, known):
-        return found
+def _unknown(name: str, known: Collection[str]) -> NoReturn:
     close = get_close_matches(name, known, n=3)
     raise GraderError(
         printable(f'{name}: there is no such student.'),
         printable(f'Did you mean {", ".join(close)}?') if close else '',
     )
-
-
-def _results(layout: Layout) -> dict[str, set[str]]:
-    """Return the ids of the students with results, by assignment."""
-    return {
-        one: {result.student for result in last_results(layout, one)}
-        for one in layout.assignments()
-        if results_file(layout, one).is_file()
-    }
-
-
-def _made(layout: Layout) -> tuple[Path, ...]:
-    """Return the folders in which nbgrader keeps one folder per student."""
-    return layout.work / 'autograded', layout.work / 'feedback'
 
 
 def forget(layout: Layout, student: str) -> Path | None:
@@ -161,12 +139,17 @@ def forget(layout: Layout, student: str) -> Path | None:
         place = _forgotten(layout) / f'{student}_{now}'
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
-    forget_not_collected(layout, student)
-    forget_delivered(layout, student)
+    keep_not_collected(layout, (), without=student)
+    keep_delivered(layout, {}, without=student)
     forget_made(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)
-    _forget_name(layout, student)
+    known = read_namesakes(layout)
+    if known.numbers.pop(student, None):
+        keep_namesakes(layout, known, ())
+    people = saved_people(layout)
+    if people.pop(student, ''):
+        keep(layout.people, json_bytes(people))
     return copy
 
 
@@ -204,13 +187,3 @@ join assignment on assignment.id = submitted_assignment.assignment_id
 group by submitted_assignment.student_id, assignment.name
 order by assignment.name
 """
-
-
-def _forget_name(layout: Layout, student: str) -> None:
-    """Remove a student's saved display name and Moodle participant numbers."""
-    known = read_namesakes(layout)
-    if known.numbers.pop(student, None):
-        keep_namesakes(layout, known, ())
-    people = saved_people(layout)
-    if people.pop(student, ''):
-        keep(layout.people, json_bytes(people))

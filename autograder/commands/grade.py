@@ -21,27 +21,20 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
-from autograder.classroom.class_list import extensions
-from autograder.classroom.class_report import write_all_reports
+from autograder.classroom.collected import not_collected, not_listed
 from autograder.classroom.course_lock import alone
-from autograder.classroom.not_collected import not_collected, not_listed
-from autograder.classroom.pages import print_table
-from autograder.classroom.people import read_people
-from autograder.classroom.results_of_class import modes, results_of_others
+from autograder.classroom.pages import print_table, write_all_reports
+from autograder.classroom.people import extensions, read_people
+from autograder.classroom.results_of_class import modes, ran_s, results_of_others
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
-from autograder.commands.progress import progress, Totals
+from autograder.commands.progress import progress, slowest_text
 from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
-from autograder.gradebook.cell_points import refuse_unfit_points
-from autograder.gradebook.copies import refuse_damaged
+from autograder.gradebook.database import refuse_damaged
 from autograder.gradebook.live_entry import Entering, Guard
-from autograder.grading.pipeline import (
-    Engine,
-    grade_class,
-    grading_engine,
-    load_lesson,
-)
+from autograder.gradebook.record import refuse_unfit_points
+from autograder.grading.pipeline import Engine, grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
 from autograder.results import first_of, SubmissionResult
 from autograder.runs.grading_folder import grading_folder
@@ -51,14 +44,6 @@ from autograder.submission.inbox import discover, students_in, without_notebooks
 AHEAD = 64
 """Minimum number of runs queued on a cluster, so that workers that join later have work."""
 MAX_NAMED = 5
-
-
-class NotEnteredError(GraderError):
-    """Some results could not be entered in the gradebook or written to the reports."""
-
-    def __init__(self, what: str, results: Sequence[SubmissionResult]) -> None:
-        super().__init__(what)
-        self.results = tuple(results)
 
 
 def _processors() -> int:
@@ -257,53 +242,48 @@ class Grading:
         results: list[SubmissionResult] = []
         trouble: list[str] = []
         for assignment in assignments:
-            try:
-                results += self.one(assignment)
-            except NotEnteredError as error:
-                results += error.results
-                trouble.append(str(error))
+            found, why = self.one(assignment)
+            results += found
+            trouble.append(why)
         trouble.append(self.guard.refusal('everything else was entered'))
         return results, ' '.join(filter(None, dict.fromkeys(trouble)))
 
-    def one(self, assignment: str) -> list[SubmissionResult]:
+    def one(self, assignment: str) -> tuple[list[SubmissionResult], str]:
         """
         Grade one assignment.
 
-        :raises NotEnteredError: if some results could not be entered in the gradebook or written;
-            the error holds all results
+        :returns: the results, and why some were not entered in the gradebook or written, empty if
+            all were
         """
         layout, lesson = self.layout, load_lesson(self.layout, assignment, self.engine)
         class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
         if not class_:
-            return []
+            return [], ''
         # Read the old results before any run: if they are damaged, no run is wasted.
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():
             others = results_of_others(layout, assignment, {one.student for one in class_})
         entering = Entering(layout, lesson, self.guard)
         enter = entering.add if self.enters else lambda graded: None
-        began, totals = time.monotonic(), Totals()
-        with progress(len(class_) * len(lesson.exams), assignment, totals=totals) as show:
+        began = time.monotonic()
+        with progress(len(class_) * len(lesson.exams), assignment) as show:
             graded = grade_class(class_, lesson, self.engine, self.jobs, show, enter)
-        graded_s = time.monotonic() - began
+        runs_s = time.monotonic() - began
         new, refused = entering.finish()
         results = [one.result for one in graded]
+        lowered = self.guard.lowered_in(assignment)
         parts = [
-            *_about_runs(results, time.monotonic() - began, graded_s, totals),
-            *self._about_marks(assignment, len(results) - new),
+            about_runs(results, time.monotonic() - began, runs_s),
+            *self._about_marks(lowered, len(results) - new),
             *self._about_others(results, others),
         ]
         unwritten = self._report(assignment, results, others, ' '.join(parts))
-        lowered = self.guard.lowered_in(assignment)
         for line in lowered if len(lowered) > MAX_NAMED else ():
             self.told.print(f'  {line}', highlight=False, markup=False)
-        if trouble := ' '.join(dict.fromkeys(filter(None, (refused, unwritten)))):
-            raise NotEnteredError(trouble, results)
-        return results
+        return results, ' '.join(dict.fromkeys(filter(None, (refused, unwritten))))
 
-    def _about_marks(self, assignment: str, not_entered: int) -> Iterator[str]:
+    def _about_marks(self, lowered: Sequence[str], not_entered: int) -> Iterator[str]:
         """Yield sentences about marks in the gradebook that are unchanged or lower."""
-        lowered = self.guard.lowered_in(assignment)
         kept = not_entered - (0 if self.guard.yes else len(lowered))
         if self.enters and kept:
             yield f'{kept} were already in the gradebook.'
@@ -315,12 +295,13 @@ class Grading:
         self, results: Sequence[SubmissionResult], others: Sequence[SubmissionResult]
     ) -> Iterator[str]:
         """Yield whose work was not graded, and who is not on the class list."""
-        if unknown := not_listed(self.layout, [one.student for one in results]):
-            some = printable(first_of(unknown, MAX_NAMED))
-            yield f'Not on the class list: {some}.'
-        if folders := without_notebooks(self.submitted, self.layout.assignments()):
-            some = printable(first_of(folders, MAX_NAMED))
-            yield f'Folders without a notebook of the course were not graded: {some}.'
+        folders = without_notebooks(self.submitted, self.layout.assignments())
+        for said, names in (
+            ('Not on the class list', not_listed(self.layout, [one.student for one in results])),
+            ('Folders without a notebook of the course were not graded', folders),
+        ):
+            if names:
+                yield f'{said}: {printable(first_of(names, MAX_NAMED))}.'
         if others:
             count = len(others)
             yield f'{count} other students are not in this folder; their results are unchanged.'
@@ -352,19 +333,18 @@ class Grading:
         return unwritten
 
 
-def _about_runs(
-    results: Sequence[SubmissionResult], total_s: float, runs_s: float, totals: Totals
-) -> Iterator[str]:
-    """Yield a sentence with the duration, the isolation modes and the number for review."""
+def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: float) -> str:
+    """Return a sentence with the duration, the isolation modes and the number for review."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
-    if len(results) > 1 and (slowest := totals.slowest_text()):
-        facts.append(printable(slowest))
+    slowest = slowest_text({one.student: ran_s(one) for one in results})
+    if len(results) > 1 and slowest:
+        facts.append(slowest)
     if used := modes(results):
         facts.append(f'isolation {", ".join(used)}')
     if reviews := sum(bool(one.review) for one in results):
         facts.append(f'{reviews} for review')
-    yield f'{"; ".join(facts)}.'
+    return f'{"; ".join(facts)}.'
 
 
 def short(path: Path, layout: Layout) -> str:

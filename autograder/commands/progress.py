@@ -8,9 +8,8 @@ runs so far, which is too optimistic if many of them were already recorded.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 import os
 import sys
 import threading
@@ -23,80 +22,50 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from autograder.errors import GraderError
 from autograder.explaining.feedback import printable
-from autograder.grading.pipeline import Done
+from autograder.grading.pipeline import Outcome
 from autograder.results import shortened
 
+Tell = Callable[[str, Outcome], None]
 NAME_CHARS = 30
 LINE_S = 5.0
 """Time between two lines in a log [s]."""
 
 
-@dataclass
-class Totals:
-    """Count the outcomes of a class during the grading; :meth:`add` is thread-safe."""
-
-    counts: Counter[str] = field(default_factory=Counter)
-    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
-    _guard: threading.Lock = field(default_factory=threading.Lock, repr=False)
-
-    def add(self, done: Done) -> None:
-        """Count one run."""
-        with self._guard:
-            if isinstance(done.outcome, GraderError):
-                self.counts['for review'] += 1
-                return
-            full = done.outcome.points >= done.outcome.max_points
-            self.counts['full marks' if full else 'less'] += 1
-            self.seconds[done.student] += done.outcome.ran_s
-
-    @property
-    def slowest(self) -> tuple[str, float]:
-        """Return the student with the longest run time, and the time [s]; ('', 0.0) if unknown."""
-        # Students with equal files share a recording and its time: choose the first by name, so
-        # that the result does not depend on the order of the runs.
-        names = sorted(self.seconds)
-        student = max(names, key=lambda name: round(self.seconds[name], 3), default='')
-        took = self.seconds.get(student, 0.0)
-        return (student, took) if took else ('', 0.0)
-
-    @property
-    def count(self) -> int:
-        """Return the number of runs that have ended."""
-        return self.counts.total()
-
-    def text(self) -> str:
-        """Return the totals as text, such as ``3 full marks, 2 less``."""
-        words = ['full marks', 'less', *(['for review'] if self.counts['for review'] else [])]
-        return ', '.join(f'{self.counts[word]} {word}' for word in words)
-
-    def slowest_text(self) -> str:
-        """Return the slowest student as text; empty if unknown."""
-        student, took = self.slowest
-        if not student:
-            return ''
-        return f'longest run time: {shortened(printable(student), NAME_CHARS)}, {took:.1f} s'
-
-
 @contextmanager
-def progress(
-    total: int, what: str, line_s: float = LINE_S, totals: Totals | None = None
-) -> Iterator[Callable[[Done], None]]:
+def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
     """
-    Show the finished runs, the remaining time and the number of full marks.
+    Show the finished runs, the remaining time, the number of full marks and the slowest student.
 
     :param total: number of all runs
     :param what: label of the progress line, such as the assignment
     :param line_s: time between two lines without a terminal, or in CI [s]
-    :param totals: object that counts the outcomes; None for a new one
     :returns: a function to call after each run, from any thread
     """
-    totals, console = totals or Totals(), Console(stderr=True)
+    # Other threads read the counts, so no key is added later.
+    counts = Counter({'full marks': 0, 'less': 0, 'for review': 0})
+    seconds: dict[str, float] = defaultdict(float)
+    guard, console = threading.Lock(), Console(stderr=True)
+    show = _bar(counts, total, what, console)
     if not is_alive(console):
-        with _lines(totals, total, what, line_s):
-            yield totals.add
-        return
-    with _bar(totals, total, what, console) as tell:
+        show = _lines(counts, total, what, line_s)
+    with show as update:
+
+        def tell(student: str, outcome: Outcome) -> None:
+            with guard:
+                counts[kind_of(outcome)] += 1
+                if not isinstance(outcome, GraderError):
+                    seconds[student] += outcome.ran_s
+                slowest = slowest_text(seconds)
+            update(slowest)
+
         yield tell
+
+
+def kind_of(outcome: Outcome) -> str:
+    """Return how a run is counted."""
+    if isinstance(outcome, GraderError):
+        return 'for review'
+    return 'full marks' if outcome.points >= outcome.max_points else 'less'
 
 
 def is_alive(console: Any) -> bool:
@@ -105,7 +74,9 @@ def is_alive(console: Any) -> bool:
 
 
 @contextmanager
-def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callable[[Done], None]]:
+def _bar(
+    counts: Counter[str], total: int, what: str, console: Console
+) -> Iterator[Callable[[str], None]]:
     """Show a progress bar until the context ends."""
     columns: tuple[Any, ...] = (
         TextColumn('{task.description}'),
@@ -117,37 +88,60 @@ def _bar(totals: Totals, total: int, what: str, console: Any) -> Iterator[Callab
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(escape(what), total=total, totals='')
 
-        def tell(done: Done) -> None:
-            totals.add(done)
-            said = '; '.join(filter(None, (totals.text(), totals.slowest_text())))
-            bar.update(task, advance=1, totals=said)
+        def update(slowest: str) -> None:
+            said = '; '.join(filter(None, (text_of(counts), slowest)))
+            bar.update(task, completed=counts.total(), totals=said)
 
-        yield tell
+        yield update
 
 
 @contextmanager
-def _lines(totals: Totals, total: int, what: str, line_s: float) -> Iterator[None]:
+def _lines(
+    counts: Counter[str], total: int, what: str, line_s: float
+) -> Iterator[Callable[[str], None]]:
     """Print a line every ``line_s`` seconds until all runs have ended."""
     began, ended = time.monotonic(), threading.Event()
 
     def print_lines() -> None:
-        while not ended.wait(line_s) and totals.count < total:
-            said = line_of(totals, total, time.monotonic() - began)
+        while not ended.wait(line_s) and counts.total() < total:
+            said = line_of(counts, total, time.monotonic() - began)
             print(f'{what}: {said}', file=sys.stderr, flush=True)
 
     printer = threading.Thread(target=print_lines, daemon=True)
     printer.start()
     try:
-        yield
+        yield lambda slowest: None
     finally:
         ended.set()
         printer.join()
 
 
-def line_of(totals: Totals, total: int, took_s: float) -> str:
+def text_of(counts: Mapping[str, int]) -> str:
+    """Return the counts as text, such as ``3 full marks, 2 less``."""
+    words = ['full marks', 'less', *(['for review'] if counts['for review'] else [])]
+    return ', '.join(f'{counts[word]} {word}' for word in words)
+
+
+def slowest_text(seconds: Mapping[str, float]) -> str:
+    """
+    Return who had the longest run time, as text; empty if it is unknown.
+
+    Students with equal files share a recording and its time: the first by name is the slowest,
+    whatever the order of the runs.
+
+    :param seconds: run time by student [s]
+    """
+    student = max(sorted(seconds), key=lambda name: round(seconds[name], 3), default='')
+    if not seconds.get(student):
+        return ''
+    name = shortened(printable(student), NAME_CHARS)
+    return f'longest run time: {name}, {seconds[student]:.1f} s'
+
+
+def line_of(counts: Counter[str], total: int, took_s: float) -> str:
     """Return the progress of a grading as a line for a log."""
-    count = totals.count
+    count = counts.total()
     words = [f'{count} of {total} runs']
     if count:
-        words += [totals.text(), f'about {took_s / count * (total - count):.0f} s left']
+        words += [text_of(counts), f'about {took_s / count * (total - count):.0f} s left']
     return '; '.join(words)

@@ -12,14 +12,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 import time
 from typing import Any
 
-from autograder.classroom.class_report import write_all_reports
 from autograder.classroom.course_lock import alone
-from autograder.classroom.results_of_class import graded, last_results
+from autograder.classroom.pages import write_all_reports
+from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.commands import (
     ASSIGNMENT_OR_ALL,
     flag,
@@ -33,10 +33,10 @@ from autograder.commands import (
 )
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.live_entry import enter, Guard
-from autograder.grading.again import again, NothingRuns
+from autograder.gradebook.record import refuse_unfit_points
+from autograder.grading.examine import again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult
@@ -56,127 +56,33 @@ def run(chosen: argparse.Namespace) -> int:
     """Judge recordings again and print the changes."""
     layout = Layout.here()
     with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
-        changes, code = rejudge_command(
+        accounts = rejudge_command(
             layout, chosen.assignment, chosen.submitted, chosen.write, chosen.yes
         )
-    as_json = [change.to_json() for change in changes]
-    show(chosen.json, as_json, '\n'.join(change.text() for change in changes))
-    if refused := ' '.join(dict.fromkeys(one.refused for one in changes if one.refused)):
+    show(chosen.json, accounts, '\n'.join(map(account_text, accounts)))
+    if refused := ' '.join(dict.fromkeys(one['refused'] for one in accounts if one['refused'])):
         raise GraderError(refused)
-    return code
+    kept = any(one['kept'] for account in accounts for one in account['submissions'])
+    return FOR_REVIEW if kept else OK
 
 
-@dataclass(frozen=True)
-class Changed:
-    """A check whose verdict, points or maximum have changed."""
+Account = dict[str, Any]
+"""
+The outcome of judging one assignment again, in JSON types.
 
-    exam: str
-    check: str
-    before: str
-    after: str
-    points_before: float
-    points_after: float
-    why: str
-
-    def text(self) -> str:
-        """Return the change as one line of text."""
-        points = f'{number(self.points_before)} -> {number(self.points_after)} points'
-        verdict = self.before if self.before == self.after else f'{self.before} -> {self.after}'
-        return f'  {self.exam}/{self.check}: {verdict}, {points}; {self.why}'
-
-
-@dataclass(frozen=True)
-class Rejudged:
-    """
-    The outcome of judging one submission again.
-
-    :param changed: the checks whose result has changed
-    :param kept: why the old points are kept, empty if all exams were judged again
-    :param graded: the new result for the gradebook; None if the old points are kept
-    """
-
-    before: SubmissionResult
-    after: SubmissionResult
-    changed: tuple[Changed, ...] = ()
-    kept: str = ''
-    graded: Graded | None = None
-
-    def lines(self) -> Iterator[str]:
-        """Yield one line per changed check, or the reason why nothing was judged."""
-        student, points = self.before.student, number(self.before.points)
-        if self.changed:
-            after = f'{number(self.after.points)} of {number(self.after.max_points)} points'
-            yield f'{student}: {points} -> {after}'
-            yield from (change.text() for change in self.changed)
-        if self.kept:
-            yield f'{student}: not judged again, old points unchanged: {self.kept}'
-
-
-@dataclass
-class Account:
-    """
-    The outcome of judging one assignment again.
-
-    :param seconds: wall time of the judging [s]
-    :param written: a sentence about what ``--write`` did, empty without this option
-    :param refused: why some results were not entered in the gradebook, empty if all were
-    :param lowered: marks in the gradebook that are, or would be, lowered or cleared
-    """
-
-    lesson: Lesson
-    rejudged: tuple[Rejudged, ...]
-    seconds: float
-    written: str = ''
-    refused: str = ''
-    lowered: Sequence[str] = ()
-
-    @property
-    def to_enter(self) -> list[Graded]:
-        """Return the results that can be entered in the gradebook."""
-        return [one.graded for one in self.rejudged if one.graded is not None]
-
-    @property
-    def incomplete(self) -> bool:
-        """Return whether some submission could not be judged again."""
-        return any(one.kept for one in self.rejudged)
-
-    def text(self) -> str:
-        """Return the changes and a summary as plain text."""
-        lines = [line for one in self.rejudged for line in one.lines()]
-        lines += [f'lower mark in the gradebook: {mark}' for mark in self.lowered]
-        changed = sum(bool(one.changed) for one in self.rejudged)
-        each = 1000 * self.seconds / max(1, len(self.rejudged))
-        lines.append(
-            f'{self.lesson.assignment}: {len(self.to_enter)} of {len(self.rejudged)} submissions '
-            f'judged again in {self.seconds:.2f} s ({each:.1f} ms each) without a run; {changed} '
-            f'changed. {self.written or "Nothing was written. Try: --write"}'
-        )
-        return printable('\n'.join(lines))
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the outcome in JSON types."""
-        return {
-            'assignment': self.lesson.assignment,
-            'seconds': self.seconds,
-            'written': self.written,
-            'refused': self.refused,
-            'lowered': list(self.lowered),
-            'submissions': [
-                {
-                    'student': one.before.student,
-                    'before': one.before.points,
-                    'after': one.after.points,
-                    'kept': one.kept,
-                    'changed': [asdict(change) for change in one.changed],
-                }
-                for one in self.rejudged
-            ],
-        }
+``seconds`` is the wall time of the judging, ``written`` a sentence about what ``--write`` did,
+``refused`` why some results were not entered in the gradebook, ``lowered`` the marks in the
+gradebook that are, or would be, lowered or cleared.  In each of the ``submissions``, ``changed``
+lists the checks whose verdict, points or maximum have changed, and ``kept`` says why the old
+points are kept, empty if all exams were judged again.
+"""
+Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
+"""Outcomes of :func:`again`, by exam, digest of the files, and recording with isolation mode."""
 
 
 def rejudge_command(
     layout: Layout, assignment: str | None, submitted: Path | None, write: bool, yes: bool = False
-) -> tuple[list[Account], int]:
+) -> list[Account]:
     """
     Judge the recordings of one assignment, or of all graded assignments, again.
 
@@ -186,40 +92,60 @@ def rejudge_command(
         written even if the gradebook refuses some results
     :param yes: whether marks in the gradebook may be lowered or cleared; if not, and some would
         be, nothing is written
-    :returns: the outcome for each assignment, and the exit code if nothing was refused
     :raises GraderError: if the assignment is unknown or nothing was graded yet; with ``write``,
         also if check cells and exams give different points
     """
-    there = graded(layout, assignment)
-    lessons = [load_lesson(layout, one.assignment, NothingRuns()) for one in there]
+    there = [(load_lesson(layout, one.assignment), one) for one in graded(layout, assignment)]
     if write:
-        for lesson in lessons:
+        for lesson, _ in there:
             refuse_unfit_points(layout, lesson)
-    accounts = [rejudge(layout, lesson, submitted or layout.submitted) for lesson in lessons]
+    done = [
+        (lesson, *rejudge(layout, lesson, last, submitted or layout.submitted))
+        for lesson, last in there
+    ]
     if write:
-        _write_all(layout, accounts, Guard(layout, yes))
-    return accounts, FOR_REVIEW if any(one.incomplete for one in accounts) else OK
+        guard = Guard(layout, yes)
+        for lesson, _, _, new in done:
+            guard.allowed(lesson, Journal(layout, lesson).new(new))
+        for lesson, account, results, new in done:
+            account |= _write(layout, lesson, results, new, guard)
+    return [account for _, account, _, _ in done]
 
 
-def rejudge(layout: Layout, lesson: Lesson, submitted: Path) -> Account:
+def rejudge(
+    layout: Layout, lesson: Lesson, last: ClassResults, submitted: Path
+) -> tuple[Account, list[SubmissionResult], list[Graded]]:
     """
     Judge the recordings of all students with results.
 
     :param submitted: the folder of the class
+    :returns: the account, the results of all students, and those for the gradebook
     """
-    before = last_results(layout, lesson.assignment)
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}
     known: Known = {}
-    done = tuple(
-        _rejudged(layout, lesson, result, there.get(result.student), known) for result in before
-    )
-    return Account(lesson, done, time.perf_counter() - began)
-
-
-Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
-"""Outcomes of :func:`again`, by exam, digest of the files, and recording with isolation mode."""
+    rows, results, new = [], [], []
+    for before in last.results:
+        found = _rejudged(layout, lesson, before, there.get(before.student), known)
+        after = before if isinstance(found, str) else found.result
+        if isinstance(found, Graded):
+            new.append(found)
+        results.append(after)
+        old = {exam.exam: exam for exam in before.exams}
+        rows.append(
+            {
+                'student': before.student,
+                'before': before.points,
+                'after': after.points,
+                'max_points': after.max_points,
+                'kept': found if isinstance(found, str) else '',
+                'changed': [row for one in after.exams for row in changes(old.get(one.exam), one)],
+            }
+        )
+    account = {'assignment': lesson.assignment, 'seconds': time.perf_counter() - began}
+    account |= {'written': '', 'refused': '', 'lowered': [], 'submissions': rows}
+    return account, results, new
 
 
 def _rejudged(
@@ -228,10 +154,10 @@ def _rejudged(
     before: SubmissionResult,
     submission: Submission | None,
     known: Known,
-) -> Rejudged:
+) -> Graded | str:
     """Judge the files of one student again, or return why that is impossible."""
     if submission is None:
-        return Rejudged(before, before, kept='the submission no longer exists')
+        return 'the submission no longer exists'
     opened = open_one(submission, lesson)
     files, old = lesson.files(opened), {exam.exam: exam for exam in before.exams}
     results = []
@@ -240,33 +166,34 @@ def _rejudged(
         # Equal files get equal verdicts, so an untouched stub is judged once for the whole class.
         key = exam.name, files_digest(theirs), (last.recording, last.mode) if last else None
         if key not in known:
-            known[key] = again(layout, exam, theirs, last)
+            known[key] = again(layout.recordings, exam, theirs, last)
         result, kept = known[key]
         if result is None:
-            return Rejudged(before, before, kept=f'{exam.name}: {kept}')
+            return f'{exam.name}: {kept}'
         results.append(result)
     after = with_reasons(replace(before, exams=tuple(results), fault=''), lesson.exams)
-    changed = [change for result in results for change in changes(old.get(result.exam), result)]
-    return Rejudged(before, after, tuple(changed), graded=Graded(submission, opened, after))
+    return Graded(submission, opened, after)
 
 
-def changes(before: ExamResult | None, after: ExamResult) -> list[Changed]:
-    """Return the checks that differ between two results of one exam."""
+def changes(before: ExamResult | None, after: ExamResult) -> Iterator[dict[str, Any]]:
+    """Yield the checks that differ between two results of one exam."""
     old = {check.check: check for check in before.checks} if before else {}
     new = {check.check: check for check in after.checks}
-    found = []
     for name in dict.fromkeys((*old, *new)):
-        one, two = old.get(name), new.get(name)
-        if one is None or two is None or _shown(one) != _shown(two):
-            was, now = (x.verdict.value if x else 'no such check' for x in (one, two))
-            before_it, after_it = (x.points if x else 0.0 for x in (one, two))
-            why = _why(one, two)
-            found.append(Changed(after.exam, name, was, now, before_it, after_it, why))
-    return found
-
-
-def _shown(check: CheckResult) -> tuple[Any, ...]:
-    return check.verdict, check.points, check.max_points
+        pair = old.get(name), new.get(name)
+        shown = [(one.verdict, one.points, one.max_points) if one else None for one in pair]
+        if shown[0] != shown[1]:
+            was, now = (one.verdict.value if one else 'no such check' for one in pair)
+            points = [one.points if one else 0.0 for one in pair]
+            yield {
+                'exam': after.exam,
+                'check': name,
+                'before': was,
+                'after': now,
+                'points_before': points[0],
+                'points_after': points[1],
+                'why': _why(*pair),
+            }
 
 
 def _why(before: CheckResult | None, after: CheckResult | None) -> str:
@@ -283,27 +210,58 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
     return f'before: {before.observed or before.expected or before.verdict.value}'
 
 
-def _write_all(layout: Layout, accounts: Sequence[Account], guard: Guard) -> None:
-    """Write all results; without ``--yes``, write none if a mark would be lowered."""
-    for account in accounts:
-        guard.allowed(account.lesson, Journal(layout, account.lesson).new(account.to_enter))
-    for account in accounts:
-        account.lowered = guard.lowered_in(account.lesson.assignment)
-        account.refused = guard.refusal('nothing was written')
-        if account.refused:
-            account.written = 'Nothing was written, because marks would be lowered or cleared.'
-        else:
-            _write(layout, account, guard)
+def account_text(account: Account) -> str:
+    """Return the changes and a summary as plain text."""
+    rows, lines = account['submissions'], []
+    for one in rows:
+        if one['changed']:
+            after = f'{number(one["after"])} of {number(one["max_points"])} points'
+            lines.append(f'{one["student"]}: {number(one["before"])} -> {after}')
+        for change in one['changed']:
+            was, now = change['before'], change['after']
+            points = (
+                f'{number(change["points_before"])} -> {number(change["points_after"])} points'
+            )
+            verdict = was if was == now else f'{was} -> {now}'
+            head = f'{change["exam"]}/{change["check"]}'
+            lines.append(f'  {head}: {verdict}, {points}; {change["why"]}')
+        if one['kept']:
+            said = f'not judged again, old points unchanged: {one["kept"]}'
+            lines.append(f'{one["student"]}: {said}')
+    lines += [f'lower mark in the gradebook: {mark}' for mark in account['lowered']]
+    judged = sum(not one['kept'] for one in rows)
+    changed = sum(bool(one['changed']) for one in rows)
+    each = 1000 * account['seconds'] / max(1, len(rows))
+    lines.append(
+        f'{account["assignment"]}: {judged} of {len(rows)} submissions judged again in '
+        f'{account["seconds"]:.2f} s ({each:.1f} ms each) without a run; {changed} changed. '
+        f'{account["written"] or "Nothing was written. Try: --write"}'
+    )
+    return printable('\n'.join(lines))
 
 
-def _write(layout: Layout, account: Account, guard: Guard) -> None:
-    """Enter new results in the gradebook, write all reports, and describe both in the account."""
-    count = len(account.to_enter)
-    new, account.refused = enter(layout, account.lesson, account.to_enter, guard)
-    results = [one.after for one in account.rejudged]
+def _write(
+    layout: Layout,
+    lesson: Lesson,
+    results: Sequence[SubmissionResult],
+    new: Sequence[Graded],
+    guard: Guard,
+) -> Account:
+    """
+    Enter new results in the gradebook, write all reports, and return what was done.
+
+    Without ``--yes``, write nothing if a mark would be lowered.
+    """
+    lowered, refused = guard.lowered_in(lesson.assignment), guard.refusal('nothing was written')
+    if refused:
+        said = 'Nothing was written, because marks would be lowered or cleared.'
+        return {'written': said, 'refused': refused, 'lowered': lowered}
+    count = len(new)
+    entered, refused = enter(layout, lesson, new, guard)
     summary = f'{count} of {len(results)} submissions were judged again from recordings.'
-    write_all_reports(layout, account.lesson.assignment, results, summary)
-    in_gradebook = f'{new} were entered in the gradebook, {count - new} were unchanged'
-    if account.refused:
-        in_gradebook = f'the gradebook did not accept all of the {new} that changed'
-    account.written = f'The reports show the new points of {count} submissions; {in_gradebook}.'
+    write_all_reports(layout, lesson.assignment, results, summary)
+    in_gradebook = f'{entered} were entered in the gradebook, {count - entered} were unchanged'
+    if refused:
+        in_gradebook = f'the gradebook did not accept all of the {entered} that changed'
+    said = f'The reports show the new points of {count} submissions; {in_gradebook}.'
+    return {'written': said, 'refused': refused, 'lowered': lowered}

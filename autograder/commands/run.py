@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 import sys
@@ -70,7 +70,8 @@ def run(chosen: argparse.Namespace) -> int:
     ):
         results.append(result)
         if not chosen.json:
-            print(text_of(look, result))
+            head = printable(f'{look.exam.title} ({look.exam.name}): ')
+            print(head + exam_text(result, look.problems))
     as_json = [result.to_json() for result in results]
     show(chosen.json, as_json, summary(results, chosen.visible))
     return OK
@@ -145,12 +146,10 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         nodes = [name for name in wanted if name.endswith('.py')]
         if len(chosen) == 1 and script and len(nodes) == 1:
             theirs = {nodes[0]: files[path.name]}  # A script may have any name.
-        if len(chosen) == 1 or any(name in theirs for name in exam.requires):
-            found.append(Look(exam, theirs))
-        elif package and exam.scenario.program == 'node':
-            found.append(Look(exam, theirs))  # Any file of the package may define the executable.
-    if package:
-        found = [replace(look, exam=as_package(look.exam, package)) for look in found]
+        # Any file of a package may define the executable.
+        runs = bool(package) and exam.scenario.program == 'node'
+        if len(chosen) == 1 or runs or any(name in theirs for name in exam.requires):
+            found.append(Look(as_package(exam, package) if package else exam, theirs))
     if not found:
         wanted = sorted({name for exam in chosen for name in exam.requires})
         raise NotTakenInError(
@@ -211,12 +210,6 @@ def quick_look(
         yield from zip(found, pool.map(run, found))
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # After Ctrl-C, main() ends the runs.
-
-
-def text_of(look: Look, result: ExamResult) -> str:
-    """Return the outcome of one exam as text for the terminal."""
-    head = f'{look.exam.title} ({look.exam.name}): '
-    return printable(head) + exam_text(result, look.problems)
 
 
 def summary(results: Sequence[ExamResult], visible: bool) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from autograder.classroom.class_report import write_class_report
+from autograder.classroom.pages import write_class_report
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, JSON, OK, show, takes
@@ -79,11 +79,7 @@ def _marks_lines(numbers: ClassNumbers) -> list[str]:
         f'{number(marks.highest)}; {marks.full} of {marks.count} have full marks'
     ]
     most = max(marks.bins)
-    for place, count in enumerate(marks.bins):
-        low, high = (
-            number(marks.max_points * edge / len(marks.bins)) for edge in (place, place + 1)
-        )
-        lines.append(
-            f'  {low:>6} - {high:<6} {count:4} {"#" * round(BAR * count / most)}'.rstrip()
-        )
+    for low, high, count in marks.rows():
+        bar = '#' * round(BAR * count / most)
+        lines.append(f'  {low:>6} - {high:<6} {count:4} {bar}'.rstrip())
     return lines

@@ -1,7 +1,7 @@
 """
 Export the results of the last grading, one module per format; ``commands/export.py`` lists them.
 
-Each format is a pure function from results to bytes; :mod:`autograder.files` writes them.  A
+Each format is a pure function from marks to bytes; :mod:`autograder.files` writes them.  A
 submission that is for review, or missing, has no score anywhere: an empty cell, a null, a missing
 file, never a zero.
 """

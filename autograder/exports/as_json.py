@@ -7,12 +7,11 @@ review, or only visible checks were run.  ``missing`` names the students without
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from autograder.classroom.results_of_class import ClassResults
-from autograder.exports.marks import ABSENT, automatic, Mark
+from autograder.exports.marks import automatic, Mark
 from autograder.files import json_bytes
 from autograder.results import ExamResult, SubmissionResult
 
@@ -20,22 +19,16 @@ FORMAT = 'ros2-course-results'
 VERSION = 1
 
 
-def results_json(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
-    """
-    Return the document, in UTF-8.
-
-    :param marked: results and marks; a student without a submission has only a mark
-    """
-    marked = list(marked)
+def results_json(marks: Sequence[Mark]) -> bytes:
+    """Return the document, in UTF-8."""
     data = {
         'format': FORMAT,
         'version': VERSION,
-        'submissions': [submission_json(one) for graded, _ in marked for one in graded.results],
+        'submissions': [submission_json(mark.result) for mark in marks if mark.result],
         'missing': [
-            {'assignment': graded.assignment, 'student': mark.student, 'status': mark.status}
-            for graded, marks in marked
+            {'assignment': mark.assignment, 'student': mark.student, 'status': mark.status}
             for mark in marks
-            if mark.status in ABSENT
+            if not mark.result
         ],
     }
     return json_bytes(data)

@@ -10,25 +10,18 @@ of the submission.  Both are in the names of the downloads.  Both ignore any oth
 from __future__ import annotations
 
 from collections.abc import Mapping
-import io
 from pathlib import PurePath
 import re
-import zipfile
 
-from autograder.classroom.delivered import Delivered
-from autograder.files import safe_name
+from autograder.classroom.collected import Delivered
+from autograder.files import safe_name, zip_bytes
 
 PAGE = 'feedback.html'
 MOODLE = re.compile(r'.+?_\d+_assignsubmission_file')
 
 
 def name_in_zip(student: str, delivered: Delivered | None) -> str:
-    """
-    Return the name of a student's page.
-
-    :param delivered: the name of the submission on its platform, if known; without one, the page
-        is in a folder with the student's id
-    """
+    """Return the name of a page for its platform, else in a folder with the student's id."""
     if delivered and delivered.kind == 'canvas':
         return f'{PurePath(delivered.place).stem}_{PAGE}'
     if delivered and delivered.kind == 'moodle' and (match := MOODLE.match(delivered.place)):
@@ -37,18 +30,7 @@ def name_in_zip(student: str, delivered: Delivered | None) -> str:
 
 
 def feedback_zip(pages: Mapping[str, bytes], names: Mapping[str, Delivered]) -> bytes:
-    """
-    Return the zip file; equal pages give equal bytes.
-
-    :param pages: HTML by student id
-    :param names: names of the submissions on their platforms, by student id
-    """
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
-        for student, page in sorted(pages.items()):
-            name = name_in_zip(student, names.get(student))
-            entry = zipfile.ZipInfo(name, date_time=(2024, 1, 1, 0, 0, 0))
-            entry.external_attr = 0o644 << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, page)
-    return made.getvalue()
+    """Return the zip file of pages; pages and names on the platforms are by student id."""
+    return zip_bytes(
+        {name_in_zip(one, names.get(one)): (page, 0o644) for one, page in pages.items()}
+    )

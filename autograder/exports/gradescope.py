@@ -1,29 +1,98 @@
 """
-Write ``results.json`` as Gradescope's autograder specification describes it.
+Pack the course as an autograder for Gradescope, and write ``results.json`` in its container.
 
-The file has a score for each test, and their sum.  Text from students is always shown as plain
-text, never as HTML.  Only instructors see the standard output of the grader.  By default, students
-see the tests of the hidden exam when grades are published.  If they saw the tests earlier, they
-could find out with many submissions what is tested.
+``setup.sh`` and ``run_autograder`` are at the root of the zip; the rest is the course without its
+submissions.  The zip includes the course secret, so that hidden inputs are the same on Gradescope.
+It must therefore be kept as secret as the hidden exams.  The README in the zip describes what the
+container must allow: without user namespaces only weaker isolation works, and it is used only if
+``--allow-weak`` names it.
+
+``results.json`` has a score for each test, and their sum.  Text from students is always shown as
+plain text, never as HTML.  Only instructors see the standard output of the grader.  By default,
+students see the tests of the hidden exam when grades are published.  If they saw the tests
+earlier, they could find out with many submissions what is tested.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
 import json
 from pathlib import Path
+import stat
+import sys
 from typing import Any
 
 from autograder.classroom.results_of_class import lacks, modes, seconds_of_exam
 from autograder.errors import GraderError
-from autograder.explaining.feedback import number, printable
+from autograder.exam.inputs import course_secret
+from autograder.explaining.feedback import number, printable, titles_of
 from autograder.exports.marks import automatic
-from autograder.files import json_bytes
+from autograder.files import json_bytes, keep, zip_bytes
+from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
+from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.sandboxes.isolation import MODES
+from autograder.submission.inbox import open_folder
+from environment.places import PROJECT
 
 VISIBILITIES = ('after_published', 'after_due_date', 'visible', 'hidden')
 RESULTS = 'results.json'
+SETTINGS = 'gradescope.json'
+EXECUTABLE = ('setup.sh', 'run_autograder')
+HERE = Path(__file__).parent / 'gradescope_files'
+ENGINE = ('autograder', 'drawing', 'environment', 'roslab', 'pyproject.toml')
+"""Files and folders of this project that grading needs, in addition to the course's own files."""
+LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
+
+
+def autograder_zip(
+    layout: Layout, assignment: str, visibility: str = VISIBILITIES[0], allow_weak: str = ''
+) -> bytes:
+    """
+    Return the zip file as bytes.
+
+    :param assignment: full name of the assignment
+    :param visibility: when students see the tests, one of :data:`VISIBILITIES`
+    :param allow_weak: weakest isolation mode to accept in the container, see
+        :mod:`autograder.sandboxes.isolation`; empty for full isolation only
+    :raises GraderError: if hidden exams must not run with this mode, or this copy of the course
+        has no hidden exams
+    """
+    if allow_weak and not MODES[allow_weak].keeps_secrets:
+        raise GraderError(
+            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so '
+            'there would be no grades.'
+        )
+    if not (layout.exams / 'hidden').is_dir():
+        raise GraderError(
+            'The copy of the course for students has no hidden exams.',
+            "Try: run this in the instructors' copy",
+        )
+    settings = {'assignment': assignment, 'visibility': visibility, 'allow_weak': allow_weak}
+    paths = {path.name: path for path in HERE.iterdir()} | dict(course_files(layout))
+    files = {
+        name: (path.read_bytes(), 0o755 if path.stat().st_mode & stat.S_IXUSR else 0o644)
+        for name, path in paths.items()
+    }
+    files |= {name: (files[name][0], 0o755) for name in EXECUTABLE}  # a wheel may lose the bit
+    files[SETTINGS] = json_bytes(settings), 0o644
+    files[str(layout.secret.relative_to(layout.root))] = course_secret(), 0o600
+    return zip_bytes(files)
+
+
+def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
+    """Yield the files that grading needs, each with its name in the zip."""
+    exams = layout.exams.relative_to(layout.root).parts[0]
+    own = {'course.toml', 'nbgrader_config.py', 'notebooks', 'solutions', exams}
+    own |= {layout.facts.package} - {''}
+    parts = {**dict.fromkeys(ENGINE, PROJECT), **dict.fromkeys(own, layout.root)}
+    for part, root in parts.items():
+        start = root / part
+        for path in [start] if start.is_file() else start.rglob('*'):
+            inside = path.relative_to(root)
+            hidden = any(part in LEFT_OUT or part.startswith('.') for part in inside.parts)
+            if not hidden and path.is_file() and not path.is_symlink():
+                yield inside.as_posix(), path
 
 
 def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> dict[str, Any]:
@@ -62,23 +131,6 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
     }
 
 
-def results_bytes(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> bytes:
-    """
-    Return the content of ``results.json`` as bytes.
-
-    :raises GraderError: if there is no mark
-    """
-    return json_bytes(results_of(result, visibility))
-
-
-def results_in(folder: Path, assignment: str) -> Iterator[Path]:
-    """Yield the files that an earlier export of an assignment wrote to a folder."""
-    for path in folder.glob(f'*/{RESULTS}'):
-        with suppress(OSError, ValueError, KeyError, TypeError):  # not a file of this export
-            if json.loads(path.read_bytes())['extra_data']['assignment'] == assignment:
-                yield path
-
-
 def _about(result: SubmissionResult) -> str:
     """Return the points and notes about the submission as a whole, for the student."""
     lines = [f'{number(result.points)} of {number(result.max_points)} points of automatic checks']
@@ -106,8 +158,53 @@ def _output(exam: ExamResult, check: CheckResult) -> str:
     if check.verdict is Verdict.PASSED:
         return ''
     if check.verdict is Verdict.NOT_RUN:
-        titles = {one.check: one.title for one in exam.checks}
-        return (
-            f'Not checked, because it depends on: {titles.get(check.waits_for, check.waits_for)}'
-        )
+        awaited = titles_of(exam).get(check.waits_for, check.waits_for)
+        return f'Not checked, because it depends on: {awaited}'
     return '\n'.join(f'{name.capitalize()}: {text}' for name, text in check.facts.items())
+
+
+# -- in the container -----------------------------------------------------------------------
+
+
+def main(arguments: Sequence[str]) -> int:
+    """
+    Grade ``ROOT/submission`` and write ``ROOT/results/results.json``, unless it is for review.
+
+    Without this file, Gradescope reports a failed autograder instead of giving a zero.
+
+    :param arguments: one argument, the folder ROOT: ``/autograder`` in the container
+    :returns: the exit code: 1 if there is no verdict
+    """
+    root = Path(arguments[0])
+    results = root / 'results' / RESULTS
+    results.unlink(missing_ok=True)
+    try:
+        layout = Layout.here()
+        settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
+        result = grade(layout, settings['assignment'], root / 'submission', settings['allow_weak'])
+        keep(results, json_bytes(results_of(result, settings['visibility'])))
+    except GraderError as error:
+        print(f'No verdict, so no score: {error}', flush=True)
+        return 1
+    for flag in result.flags:
+        print(f'flag: {flag}')
+    return 0
+
+
+def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> SubmissionResult:
+    """
+    Grade the notebook in a folder with the full exams.
+
+    :param folder: folder with the student's upload
+    :raises GraderError: if no isolation mode that may run hidden exams works here
+    """
+    engine = grading_engine(layout, allow_weak=allow_weak)
+    if not engine.hidden:
+        raise GraderError('Only visible checks can run here, so there is no grade.')
+    lesson = load_lesson(layout, assignment, engine)
+    opened = open_one(open_folder(folder, 'submission', lesson.notebook), lesson)
+    return grade_opened(opened, 'submission', lesson, engine)
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

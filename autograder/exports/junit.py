@@ -10,12 +10,12 @@ even escaped, so they are replaced.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 import re
 from xml.etree import ElementTree
 
-from autograder.classroom.results_of_class import ClassResults, seconds_of_exam
-from autograder.exports.marks import ABSENT, Mark
+from autograder.classroom.results_of_class import seconds_of_exam
+from autograder.exports.marks import Mark
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
@@ -24,28 +24,22 @@ NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 COUNTS = {'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
 
 
-def junit_xml(marked: Iterable[tuple[ClassResults, Sequence[Mark]]]) -> bytes:
-    """
-    Return the document, in UTF-8.
-
-    :param marked: results and marks; a student without a submission has only a mark
-    """
+def junit_xml(marks: Iterable[Mark]) -> bytes:
+    """Return the document, in UTF-8."""
     suites = ElementTree.Element('testsuites', name='autograder')
-    for graded, marks in marked:
-        for result in graded.results:
-            for exam in result.exams:
-                suites.append(_suite(result, exam))
-            if result.review:
-                suites.append(_review(result))
-        for mark in marks:
-            if mark.status in ABSENT:
-                suites.append(_missing(graded.assignment, mark))
+    for mark in marks:
+        result = mark.result
+        if result is None:
+            suites.append(_alone(mark, 'missing', 'submission', 'skipped', mark.status))
+            continue
+        suites.extend(_suite(result, exam) for exam in result.exams)
+        if result.review:
+            suites.append(_alone(mark, 'for review', 'grading', 'error', result.review))
     for name in ('tests', 'failures', 'errors'):
         suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
-    suites.set('time', _seconds(sum(float(suite.get('time', '0')) for suite in suites)))
+    suites.set('time', f'{sum(float(suite.get("time", "0")) for suite in suites):.3f}')
     ElementTree.indent(suites)
-    text: bytes = ElementTree.tostring(suites, encoding='utf-8', xml_declaration=True)
-    return text + b'\n'
+    return ElementTree.tostring(suites, encoding='utf-8', xml_declaration=True) + b'\n'
 
 
 def clean(text: str) -> str:
@@ -71,20 +65,14 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
     return _counted(suite, seconds_of_exam(exam))
 
 
-def _review(result: SubmissionResult) -> ElementTree.Element:
-    """Return the test suite of a submission for review."""
-    suite = _new_suite(f'{result.assignment}/{result.student}/for review')
-    case = _case(suite, result.assignment, result.student, 'grading')
-    error = ElementTree.SubElement(case, 'error', message=clean(result.review), type='for_review')
-    error.text = 'There is no score. A person must decide.'
-    return _counted(suite, 0.0)
-
-
-def _missing(assignment: str, mark: Mark) -> ElementTree.Element:
-    """Return the suite of a student without a submission: skipped, neither passed nor failed."""
-    suite = _new_suite(f'{assignment}/{mark.student}/missing')
-    case = _case(suite, assignment, mark.student, 'submission')
-    ElementTree.SubElement(case, 'skipped', message=mark.status)
+def _alone(mark: Mark, kind: str, name: str, tag: str, message: str) -> ElementTree.Element:
+    """Return a test suite with one case that has neither passed nor failed."""
+    suite = _new_suite(f'{mark.assignment}/{mark.student}/{kind}')
+    case = _case(suite, mark.assignment, mark.student, name)
+    about = ElementTree.SubElement(case, tag, message=clean(message))
+    if tag == 'error':
+        about.set('type', 'for_review')
+        about.text = 'There is no score. A person must decide.'
     return _counted(suite, 0.0)
 
 
@@ -105,12 +93,8 @@ def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
     suite.set('tests', str(len(suite.findall('testcase'))))
     for attribute, tag in COUNTS.items():
         suite.set(attribute, str(len(suite.findall(f'testcase/{tag}'))))
-    suite.set('time', _seconds(seconds))
+    suite.set('time', f'{seconds:.3f}')
     return suite
-
-
-def _seconds(seconds: float) -> str:
-    return f'{seconds:.3f}'
 
 
 def _five_things(check: CheckResult) -> str:

@@ -8,13 +8,14 @@ submission waits for manual grading.  A student without a submission has no mark
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
-from autograder.classroom.not_collected import not_collected, NOTHING
+from autograder.classroom.collected import not_collected, NOTHING
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
-from autograder.gradebook.lowered import mark_of
-from autograder.gradebook.settings import has_gradebook
+from autograder.gradebook.database import has_gradebook
+from autograder.gradebook.live_entry import mark_of
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
@@ -30,9 +31,6 @@ GRADED, REVIEW, BY_HAND, NOT_ENTERED, NO_GRADE, MISSING, NOT_COLLECTED = (
     'not collected',
 )
 
-ABSENT = (MISSING, NOT_COLLECTED)
-"""The status of a student who has no submission that could be graded."""
-
 
 @dataclass(frozen=True)
 class Mark:
@@ -42,6 +40,7 @@ class Mark:
     :param points: None if there is no mark yet, which is not the same as zero
     :param status: one of the words above; why there is none
     :param late_points: what nbgrader's late policy subtracted; the points are without it
+    :param result: the last result; None for a student without a submission
     """
 
     student: str
@@ -49,9 +48,11 @@ class Mark:
     max_points: float
     status: str = GRADED
     late_points: float = 0.0
+    assignment: str = ''
+    result: SubmissionResult | None = None
 
 
-def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]:
+def marks(layout: Layout, graded: ClassResults, source: str) -> list[Mark]:
     """
     Return the marks in the order of the results, then the students who have no result.
 
@@ -60,32 +61,33 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> tuple[Mark, ...]
         class list is wrong
     """
     if source == AUTOMATIC:
-        found = tuple(automatic(result) for result in graded.results)
+        found = [automatic(result) for result in graded.results]
     else:
         found = from_gradebook(layout, graded.assignment, graded.results)
     most = max((mark.max_points for mark in found), default=0.0)
-    absent = not_collected(layout, graded.assignment, {mark.student for mark in found})
-    return (
-        *found,
-        *(
-            Mark(one.student, None, most, MISSING if one.why == NOTHING else NOT_COLLECTED)
-            for one in absent
-        ),
-    )
+    for one in not_collected(layout, graded.assignment, {mark.student for mark in found}):
+        status = MISSING if one.why == NOTHING else NOT_COLLECTED
+        found.append(Mark(one.student, None, most, status, assignment=graded.assignment))
+    return found
 
 
 def automatic(result: SubmissionResult) -> Mark:
     """Return the mark from the automatic checks; visible checks alone give no mark."""
-    if result.review:
-        return Mark(result.student, None, result.max_points, REVIEW)
-    if not has_mark(result):
-        return Mark(result.student, None, result.max_points, NO_GRADE)
-    return Mark(result.student, result.points, result.max_points)
+    status = REVIEW if result.review else GRADED if has_mark(result) else NO_GRADE
+    points = result.points if status == GRADED else None
+    return Mark(
+        result.student,
+        points,
+        result.max_points,
+        status,
+        assignment=result.assignment,
+        result=result,
+    )
 
 
 def from_gradebook(
     layout: Layout, assignment: str, results: Sequence[SubmissionResult]
-) -> tuple[Mark, ...]:
+) -> list[Mark]:
     """
     Return the marks in nbgrader's gradebook, in the order of the results.
 
@@ -101,28 +103,24 @@ def from_gradebook(
     )
     if not has_gradebook(layout):
         raise missing  # Opening the gradebook would create an empty one.
-    entered: dict[str, Mark] = {}
+    entered: dict[str, dict[str, Any]] = {}
     with opened_gradebook(layout) as gradebook:
         try:
             most = float(gradebook.find_assignment(assignment).max_score)
         except MissingEntry as error:
             raise missing from error
         for one in gradebook.assignment_submissions(assignment):
-            waits = bool(one.needs_manual_grade)
-            entered[one.student.id] = Mark(
-                one.student.id,
-                None if waits else mark_of(one),
-                most,
-                BY_HAND if waits else GRADED,
-                0.0 if waits else float(one.late_submission_penalty or 0.0),
+            late = float(one.late_submission_penalty or 0.0)
+            entered[one.student.id] = (
+                {'points': None, 'status': BY_HAND}
+                if one.needs_manual_grade
+                else {'points': mark_of(one), 'status': GRADED, 'late_points': late}
             )
-    return tuple(_entered(result, entered, most) for result in results)
-
-
-def _entered(result: SubmissionResult, entered: dict[str, Mark], most: float) -> Mark:
-    """Return the mark of a student in the gradebook, or a mark without points and the reason."""
-    last = automatic(result)
-    # An unusable submission has no automatic mark, but an instructor can grade it by hand.
-    if last.points is None and not result.unusable:
-        return Mark(result.student, None, most, last.status)
-    return entered.get(result.student) or Mark(result.student, None, most, NOT_ENTERED)
+    found = []
+    for mark in map(automatic, results):
+        # An unusable submission has no automatic mark, but an instructor can grade it by hand.
+        if mark.points is not None or (mark.result and mark.result.unusable):
+            there = entered.get(mark.student, {'points': None, 'status': NOT_ENTERED})
+            mark = replace(mark, **there)
+        found.append(replace(mark, max_points=most))
+    return found

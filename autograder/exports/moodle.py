@@ -81,23 +81,20 @@ def _lines(
 def _read(data: bytes, where: str) -> Table:
     try:
         table = parse_table(data)
+        if len(table.rows) < 2 or not all(PARTICIPANT.fullmatch(row[0]) for row in table.rows[1:]):
+            raise ValueError('the first column has no numbers of participants')
     except ValueError as error:
-        raise _no_worksheet(where, str(error)) from error
-    if len(table.rows) < 2 or not all(PARTICIPANT.fullmatch(row[0]) for row in table.rows[1:]):
-        raise _no_worksheet(where, 'the first column has no numbers of participants')
+        raise GraderError(
+            f'{where}: this is not a grading worksheet from Moodle: {error}.', FIX
+        ) from error
     return table
 
 
 def _grade(table: Table, where: str, column: str) -> int:
     """Return the index of the grades."""
-    found = [index for index, name in enumerate(table.header) if name == column]
-    if len(found) != 1:
+    if table.header.count(column) != 1:
         raise GraderError(
             f'{where}: there is no column {column!r}.',
             f'Try: --column with one of {", ".join(table.header[1:])}',
         )
-    return found[0]
-
-
-def _no_worksheet(where: str, why: str) -> GraderError:
-    return GraderError(f'{where}: this is not a grading worksheet from Moodle: {why}.', FIX)
+    return table.header.index(column)

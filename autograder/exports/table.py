@@ -11,15 +11,13 @@ written unchanged.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 import csv
 import io
 import re
 
-from autograder.classroom.results_of_class import ClassResults
 from autograder.explaining.feedback import headline, number, printable
-from autograder.exports.marks import automatic, Mark
-from autograder.results import SubmissionResult
+from autograder.exports.marks import Mark
 
 FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠')
 """First characters of cells that a spreadsheet may run, including full-width signs."""
@@ -27,74 +25,43 @@ FORMULA_STARTS = ('=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '�
 LATER_CELL = re.compile(r'(?<![;"\s])((?=["\s]*[;\t\r\n])[;"\s]+)([=+\-@＝＋－＠])')
 """Start of a formula after a semicolon, tab or line break, where a spreadsheet may split cells."""
 
-MARKS = [
-    'assignment',
-    'student',
-    'name',
-    'status',
-    'points',
-    'max_points',
-    'late_points',
-    'first_cause',
-    'flags',
-]
-CHECKS = [
-    'assignment',
-    'student',
-    'status',
-    'exam',
-    'check',
-    'verdict',
-    'points',
-    'max_points',
-    'cause_id',
-    'cause',
-]
+MARKS = (
+    *('assignment', 'student', 'name', 'status', 'points', 'max_points', 'late_points'),
+    *('first_cause', 'flags'),
+)
+CHECKS = (
+    *('assignment', 'student', 'status', 'exam', 'check', 'verdict', 'points', 'max_points'),
+    *('cause_id', 'cause'),
+)
 
 Cell = str | float | None
 
 
-def marks_csv(
-    classes: Iterable[tuple[ClassResults, Sequence[Mark]]], people: Mapping[str, str]
-) -> bytes:
-    """
-    Return one row per student.
-
-    :param classes: results and marks; a student without a submission has only a mark
-    :param people: names by student id, as far as they are known
-    """
+def marks_csv(marks: Iterable[Mark], people: Mapping[str, str]) -> bytes:
+    """Return one row per student; ``people`` are the known names by student id."""
     rows = [
         (
-            graded.assignment,
+            mark.assignment,
             mark.student,
             people.get(mark.student, ''),
             mark.status,
             mark.points,
             mark.max_points,
             mark.late_points or None,
-            headline(result) if result else '',
-            '; '.join(result.flags) if result else '',
+            headline(mark.result) if mark.result else '',
+            '; '.join(mark.result.flags) if mark.result else '',
         )
-        for graded, marks in classes
-        for result, mark in _with_results(graded, marks)
+        for mark in marks
     ]
     return csv_bytes(MARKS, rows)
 
 
-def _with_results(
-    graded: ClassResults, marks: Sequence[Mark]
-) -> Iterator[tuple[SubmissionResult | None, Mark]]:
-    """Yield each mark with its result; None for a student without a submission."""
-    results = {result.student: result for result in graded.results}
-    yield from ((results.get(mark.student), mark) for mark in marks)
-
-
-def checks_csv(classes: Iterable[ClassResults]) -> bytes:
+def checks_csv(marks: Iterable[Mark]) -> bytes:
     """Return a CSV table with one row per submission and check; without a mark, no points."""
     rows = [
         (
-            graded.assignment,
-            result.student,
+            mark.assignment,
+            mark.student,
             mark.status,
             exam.exam,
             check.check,
@@ -104,9 +71,8 @@ def checks_csv(classes: Iterable[ClassResults]) -> bytes:
             check.cause_id,
             check.cause,
         )
-        for graded in classes
-        for result, mark in ((one, automatic(one)) for one in graded.results)
-        for exam in result.exams
+        for mark in marks
+        for exam in (mark.result.exams if mark.result else ())
         for check in exam.checks
     ]
     return csv_bytes(CHECKS, rows)
@@ -134,8 +100,7 @@ def harmless(text: str) -> str:
 
     In languages with a decimal comma, spreadsheets split cells at semicolons, even quoted ones.
     """
-    formula = text.lstrip(' ').startswith(FORMULA_STARTS) or text.lstrip().startswith(
-        FORMULA_STARTS
-    )
+    starts = text.lstrip(' '), text.lstrip()
+    formula = any(start.startswith(FORMULA_STARTS) for start in starts)
     text = LATER_CELL.sub(r"\1'\2", text)
     return f"'{printable(text)}" if formula else printable(text)

@@ -26,11 +26,11 @@ from nbgrader.converters import (
 )
 from nbgrader.coursedir import CourseDirectory
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from traitlets.config import Config
 
 from autograder.errors import GraderError, is_disk_full, of_system
-from autograder.gradebook.connection import database_failure, refusal
+from autograder.gradebook.database import address, database_failure, load_config, refusal
 from autograder.gradebook.journal import refuse_incomplete
-from autograder.gradebook.settings import load_config
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 
@@ -49,13 +49,10 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
     """
     config = load_config(layout)
     config.CourseDirectory.release_directory = str(release)
-    config.CourseDirectory.assignment_id = assignment
     if not database:
         config.SaveCells.enabled = False
         config.GenerateAssignment.no_database = True
-    with _logged(f'generating {assignment}') as log:
-        coursedir = CourseDirectory(config=config, log=log)
-        _start(layout, _Generator(coursedir=coursedir, config=config, log=log, force=True))
+    _run(layout, assignment, f'generating {assignment}', config, _Generator)
 
 
 def autograde(
@@ -76,18 +73,13 @@ def autograde(
     """
     config = load_config(layout)
     config.CourseDirectory.submitted_directory = str(submitted)
-    config.CourseDirectory.assignment_id = assignment
     # These notebooks were rebuilt from the release: nbgrader need not repair and validate them
     # after every step, which takes most of its time.
     config.Autograde.exporter_class = 'nbconvert.exporters.NotebookExporter'
     config.Autograde.sanitize_preprocessors = ['nbgrader.preprocessors.ClearOutput']
     config.Exporter.optimistic_validation = True
-    with _logged(f'recording {assignment}') as log, _one_engine():
-        coursedir = CourseDirectory(config=config, log=log)
-        recorder = _Recorder(coursedir=coursedir, config=config, log=log, force=True)
-        recorder.results, recorder.same_work = dict(results), frozenset(same_work)
-        recorder.students = recorder.results
-        _start(layout, recorder)
+    facts = {'students': results, 'results': results, 'same_work': same_work}
+    _run(layout, assignment, f'recording {assignment}', config, _Recorder, **facts)
 
 
 def feedback(layout: Layout, assignment: str, students: Collection[str]) -> dict[str, bytes]:
@@ -98,19 +90,47 @@ def feedback(layout: Layout, assignment: str, students: Collection[str]) -> dict
     :raises GraderError: with nbgrader's message
     """
     config = load_config(layout)
-    config.CourseDirectory.assignment_id = assignment
+    there = layout.work / 'autograded'
+    students = [one for one in students if (there / one / assignment).is_dir()]
     with tempfile.TemporaryDirectory(prefix='feedback_', dir=layout.work) as folder:
         config.CourseDirectory.feedback_directory = folder
-        with _logged(f'writing feedback for {assignment}') as log, _one_engine():
-            coursedir = CourseDirectory(config=config, log=log)
-            writer = _FeedbackWriter(coursedir=coursedir, config=config, log=log, force=True)
-            there = layout.work / 'autograded'
-            writer.students = [one for one in students if (there / one / assignment).is_dir()]
-            _start(layout, writer)
+        doing = f'writing feedback for {assignment}'
+        _run(layout, assignment, doing, config, _FeedbackWriter, students=students)
         return {
             path.parents[1].name: path.read_bytes()
             for path in Path(folder).glob(f'*/{assignment}/*.html')
         }
+
+
+def _run(
+    layout: Layout,
+    assignment: str,
+    doing: str,
+    config: Config,
+    kind: type[_StopsAtDatabase],
+    **facts: Any,
+) -> None:
+    """
+    Run a command of nbgrader.
+
+    :param doing: what the command does, for messages
+    :param facts: attributes of the command
+    :raises GraderError: with nbgrader's message, or if the database or the disk failed
+    """
+    config.CourseDirectory.assignment_id = assignment
+    with _logged(doing) as log, _one_engine():
+        coursedir = CourseDirectory(config=config, log=log)
+        command = kind(coursedir=coursedir, config=config, log=log, force=True)
+        for name, value in facts.items():
+            setattr(command, name, value)
+        try:
+            command.start()
+        except NbGraderException as error:
+            if isinstance(command.failure, OSError):
+                raise of_system(command.failure, str(layout.work)) from error
+            if isinstance(command.failure, SQLAlchemyError):
+                raise refusal(layout, command.failure) from error
+            raise
 
 
 @contextmanager
@@ -123,7 +143,7 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     refuse_incomplete(layout)
     try:
         with _quiet():
-            with api.Gradebook(str(load_config(layout).CourseDirectory.db_url)) as gradebook:
+            with api.Gradebook(address(layout)) as gradebook:
                 yield gradebook
     except (SQLAlchemyError, api.InvalidEntry) as error:
         if failure := database_failure(error):
@@ -186,22 +206,6 @@ class _StopsAtDatabase(BaseConverter):
             raise OperationalError(None, None, self.failure) from error
 
 
-def _start(layout: Layout, command: _StopsAtDatabase) -> None:
-    """
-    Run a command of nbgrader.
-
-    :raises GraderError: if the database or the disk failed
-    """
-    try:
-        command.start()
-    except NbGraderException as error:
-        if isinstance(command.failure, OSError):
-            raise of_system(command.failure, str(layout.work)) from error
-        if isinstance(command.failure, SQLAlchemyError):
-            raise refusal(layout, command.failure) from error
-        raise
-
-
 class _Generator(_StopsAtDatabase, GenerateAssignment):
     """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
 
@@ -226,8 +230,8 @@ class _FeedbackWriter(_OfStudents, GenerateFeedback):
 class _Recorder(_OfStudents, Autograde):
     """nbgrader's Autograde for exactly the students whose results are known."""
 
-    results: dict[str, SubmissionResult]
-    same_work: frozenset[str]
+    results: Mapping[str, SubmissionResult]
+    same_work: Collection[str]
 
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
         """Add the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
@@ -236,19 +240,6 @@ class _Recorder(_OfStudents, Autograde):
         resources['nbgrader']['result'] = self.results[student]
         resources['nbgrader']['same_work'] = student in self.same_work
         return resources
-
-
-class _Errors(logging.Handler):
-    """Collect the errors that nbgrader logs."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.ERROR)
-        self.lines: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Store the last line of a message; in a traceback, that line is the reason."""
-        lines = record.getMessage().strip().splitlines()
-        self.lines.append(lines[-1] if lines else '')
 
 
 @contextmanager
@@ -267,15 +258,21 @@ def _quiet() -> Iterator[None]:
 @contextmanager
 def _logged(doing: str) -> Iterator[logging.Logger]:
     """Yield a logger for nbgrader, and raise nbgrader's failure as a GraderError."""
-    # This logger is outside the hierarchy of loggers, so it prints nothing.
+    lines: list[str] = []
+
+    def note(record: logging.LogRecord) -> bool:
+        """Store the last line of a message, which is the reason in a traceback; print nothing."""
+        if record.levelno >= logging.ERROR:
+            lines.extend(record.getMessage().strip().splitlines()[-1:])
+        return False
+
     log = logging.Logger('nbgrader', logging.WARNING)
-    errors = _Errors()
-    log.addHandler(errors)
+    log.addFilter(note)
     try:
         with _quiet():
             yield log
     except (NbGraderException, RuntimeError) as error:
-        said = [line for line in errors.lines if line and 'traceback' not in line]
+        said = [line for line in lines if 'traceback' not in line]
         if (more := len(said) - MAX_LINES) > 0:
             said[MAX_LINES:] = [f'(and {more} more lines)']
         raise GraderError(f'nbgrader failed in {doing}: {" ".join(said) or error}') from error

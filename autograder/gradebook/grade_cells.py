@@ -30,11 +30,7 @@ def from_node(notebook: NotebookNode) -> Opened:
 
 
 def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
-    """
-    Write the feedback and, if there is one, the score into every check cell.
-
-    :param nb: a rebuilt notebook, changed in place
-    """
+    """Write the feedback and, if there is one, the score into every check cell of a notebook."""
     exams = {exam.exam: exam for exam in result.exams}
     general = [problem for problem in result.problems if not problem.cells]
     for cell in nb.cells:
@@ -52,11 +48,7 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
 
 
 def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
-    """
-    Return the score of a check cell, or None if it is for review.
-
-    :param cell: a cell of the release
-    """
+    """Return the score of a check cell of the release, or None if it is for review."""
     maximum = float(cell.metadata.nbgrader['points'])
     for exam in () if result.review else result.exams:
         if exam.exam == _exam_name(cell) and 0 <= exam.points <= maximum + 1e-6:

@@ -23,10 +23,9 @@ from typing import Any
 
 from sqlalchemy import inspect, text
 
-from autograder.classroom.class_list import extensions
+from autograder.classroom.people import extensions
 from autograder.files import keep
-from autograder.gradebook.connection import connected, query, refused
-from autograder.gradebook.settings import gradebook_file, load_config
+from autograder.gradebook.database import connected, gradebook_file, load_config, query, refused
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
@@ -144,11 +143,7 @@ class Journal:
         ]
 
     def note(self, entered: Sequence[Graded]) -> None:
-        """
-        Append notes about submissions that nbgrader has entered.
-
-        :param entered: the submissions passed to :func:`autograder.gradebook.record.record`
-        """
+        """Append notes about submissions that were passed to nbgrader, if it has entered them."""
         rows = shown(self.layout, self.lesson.assignment)
         lines = [
             _json_line({'student': one.result.student, **self._line(one, rows)})

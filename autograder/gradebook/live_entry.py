@@ -1,28 +1,114 @@
 """
-Enter finished submissions in the gradebook while others still run.
+Enter finished submissions in the gradebook while others still run, and protect its marks.
 
 nbgrader takes about 30 ms per submission, and seconds to import.  The coordinating process uses
-the time in which it would otherwise only wait for runs.
+the time in which it would otherwise only wait for runs.  A mark that would fall is found by
+comparing the current mark with the mark after the entry, both with manual grades and late
+penalties.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import timedelta
 from functools import cache, cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from autograder.classroom.people import extensions
 from autograder.errors import GraderError, of_system
+from autograder.explaining.feedback import number, printable
 from autograder.gradebook import journal
-from autograder.gradebook.copies import how_to_dump, keep_copy
+from autograder.gradebook.database import has_gradebook, how_to_dump, keep_copy, load_config
 from autograder.gradebook.journal import Journal
-from autograder.gradebook.lowered import lowered_marks, LoweredMark
-from autograder.gradebook.record import enter_assignment, record
+from autograder.gradebook.record import enter_assignment, record, timestamp_of
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
+    from nbgrader.api import SubmittedAssignment
+
 TOGETHER = 10
 """Submissions entered together; the fixed cost is then a tenth of the time for the entry."""
+
+
+def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> dict[str, str]:
+    """
+    Return the marks that entering results would lower or clear.
+
+    :param graded: the results that are about to be entered
+    :returns: the change as text, such as ``ann 40 to 27``, by student
+    :raises GraderError: if the gradebook cannot be read
+    """
+    if not has_gradebook(layout):
+        return {}  # Opening the gradebook would create it.
+    from nbformat import from_dict
+    from nbgrader.api import MissingEntry
+
+    from autograder.gradebook.converters import opened_gradebook
+    from autograder.gradebook.grade_cells import is_check
+
+    found = {}
+    checks = [cell for cell in from_dict(lesson.release).cells if is_check(cell)]
+    with opened_gradebook(layout) as gradebook:
+        for one in graded:
+            with suppress(MissingEntry):
+                submission = gradebook.find_submission(lesson.assignment, one.result.student)
+                if change := _lowered(layout, one, submission, checks):
+                    found[one.result.student] = printable(f'{one.result.student} {change}')
+    return found
+
+
+def _lowered(
+    layout: Layout, graded: Graded, submission: SubmittedAssignment, checks: Sequence[NotebookNode]
+) -> str:
+    """Return how the mark of one submission would be lowered or cleared; empty if it is not."""
+    from autograder.gradebook.grade_cells import score_of
+
+    new = {cell.metadata.nbgrader['grade_id']: score_of(cell, graded.result) for cell in checks}
+    counted = [
+        grade
+        for notebook in submission.notebooks
+        for grade in notebook.grades
+        if grade.name in new and grade.auto_score is not None and grade.manual_score is None
+    ]
+    gain = sum((new[grade.name] or 0.0) - grade.auto_score for grade in counted)
+    score = float(submission.score) + gain
+    before, after = mark_of(submission), score - _penalty(layout, graded, submission, score)
+    emptied = [grade.name for grade in counted if new[grade.name] is None]
+    if after >= before - 1e-6 and not emptied:
+        return ''
+    empty = f', no score for {", ".join(emptied)}' if emptied else ''
+    return f'{number(before)} to {number(after)}{empty}'
+
+
+def mark_of(submission: SubmittedAssignment) -> float:
+    """Return the points of a submission in the gradebook, minus its late penalty."""
+    return max(0.0, float(submission.score) - float(submission.late_submission_penalty or 0.0))
+
+
+def _penalty(
+    layout: Layout, graded: Graded, submission: SubmittedAssignment, score: float
+) -> float:
+    """Return the penalty that the late policy of the course assigns to a score."""
+    from nbgrader.preprocessors import AssignLatePenalties
+    from nbgrader.utils import parse_utc
+
+    stamp = timestamp_of(graded.submission.folder)
+    when = parse_utc(stamp) if stamp else submission.timestamp
+    due, more = submission.assignment.duedate, submission.extension
+    if (listed := extensions(layout)) is not None:
+        more = listed.get((graded.result.student, submission.assignment.name))
+    if when is None or due is None or when <= due + (more or timedelta()):
+        return 0.0
+    policy = AssignLatePenalties(config=load_config(layout))
+    policy.init_plugin()
+    late_s = (when - due - (more or timedelta())).total_seconds()
+    penalty = policy.plugin_inst.late_submission_penalty(graded.result.student, score, late_s)
+    return min(max(0.0, penalty or 0.0), score)
 
 
 @dataclass
@@ -31,12 +117,13 @@ class Guard:
     Prevent a command from lowering marks in the gradebook without permission.
 
     :param yes: whether marks may be lowered or cleared
-    :param lowered: the marks that are, or would be, lowered or cleared, by assignment and student
+    :param lowered: the marks that are, or would be, lowered or cleared, as text by assignment and
+        student
     """
 
     layout: Layout
     yes: bool = False
-    lowered: dict[str, dict[str, LoweredMark]] = field(default_factory=dict)
+    lowered: dict[str, dict[str, str]] = field(default_factory=dict)
 
     @cached_property
     def copy(self) -> Path | None:
@@ -49,20 +136,16 @@ class Guard:
 
         :raises GraderError: if the gradebook cannot be read
         """
-        lowered = {one.student: one for one in lowered_marks(self.layout, lesson, new)}
+        lowered = lowered_marks(self.layout, lesson, new)
         self.lowered.setdefault(lesson.assignment, {}).update(lowered)
         return [one for one in new if self.yes or one.result.student not in lowered]
 
     def lowered_in(self, assignment: str) -> list[str]:
         """Return the marks of an assignment that are, or would be, lowered, one line each."""
-        return [one.text() for _, one in sorted(self.lowered.get(assignment, {}).items())]
+        return [line for _, line in sorted(self.lowered.get(assignment, {}).items())]
 
     def refusal(self, done: str) -> str:
-        """
-        Return why marks were not changed; empty if no mark was protected.
-
-        :param done: what happened to the other marks, for the message
-        """
+        """Return why marks were not changed, and what was done; empty if no mark was protected."""
         counts = {name: len(marks) for name, marks in self.lowered.items() if marks}
         if self.yes or not counts:
             return ''

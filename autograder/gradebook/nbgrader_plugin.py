@@ -25,21 +25,16 @@ from nbconvert.filters import markdown2html
 from nbformat import NotebookNode
 from nbgrader import utils
 from nbgrader.api import Gradebook
-from nbgrader.preprocessors import (
-    ClearSolutions,
-    GetGrades,
-    NbGraderPreprocessor,
-    SaveAutoGrades,
-)
+from nbgrader.preprocessors import ClearSolutions, GetGrades, NbGraderPreprocessor, SaveAutoGrades
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
-from autograder.classroom.class_list import extensions
+from autograder.classroom.people import extensions
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
-from autograder.gradebook.cell_points import refuse_unfit_points
 from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
-from autograder.gradebook.lowered import lowered_marks
+from autograder.gradebook.live_entry import lowered_marks
+from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
@@ -87,7 +82,7 @@ Resources = dict[str, Any]
 Step = tuple[NotebookNode, Resources]
 
 
-def safe_html(html: object) -> str:
+def safe_html(html: object, **allowed: Any) -> str:
     """
     Return HTML without scripts, event handlers and pictures from other sites.
 
@@ -95,7 +90,8 @@ def safe_html(html: object) -> str:
     their tags as text.
     """
     text = html.decode() if isinstance(html, bytes) else str(html)
-    return str(bleach.clean(text, tags=_SAFE_TAGS, attributes=_SAFE_ATTRIBUTES))
+    allowed = {'tags': _SAFE_TAGS, 'attributes': _SAFE_ATTRIBUTES, **allowed}
+    return str(bleach.clean(text, **allowed))
 
 
 def safe_markdown(source: str) -> str:
@@ -105,15 +101,9 @@ def safe_markdown(source: str) -> str:
 
 def safe_output(html: object) -> str:
     """Clean the HTML of a cell output like :func:`safe_html`, but keep the grader's pictures."""
-    text = html.decode() if isinstance(html, bytes) else str(html)
-    return str(
-        bleach.clean(
-            text,
-            tags=_SAFE_TAGS | _PICTURE_TAGS,
-            attributes={**bleach.ALLOWED_ATTRIBUTES, '*': _PICTURE_ATTRIBUTES},
-            css_sanitizer=_STYLE,
-        )
-    )
+    attributes = {**bleach.ALLOWED_ATTRIBUTES, '*': _PICTURE_ATTRIBUTES}
+    tags = _SAFE_TAGS | _PICTURE_TAGS
+    return safe_html(html, tags=tags, attributes=attributes, css_sanitizer=_STYLE)
 
 
 class ClearSolutionsByKind(ClearSolutions):
@@ -181,8 +171,7 @@ class GradesToShow(GetGrades):
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Add the scores and comments in the gradebook to a notebook."""
         self._lost = from_node(nb).missing
-        found: Step = super().preprocess(nb, resources)
-        return found
+        return super().preprocess(nb, resources)
 
     def _get_score(self, cell: NotebookNode, resources: Resources) -> None:
         super()._get_score(cell, resources)
@@ -199,16 +188,26 @@ class GradesToShow(GetGrades):
             marks['comment'] = LOST
 
 
-class GradeOutside(NbGraderPreprocessor):
+class OfCourse(NbGraderPreprocessor):
+    """A plug-in that needs the folders of the course."""
+
+    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
+        config=True
+    )
+
+    @property
+    def layout(self) -> Layout:
+        """Return the folders of the course."""
+        return Layout(Path(self.root)) if self.root else Layout.here()
+
+
+class GradeOutside(OfCourse):
     """Grade in the sandbox instead of the kernel, and write the outcomes into the check cells."""
 
     engine_factory = Unicode(
         'autograder.grading.pipeline.grading_engine',
         help='Function that returns the engine, called with the layout of the course.',
     ).tag(config=True)
-    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
-        config=True
-    )
 
     _engine: Engine | None = None
 
@@ -228,7 +227,7 @@ class GradeOutside(NbGraderPreprocessor):
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
-        layout = Layout(Path(self.root)) if self.root else Layout.here()
+        layout = self.layout
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)
         lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
@@ -236,17 +235,17 @@ class GradeOutside(NbGraderPreprocessor):
         student, opened = resources['nbgrader']['student'], from_node(nb)
         result = grade_opened(opened, student, lesson, self._engine)
         submission = Submission(student, layout.submitted / student / lesson.assignment)
-        for mark in lowered_marks(layout, lesson, [Graded(submission, opened, result)]):
+        for change in lowered_marks(layout, lesson, [Graded(submission, opened, result)]).values():
             resources['nbgrader']['keep_scores'] = True
             self.log.warning(
                 'gradebook: the mark would be lowered, so it was not changed: %s. Try: make grade '
                 'ARGS=--yes',
-                mark.text(),
+                change,
             )
         return result
 
 
-class SaveGrades(SaveAutoGrades):
+class SaveGrades(OfCourse, SaveAutoGrades):
     """
     nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
@@ -255,24 +254,19 @@ class SaveGrades(SaveAutoGrades):
     every answer again.
     """
 
-    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
-        config=True
-    )
-
     _unusable = False
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Record the extra time of the student and the scores of a notebook."""
         facts = resources['nbgrader']
-        more = extensions(Layout(Path(self.root)) if self.root else Layout.here())
+        more = extensions(self.layout)
         if more is not None:
             with Gradebook(facts['db_url']) as gradebook:
                 submission = gradebook.find_submission(facts['assignment'], facts['student'])
                 submission.extension = more.get((facts['student'], facts['assignment']))
                 gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
-        found: Step = super().preprocess(nb, resources)
-        return found
+        return super().preprocess(nb, resources)
 
     def _add_score(self, cell: NotebookNode, resources: Resources) -> None:
         """

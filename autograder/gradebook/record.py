@@ -1,24 +1,32 @@
 """
-Enter assignments, results and names in nbgrader's gradebook.
+Enter assignments, results and names in nbgrader's gradebook, and remove students from it.
 
 nbgrader's own Autograde enters the results, one student after another.  So formgrader, feedback
-and export work as usual, and manual grades are kept.
+and export work as usual, and manual grades are kept.  nbgrader reads the maximum of a cell from
+the notebook and the score from the exam.  If they differ, the score is wrong, and nbgrader
+discards a score above the maximum; so such a lesson is refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 import json
 from pathlib import Path
+import shutil
 import tempfile
 from typing import Any
 
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.people import read_people
-from autograder.errors import GraderError
-from autograder.gradebook.connection import GradebookRefusedError
-from autograder.gradebook.journal import autograded
+from autograder.classroom.results_of_class import results_file, results_of_others
+from autograder.errors import ExamInvalid, GraderError
+from autograder.exam.exam import Exam
+from autograder.gradebook.database import GradebookRefusedError, has_gradebook
+from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
+from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.notebook import marks_of, Notebook, read_release
 from autograder.submission.reading import read_file
 
 
@@ -103,14 +111,29 @@ def _name(layout: Layout, students: Collection[str]) -> None:
                 )
 
 
-def forget_students(layout: Layout, names: Collection[str]) -> None:
-    """Remove students and all their data from the gradebook."""
-    from autograder.gradebook import converters
+def forget_made(layout: Layout, students: Collection[str]) -> None:
+    """Remove all entries of students from the journals, the gradebook and the reports."""
+    # Start with the journals: an empty gradebook with non-empty journals is refused as damaged.
+    for assignment in layout.assignments():
+        drop(layout, assignment, students)
+    if has_gradebook(layout):
+        from autograder.gradebook import converters
 
-    with converters.opened_gradebook(layout) as gradebook:
-        for student in list(gradebook.students):
-            if student.id in names:
-                gradebook.remove_student(student.id)
+        with converters.opened_gradebook(layout) as gradebook:
+            for student in list(gradebook.students):
+                if student.id in students:
+                    gradebook.remove_student(student.id)
+    for assignment in layout.assignments():
+        if not results_file(layout, assignment).is_file():
+            continue
+        try:
+            others = results_of_others(layout, assignment, students)
+        except GraderError:
+            continue  # The results are damaged; the next grading replaces them.
+        if others:
+            write_all_reports(layout, assignment, others)
+        else:
+            shutil.rmtree(layout.reports / assignment)
 
 
 def _stage(folder: Path, notebook: str, graded: Graded) -> None:
@@ -136,3 +159,43 @@ def timestamp_of(folder: Path) -> str:
     except (ValueError, OverflowError, TypeError):
         return ''
     return text
+
+
+def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
+    """Yield one line for each check cell of a notebook whose points differ from its exam's."""
+    cells = {
+        marks['grade_id'].removeprefix(CHECK_PREFIX): float(marks['points'])
+        for cell in notebook['cells']
+        if (marks := marks_of(cell)).get('grade') and not marks.get('solution')
+        if cell['cell_type'] == 'code'
+    }
+    gives = {exam.name: exam.max_points for exam in exams}
+    for name in dict.fromkeys((*cells, *gives)):
+        if name not in gives:
+            yield f'{where}, cell {CHECK_PREFIX}{name}: this lesson has no exam {name}.'
+        elif name not in cells:
+            yield f'{where}: the exam {name} has no check cell below its answers.'
+        elif abs(cells[name] - gives[name]) > 1e-9:
+            yield (
+                f'{where}, cell {CHECK_PREFIX}{name}: {cells[name]:g} points, but the exam gives '
+                f'{gives[name]:g}.'
+            )
+
+
+def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
+    """
+    Refuse a lesson whose check cells and exams give different points.
+
+    :raises ExamInvalid: if there are such cells, in the solution or else in the release; the error
+        names each of them
+    """
+    for folder, fix in (
+        (layout.solutions, 'give the cell and the exam the same points, then make release'),
+        (layout.notebooks, 'make release'),
+    ):
+        path = folder / lesson.assignment / lesson.notebook
+        if not path.is_file():
+            continue  # nbgrader reports a missing notebook in more detail.
+        where = path.relative_to(layout.root).as_posix()
+        if wrong := list(unfit_points(read_release(path), where, lesson.exams)):
+            raise ExamInvalid(f'{" ".join(wrong)} No mark was changed.', f'Try: {fix}')

@@ -16,7 +16,7 @@ from typing import Any
 from autograder.exam.exam import Exam, Run
 from autograder.judging.causes.builds import installed, NOT_BUILT, why_no_program
 from autograder.recording import Recording
-from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.results import ExamResult, Verdict
 
 MANIFEST = 'package.xml'
 
@@ -25,22 +25,14 @@ _IN_CELL = re.compile(r'^Line (\d+)(?=[:,])')
 
 
 def package_name(files: Mapping[str, str]) -> str:
-    """
-    Return the name in the manifest of a package; empty if colcon could not build the files.
-
-    :param files: relative path to text
-    """
+    """Return the name in the manifest of a package; empty if colcon could not build the files."""
     builds = 'CMakeLists.txt' in files or 'setup.py' in files
     found = _NAME.search(files.get(MANIFEST, ''))
     return found[1] if found and builds else ''
 
 
 def as_package(exam: Exam, package: str) -> Exam:
-    """
-    Return an exam that builds the package and runs its executable instead of a node file.
-
-    :param package: the package's name, from :func:`package_name`
-    """
+    """Return an exam that builds the package and runs its executable instead of a node file."""
     if exam.scenario.program != 'node':
         return exam
     changed = copy.copy(exam)
@@ -53,44 +45,26 @@ def as_package(exam: Exam, package: str) -> Exam:
 def explained(
     exam: Exam, result: ExamResult, recording: Recording | None, files: Mapping[str, str]
 ) -> ExamResult:
-    """
-    Return a result whose messages describe a package instead of a notebook's cells.
-
-    :param exam: from :func:`as_package`
-    :param recording: None if nothing was run
-    """
+    """Return a result whose messages describe a package instead of a notebook's cells."""
     run = Run(files, recording or Recording({}, ()), exam.facts)
-    why = why_no_program(run)
     facts: dict[str, Any] = {}
-    if why is not None:
-        words = _words_not_built() if run.recording.process['exit'] == NOT_BUILT else _words(run)
-        facts = {**words, 'cause': why.text, 'cause_id': why.cause_id, 'try_this': why.try_this}
+    if why := why_no_program(run):
+        if run.recording.process['exit'] == NOT_BUILT:
+            expected = 'a package that colcon builds'
+            observed = 'the build fails, so nothing could be run'
+        else:
+            name, package = run.facts['executable'], run.facts['package']
+            there = ', '.join(installed(run)['lib']) or 'no executable'
+            expected = f'the executable {name}, as ros2 run {package} {name} starts it'
+            observed = f'the package builds, but lib/{package} holds {there}'
+        facts = {'expected': expected, 'observed': observed, 'cause': why.text}
+        facts |= {'cause_id': why.cause_id, 'try_this': why.try_this}
     static = {check.name for check in exam.checks if check.static}
     checks = []
     for check in result.checks:
         if facts and check.verdict is Verdict.FAILED and check.check not in static:
             check = replace(check, **facts)
-        checks.append(of_a_file(check))
+        # A cell's line numbers include its magic line.
+        cause = _IN_CELL.sub(lambda found: f'Line {int(found[1]) - 1}', check.cause)
+        checks.append(replace(check, cause=cause))
     return replace(result, checks=tuple(checks))
-
-
-def of_a_file(check: CheckResult) -> CheckResult:
-    """Return a result with the line numbers of a file; a cell's numbers include its magic line."""
-    words = _IN_CELL.sub(lambda found: f'Line {int(found[1]) - 1}', check.cause)
-    return replace(check, cause=words)
-
-
-def _words_not_built() -> dict[str, str]:
-    return {
-        'expected': 'a package that colcon builds',
-        'observed': 'the build fails, so nothing could be run',
-    }
-
-
-def _words(run: Run) -> dict[str, str]:
-    name, package = run.facts['executable'], run.facts['package']
-    there = ', '.join(installed(run)['lib']) or 'no executable'
-    return {
-        'expected': f'the executable {name}, as ros2 run {package} {name} starts it',
-        'observed': f'the package builds, but lib/{package} holds {there}',
-    }

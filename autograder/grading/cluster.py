@@ -54,7 +54,7 @@ class Cluster:
         from distributed.scheduler import KilledWorker
 
         try:
-            answer: bytes = self._executor.submit(run_task, task).result()
+            return self._executor.submit(run_task, task).result()
         except KilledWorker as error:
             raise GraderError(
                 'The workers that ran this submission died (killed, or out of memory).',
@@ -62,7 +62,6 @@ class Cluster:
             ) from error
         except CancelledError as error:
             raise GraderError('The grading was stopped, or the cluster was lost.') from error
-        return answer
 
     def close(self) -> None:
         """Cancel the tasks that have not started."""

@@ -1,4 +1,4 @@
-"""Run one student's files in an exam unless a recording is stored, then judge the recording."""
+"""Run one student's files in an exam, or use a stored recording, then judge the recording."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 import time
 
-from autograder.errors import SandboxUnavailable
+from autograder.errors import RecordingInvalid, SandboxUnavailable
 from autograder.exam.exam import Exam, Run
 from autograder.explaining.picture_data import pictures
 from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
 from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.runs.kept import recorded
+from autograder.runs.kept import files_digest, recorded
 from autograder.runs.task import Place
-from autograder.sandboxes.isolation import not_protected
+from autograder.sandboxes.isolation import MODES, not_protected
 from autograder.sandboxes.sandbox import Sandbox
 
 
@@ -50,6 +50,35 @@ def examine(
         return result
     kept = recorded(exam, files, sandbox, recordings, fresh=fresh, told=told, place=place)
     return replace(judged(exam, files, kept.recording, kept.timing), recording=kept.name)
+
+
+def again(
+    recordings: Path, exam: Exam, files: Mapping[str, str], old: ExamResult | None
+) -> tuple[ExamResult | None, str]:
+    """
+    Judge one student's files again from the stored recording, without running a program.
+
+    :param recordings: folder in which recordings are stored
+    :param old: the last result, which names the recording
+    :returns: the result and an empty string, or None and the reason
+    """
+    mode = old.mode if old else ''
+    if mode in MODES and not MODES[mode].keeps_secrets:
+        return None, f'only visible checks were run, with isolation {mode}; run grade'
+    result = without_recording(exam, files, mode)
+    if result is not None:
+        return result, ''
+    if old is None or not old.recording:
+        return None, 'no recording is stored; run grade'
+    try:
+        recording = Recording.load(recordings / exam.name / old.recording)
+    except RecordingInvalid as error:
+        return None, f'the recording cannot be read ({error.what}); run grade'
+    if recording.header.get('files') != files_digest(files):
+        return None, 'the files have changed since the recording; run grade'
+    if recording.header.get('scenario') != exam.scenario_digest()[:32]:
+        return None, 'the scenario of the exam has changed, not only its checks; run grade'
+    return replace(judged(exam, files, recording), recording=old.recording), ''
 
 
 def judged(

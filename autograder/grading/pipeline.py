@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from autograder.sandboxes.sandbox import Sandbox
 
 
+Outcome = ExamResult | GraderError
+"""The outcome of one exam of one submission: its result, or an error of the grader."""
 THREADS = 'grading'
 """Prefix of the names of the pool's threads."""
 
@@ -107,12 +109,7 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
 
 @dataclass(frozen=True)
 class Lesson:
-    """
-    The data for grading one assignment.
-
-    :param notebook: file name of the released notebook
-    :param release: content of the released notebook
-    """
+    """The data for grading one assignment: name and content of the release, and the exams."""
 
     assignment: str
     notebook: str
@@ -133,10 +130,11 @@ class Graded:
     result: SubmissionResult
 
 
-def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
+def load_lesson(layout: Layout, assignment: str, engine: Engine | None = None) -> Lesson:
     """
     Read the release and the exams of an assignment.
 
+    :param engine: provides the exams; None for the hidden exams of the course
     :raises GraderError: if the release or an exam cannot be used
     """
     try:
@@ -145,10 +143,12 @@ def load_lesson(layout: Layout, assignment: str, engine: Engine) -> Lesson:
         answer_files(release)
     except (OSError, ValueError) as error:
         raise ExamInvalid(
-            f'The release of {assignment} cannot be used: {error}',
-            'Try: make release',
+            f'The release of {assignment} cannot be used: {error}', 'Try: make release'
         ) from error
-    return Lesson(assignment, path.name, release, tuple(engine.exams(assignment)))
+    from autograder.exam.catalog import for_assignment
+
+    exams = engine.exams(assignment) if engine else for_assignment(assignment)
+    return Lesson(assignment, path.name, release, tuple(exams))
 
 
 def open_one(submission: Submission, lesson: Lesson) -> Opened:
@@ -161,22 +161,14 @@ def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -
     """Grade one submission, running its exams in parallel."""
     files = lesson.files(opened)
     with ThreadPoolExecutor(max_workers=max(1, len(lesson.exams))) as pool:
-        tasks = {
-            exam.name: pool.submit(_run, engine, exam, files[exam.name].files)
-            for exam in lesson.exams
-        }
-    outcomes = {name: task.result() for name, task in tasks.items()}
-    return _assemble(opened, student, lesson, files, outcomes)
+        outcomes = pool.map(lambda exam: _run(engine, exam, files[exam.name].files), lesson.exams)
+    return _assemble(opened, student, lesson, files, list(outcomes))
 
 
 def grade_notebook(
     data: bytes | None, lesson: Lesson, student: str, engine: Engine
 ) -> SubmissionResult:
-    """
-    Grade one notebook.
-
-    :param data: content of the notebook's file, None if it is missing
-    """
+    """Grade the content of one notebook file, None if it is missing."""
     opened = open_submission(data, lesson.release, lesson.notebook)
     return grade_opened(opened, student, lesson, engine)
 
@@ -186,21 +178,21 @@ def grade_class(
     lesson: Lesson,
     engine: Engine,
     jobs: int,
-    on_done: Callable[[Done], None] = lambda done: None,
+    on_done: Callable[[str, Outcome], None] = lambda student, outcome: None,
     on_graded: Callable[[Graded], None] = lambda graded: None,
 ) -> tuple[Graded, ...]:
     """
     Grade a class; submissions with equal files share one run.
 
     :param jobs: maximum number of parallel runs
-    :param on_done: called after each exam of each submission, in any thread
+    :param on_done: called with the student after each exam of each submission, in any thread
     :param on_graded: called for each graded submission in this thread, while others still run
     :returns: the results in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
     files = [lesson.files(one) for one in opened]
-    tasks: dict[tuple[int, str], Future[ExamResult | GraderError]] = {}
-    runs: dict[tuple[str, tuple[tuple[str, str], ...]], Future[ExamResult | GraderError]] = {}
+    tasks: dict[tuple[int, str], Future[Outcome]] = {}
+    runs: dict[tuple[str, tuple[tuple[str, str], ...]], Future[Outcome]] = {}
     pool = ThreadPoolExecutor(max_workers=max(1, jobs), thread_name_prefix=THREADS)
     try:
         for index, found in enumerate(files):
@@ -209,13 +201,11 @@ def grade_class(
                 run = exam.name, tuple(sorted(answers.items()))
                 if run not in runs:
                     runs[run] = pool.submit(_run, engine, exam, answers)
-                tell = partial(_tell, on_done, submissions[index].student, exam.name)
-                runs[run].add_done_callback(tell)
+                runs[run].add_done_callback(partial(_tell, on_done, submissions[index].student))
                 tasks[index, exam.name] = runs[run]
         graded: list[Graded] = []
         for index, submission in enumerate(submissions):
-            parts = {exam.name: tasks[index, exam.name] for exam in lesson.exams}
-            outcomes = {name: part.result() for name, part in parts.items()}
+            outcomes = [tasks[index, exam.name].result() for exam in lesson.exams]
             result = _assemble(opened[index], submission.student, lesson, files[index], outcomes)
             graded.append(Graded(submission, opened[index], result))
             on_graded(graded[-1])
@@ -225,17 +215,12 @@ def grade_class(
     return tuple(graded)
 
 
-def _tell(
-    on_done: Callable[[Done], None],
-    student: str,
-    exam: str,
-    task: Future[ExamResult | GraderError],
-) -> None:
+def _tell(on_done: Callable[[str, Outcome], None], student: str, task: Future[Outcome]) -> None:
     if not task.cancelled() and task.exception() is None:
-        on_done(Done(student, exam, task.result()))
+        on_done(student, task.result())
 
 
-def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> ExamResult | GraderError:
+def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:
     """Run one exam; return an error of the grader instead of raising it, so others continue."""
     try:
         return engine.run(exam, files)
@@ -290,11 +275,11 @@ def _assemble(
     student: str,
     lesson: Lesson,
     files: Mapping[str, ExamFiles],
-    outcomes: Mapping[str, ExamResult | GraderError],
+    outcomes: Sequence[Outcome],
 ) -> SubmissionResult:
     """Combine the results of the exams into the result of one submission."""
-    done = [outcome for outcome in outcomes.values() if isinstance(outcome, ExamResult)]
-    faults = [str(outcome) for outcome in outcomes.values() if isinstance(outcome, GraderError)]
+    done = [outcome for outcome in outcomes if isinstance(outcome, ExamResult)]
+    faults = [str(outcome) for outcome in outcomes if isinstance(outcome, GraderError)]
     problems = [*opened.problems]
     for exam in lesson.exams:
         problems += files[exam.name].problems
@@ -307,18 +292,3 @@ def _assemble(
         noticed=opened.flags,
     )
     return with_reasons(result, lesson.exams)
-
-
-@dataclass(frozen=True)
-class Done:
-    """
-    The outcome of one exam of one submission.
-
-    :param student: student id of the submission
-    :param exam: name of the exam
-    :param outcome: the result, or an error of the grader
-    """
-
-    student: str
-    exam: str
-    outcome: ExamResult | GraderError

@@ -8,8 +8,7 @@ from typing import Any
 from accessibility import violations
 import pytest
 
-from autograder.classroom.class_report import write_class_report
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_class_report, write_reports
 from autograder.classroom.results_of_class import graded
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict

@@ -81,9 +81,9 @@ def failing(name: str) -> CheckResult:
 @pytest.fixture(scope='module')
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of feedback as nbgrader writes it for this course."""
+    from autograder.gradebook.database import load_config
     from autograder.gradebook.grade_cells import _score, _told
     from autograder.gradebook.nbgrader_plugin import FeedbackExporter
-    from autograder.gradebook.settings import load_config
     from autograder.layout import Layout
 
     result = ExamResult(

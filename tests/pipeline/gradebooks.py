@@ -16,8 +16,8 @@ from autograder.commands.forget import forget, traces
 from autograder.errors import GraderError
 from autograder.exports.marks import from_gradebook, GRADED
 from autograder.gradebook import journal
+from autograder.gradebook.database import gradebook_file, load_config
 from autograder.gradebook.live_entry import begin_to_enter, enter, Guard
-from autograder.gradebook.settings import gradebook_file, load_config
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult

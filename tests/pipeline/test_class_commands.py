@@ -18,11 +18,11 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
-from autograder.classroom.delivered import Delivered, keep_delivered
+from autograder.classroom.collected import Delivered, keep_delivered
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import graded as last
 from autograder.commands import FOR_REVIEW, OK
-from autograder.exports.gradescope_zip import autograder_zip
+from autograder.exports.gradescope import autograder_zip
 from autograder.exports.marks import (
     AUTOMATIC,
     BY_HAND,
@@ -238,20 +238,6 @@ class TestCommands:
         assert 'not entered: eve: for review' in said.out
         assert said.err == f'late: {ASSIGNMENT}: ann: 2 points less, to 53\n'
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
-
-    def test_gradescope_has_a_file_for_each_but_the_review(self, graded, tmp_path, capsys):
-        """Files of an earlier grading are removed, also of a student who has left; no others."""
-        stale = {'assignment': ASSIGNMENT}, {'assignment': ASSIGNMENT}, {'assignment': '00_other'}
-        for name, about in zip(('eve', 'left', 'other'), stale):
-            file = tmp_path / name / 'results.json'
-            file.parent.mkdir()
-            file.write_text(json.dumps({'extra_data': about}), encoding='utf-8')
-        arguments = ['export', 'gradescope', ASSIGNMENT, '--to', str(tmp_path), '--force']
-
-        assert command.main(arguments) == FOR_REVIEW
-        there = sorted(path.parent.name for path in tmp_path.glob('*/results.json'))
-        assert there == ['ann', 'bob', 'other']
-        assert json.loads((tmp_path / 'ann' / 'results.json').read_text('utf-8'))['score'] == 50
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
         """``stats`` ends with an exit code for a review, and ``similar`` shows the copy."""

@@ -18,7 +18,7 @@ import pytest
 
 from autograder.collect.table import LEFT, TAKEN
 from autograder.collect.take_in import collect
-from autograder.gradebook.settings import load_config
+from autograder.gradebook.database import load_config
 from autograder.layout import Layout
 from environment.exchange import SETTING
 

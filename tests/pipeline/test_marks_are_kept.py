@@ -16,7 +16,8 @@ from autograder import __main__ as command
 from autograder.classroom.results_of_class import graded as results_of
 from autograder.commands import FOR_REVIEW, OK, rejudge
 from autograder.commands import grade as grading
-from autograder.gradebook.copies import copies
+from autograder.exam import catalog
+from autograder.gradebook.database import copies
 from autograder.layout import Layout
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
@@ -39,9 +40,9 @@ def use(course, monkeypatch):
     """Let commands work on a course, with exams that need no ROS."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     monkeypatch.setattr(grading, '_engine', lambda *_: nullcontext((Edited(), 1)))
-    monkeypatch.setattr(rejudge, 'NothingRuns', Edited)
+    monkeypatch.setattr(catalog, 'for_assignment', lambda name, *_, **__: Edited().exams(name))
     monkeypatch.setattr(
-        rejudge, 'again', lambda layout, exam, files, old: (Edited().run(exam, files), '')
+        rejudge, 'again', lambda folder, exam, files, old: (Edited().run(exam, files), '')
     )
 
 

@@ -225,7 +225,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
 
-    from autograder.gradebook.settings import load_config
+    from autograder.gradebook.database import load_config
 
     hand_in(course, 'mal', hostile(course))
     config = load_config(course)
@@ -274,7 +274,7 @@ def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_comma
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
 
-    from autograder.gradebook.settings import load_config
+    from autograder.gradebook.database import load_config
 
     course, _ = graded_by_command
     config = load_config(course)

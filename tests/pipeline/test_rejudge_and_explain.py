@@ -15,16 +15,16 @@ from autograder import __main__ as command
 from autograder.authoring import sample_class
 from autograder.classroom.pages import write_reports
 from autograder.classroom.people import keep_people
+from autograder.classroom.results_of_class import graded as results_of
 from autograder.classroom.results_of_class import last_results, ran_s
 from autograder.commands import FOR_REVIEW, OK
 from autograder.commands.explain import evidence, evidence_text, MOST_LINES, WIDEST
-from autograder.commands.rejudge import rejudge, rejudge_command
+from autograder.commands.rejudge import account_text, rejudge, rejudge_command
 from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed
 from autograder.exams.visible.temperature_publisher import build
 from autograder.gradebook.record import record
-from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
@@ -103,7 +103,7 @@ def now(monkeypatch, layout):
 def by_student(accounts):
     """Return what happened to each student."""
     (account,) = accounts
-    return {one.before.student: one for one in account.rejudged}
+    return {one['student']: one for one in account['submissions']}
 
 
 class TestRejudge:
@@ -111,25 +111,25 @@ class TestRejudge:
 
     def test_it_takes_at_most_twenty_milliseconds_a_submission(self, layout, now):
         """The limit is CPU time: a busy machine must not fail this test."""
-        lesson = load_lesson(layout, ASSIGNMENT, NothingRuns())
-        rejudge(layout, lesson, layout.submitted)  # what is imported and read once
+        lesson = load_lesson(layout, ASSIGNMENT)
+        (last,) = results_of(layout)
+        rejudge(layout, lesson, last, layout.submitted)  # what is imported and read once
         each = []
         for _ in range(3):  # of which the least counts: what else Python tidies up is not ours
             began = time.process_time()
-            account = rejudge(layout, lesson, layout.submitted)
-            each.append((time.process_time() - began) / len(account.rejudged))
+            account, *_ = rejudge(layout, lesson, last, layout.submitted)
+            each.append((time.process_time() - began) / len(account['submissions']))
 
-        assert not account.incomplete
+        assert not any(one['kept'] for one in account['submissions'])
         assert min(each) <= 0.020
 
     def test_an_unchanged_exam_changes_nothing(self, layout, now):
         """And everybody could be judged."""
-        accounts, code = rejudge_command(layout, None, None, write=False)
+        accounts = rejudge_command(layout, None, None, write=False)
 
-        assert code == OK
-        assert [one.kept for one in accounts[0].rejudged] == [''] * 4
-        assert [one.changed for one in accounts[0].rejudged] == [()] * 4
-        assert '4 of 4 submissions judged again' in accounts[0].text()
+        assert [one['kept'] for one in accounts[0]['submissions']] == [''] * 4
+        assert [one['changed'] for one in accounts[0]['submissions']] == [[]] * 4
+        assert '4 of 4 submissions judged again' in account_text(accounts[0])
 
     def test_it_is_listed_who_has_other_points_by_which_check_and_why(self, layout, now):
         """An edited check, one that gives more points, and one that is new."""
@@ -151,29 +151,28 @@ class TestRejudge:
         exam.check(points=1)(is_new)
         now(exam)
 
-        accounts, code = rejudge_command(layout, None, None, write=False)
+        accounts = rejudge_command(layout, None, None, write=False)
         reference = by_student(accounts)['pass__reference']
-        changed = {one.check: one for one in reference.changed}
+        changed = {one['check']: one for one in reference['changed']}
 
-        assert code == OK
-        assert (reference.before.points, reference.after.points) == (15, 9)
-        assert changed['names_the_unit'].points_after == 0
-        assert 'expected the unit Kelvin; observed the unit Celsius' in accounts[0].text()
-        assert changed['names_the_sensor'].why == 'the points of the check have changed: 1 -> 4'
-        assert changed['is_new'].why == 'the check is new'
-        assert changed['readings_are_plausible'].after == 'no such check'
+        assert (reference['before'], reference['after']) == (15, 9)
+        assert changed['names_the_unit']['points_after'] == 0
+        assert 'expected the unit Kelvin; observed the unit Celsius' in account_text(accounts[0])
+        why = 'the points of the check have changed: 1 -> 4'
+        assert changed['names_the_sensor']['why'] == why
+        assert changed['is_new']['why'] == 'the check is new'
+        assert changed['readings_are_plausible']['after'] == 'no such check'
         assert 'starts_its_node' not in changed
 
     def test_another_scenario_needs_another_run(self, layout, now):
         """Nobody is scored from a recording of other questions."""
         now(build(21, 0.07, 1.25))
 
-        accounts, code = rejudge_command(layout, None, None, write=False)
+        accounts = rejudge_command(layout, None, None, write=False)
 
-        assert code == FOR_REVIEW
-        for one in accounts[0].rejudged:
-            assert 'the scenario of the exam has changed' in one.kept
-            assert one.after == one.before
+        for one in accounts[0]['submissions']:
+            assert 'the scenario of the exam has changed' in one['kept']
+            assert one['after'] == one['before']
 
     def test_who_has_no_recording_is_named_and_keeps_the_points(self, layout, now):
         """Also who handed in something else since, or nothing any more."""
@@ -186,10 +185,9 @@ class TestRejudge:
         shutil.copytree(other, layout.submitted / 'fail__two_hertz')
         shutil.rmtree(other)
 
-        accounts, code = rejudge_command(layout, None, None, write=False)
-        kept = {name: one.kept for name, one in by_student(accounts).items()}
+        accounts = rejudge_command(layout, None, None, write=False)
+        kept = {name: one['kept'] for name, one in by_student(accounts).items()}
 
-        assert code == FOR_REVIEW
         assert kept['pass__reference'] == 'the submission no longer exists'
         assert 'the files have changed since the recording' in kept['fail__two_hertz']
         assert 'cannot be read' in kept['fail__crashes_in_mid_run']
@@ -213,8 +211,8 @@ class TestRejudge:
         rejudge_command(layout, None, None, write=False)
         assert results.read_text(encoding='utf-8') == before
 
-        (account,), _ = rejudge_command(layout, None, None, write=True)
-        assert account.written == (
+        (account,) = rejudge_command(layout, None, None, write=True)
+        assert account['written'] == (
             'The reports show the new points of 4 submissions; 4 were entered in the gradebook, '
             '0 were unchanged.'
         )
@@ -236,7 +234,7 @@ class TestRejudge:
         monkeypatch.setattr('autograder.gradebook.live_entry.record', noted)
         slowest = [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)]
         rejudge_command(layout, None, None, write=True)
-        (unchanged,), _ = rejudge_command(layout, None, None, write=True)
+        (unchanged,) = rejudge_command(layout, None, None, write=True)
         exam = build(20, 0.07, 1.25)
         exam.checks = [
             replace(check, judge=lambda run: None)
@@ -245,13 +243,13 @@ class TestRejudge:
             for check in exam.checks
         ]
         now(exam)
-        (account,), _ = rejudge_command(layout, None, None, write=True)
+        (account,) = rejudge_command(layout, None, None, write=True)
 
-        changed = {one.before.student for one in account.rejudged if one.changed}
+        changed = {one['student'] for one in account['submissions'] if one['changed']}
         assert 'fail__two_hertz' in changed
         assert len(changed) < len(STUDENTS)
         assert given == [set(STUDENTS), changed]
-        assert '0 were entered in the gradebook, 4 were unchanged' in unchanged.written
+        assert '0 were entered in the gradebook, 4 were unchanged' in unchanged['written']
         assert [(one.student, ran_s(one)) for one in last_results(layout, ASSIGNMENT)] == slowest
         assert all(seconds > 0 for _, seconds in slowest)
 
@@ -351,6 +349,12 @@ class TestCommands:
     def here(self, layout, now, monkeypatch):
         """Let the course be the graded one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+
+    def test_rejudge_ends_with_an_exit_code_if_points_are_kept(self, now):
+        """Another scenario needs another run."""
+        now(build(21, 0.07, 1.25))
+
+        assert command.main(['rejudge']) == FOR_REVIEW
 
     def test_rejudge_prints_an_account(self, capsys):
         """Or all of it as JSON."""

@@ -55,10 +55,10 @@ HOSTILE = submission(
     problems=(Problem(EVIL, EVIL, EVIL, EVIL, ('cell',)),),
     noticed=(EVIL,),
 )
-ABSENT = Mark('zoe', None, 6.5, MISSING)
+ABSENT = Mark('zoe', None, 6.5, MISSING, assignment=ASSIGNMENT)
 CLASS = ClassResults(ASSIGNMENT, (submission(), FULL, REVIEW, HOSTILE))
 
 
 def marked(graded=CLASS, *absent):
-    """Return results with their marks, as exports get them."""
-    return [(graded, (*map(automatic, graded.results), *absent))]
+    """Return the marks of a class, as exports get them."""
+    return [*map(automatic, graded.results), *absent]

@@ -16,11 +16,15 @@ from export_world import submission
 import pytest
 from rich.console import Console
 
-from autograder.classroom.class_list import class_list, extensions
-from autograder.classroom.class_report import write_class_report
-from autograder.classroom.not_collected import not_collected, not_listed
-from autograder.classroom.pages import print_table, write_reports
-from autograder.classroom.people import keep_people, read_people, saved_people
+from autograder.classroom.collected import not_collected, not_listed
+from autograder.classroom.pages import print_table, write_class_report, write_reports
+from autograder.classroom.people import (
+    class_list,
+    extensions,
+    keep_people,
+    read_people,
+    saved_people,
+)
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers
 from autograder.commands.stats import stats_text

@@ -12,8 +12,7 @@ from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, V
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.classroom.class_report import class_page, write_class_report
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import class_page, write_class_report, write_reports
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands.stats import stats_text

@@ -27,8 +27,8 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
+from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import alone
-from autograder.classroom.not_collected import read_not_collected
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.kinds.kind import recognised

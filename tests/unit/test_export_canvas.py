@@ -212,12 +212,6 @@ def test_another_file_is_refused(data, got):
     assert 'Export Entire Gradebook' in str(refused.value)
 
 
-def test_a_file_that_is_not_there_is_named(tmp_path):
-    """The error names the missing file and says how to get it."""
-    with pytest.raises(GraderError, match=r'none\.csv: the gradebook from Canvas cannot be read'):
-        canvas.read_file(tmp_path / 'none.csv')
-
-
 @pytest.mark.parametrize('scale', [True, False])
 def test_an_assignment_without_points_possible_takes_none(scale):
     """It would scale all marks to 0."""

@@ -11,11 +11,10 @@ from dataclasses import replace
 import io
 import re
 
-from export_world import ABSENT, CLASS, EVIL, FORMULA, submission
+from export_world import ABSENT, CLASS, EVIL, FORMULA, marked, submission
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.classroom.results_of_class import ClassResults
 from autograder.exports.marks import automatic, BY_HAND, Mark
 from autograder.exports.table import (
     checks_csv,
@@ -51,8 +50,7 @@ def rfc4180(data):
 
 def marks_of(graded):
     """Return the table of marks as dictionaries."""
-    given_marks = [automatic(result) for result in graded.results]
-    rows = rfc4180(marks_csv([(graded, given_marks)], {}))
+    rows = rfc4180(marks_csv(marked(graded), {}))
     return [dict(zip(rows[0], row)) for row in rows[1:]]
 
 
@@ -69,7 +67,7 @@ def test_each_submission_has_a_line():
 def test_a_student_without_a_submission_has_a_row_without_points():
     """A missing student has no points, and without a penalty the late points are empty."""
     late = replace(automatic(CLASS.results[0]), points=1.5, late_points=0.5)
-    rows = rfc4180(marks_csv([(CLASS, [late, ABSENT])], {'zoe': 'Zoe Example'}))
+    rows = rfc4180(marks_csv([late, ABSENT], {'zoe': 'Zoe Example'}))
     ann, zoe = (dict(zip(rows[0], row)) for row in rows[1:])
 
     assert (zoe['student'], zoe['name'], zoe['status']) == ('zoe', 'Zoe Example', ABSENT.status)
@@ -86,7 +84,7 @@ def test_for_review_is_an_empty_cell():
 
 def test_checks_of_a_submission_for_review_have_no_points():
     """The verdicts of a submission for review are exported without points."""
-    rows = rfc4180(checks_csv([CLASS]))
+    rows = rfc4180(checks_csv(marked()))
     lines = [dict(zip(rows[0], row)) for row in rows[1:]]
 
     assert {line['points'] for line in lines if line['student'] == 'eve'} == {''}
@@ -99,10 +97,8 @@ def test_checks_of_a_submission_for_review_have_no_points():
 
 def test_a_mark_that_is_not_complete_is_an_empty_cell():
     """A submission that waits for a person has no mark."""
-    graded = ClassResults('01_talker', (submission(),))
-    rows = rfc4180(
-        marks_csv([(graded, [Mark('ann', None, 8.0, BY_HAND)])], {'ann': 'Ann Example'})
-    )
+    mark = Mark('ann', None, 8.0, BY_HAND, assignment='01_talker', result=submission())
+    rows = rfc4180(marks_csv([mark], {'ann': 'Ann Example'}))
 
     assert rows[1][:6] == ['01_talker', 'ann', 'Ann Example', 'to be graded by hand', '', '8']
 
@@ -118,8 +114,8 @@ def test_no_cell_begins_like_a_formula(start):
 def test_hostile_words_stay_in_their_cell():
     """Formulas, quotes, line breaks and control characters stay in their cell."""
     for table in (
-        marks_csv([(CLASS, [automatic(one) for one in CLASS.results])], {'ann': EVIL}),
-        checks_csv([CLASS]),
+        marks_csv(marked(), {'ann': EVIL}),
+        checks_csv(marked()),
     ):
         for row in rfc4180(table):
             for cell in row:

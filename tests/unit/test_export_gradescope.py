@@ -20,8 +20,8 @@ import pytest
 
 from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
-from autograder.exports.gradescope import results_bytes, results_of, VISIBILITIES
-from autograder.exports.gradescope_zip import autograder_zip, SETTINGS
+from autograder.exports.gradescope import autograder_zip, results_of, SETTINGS, VISIBILITIES
+from autograder.files import json_bytes
 from autograder.layout import Layout
 from autograder.results import ExamResult, Problem, SubmissionResult
 
@@ -85,7 +85,7 @@ class TestResults:
         """Results follow the rules, and hostile words are shown as text."""
         for result in CLASS.results:
             if not result.review:
-                data = json.loads(results_bytes(result))
+                data = json.loads(json_bytes(results_of(result)))
                 RULES.validate(data)
                 assert {test['output_format'] for test in data['tests']} == {'text'}
                 assert '\x1b' not in data['output']
@@ -116,7 +116,7 @@ class TestResults:
 
         for result in (REVIEW, submission('eve', problems=(unread,))):
             with pytest.raises(GraderError, match='eve: for review'):
-                results_bytes(result)
+                results_of(result)
 
     def test_visible_checks_alone_are_no_result(self):
         """If only visible checks were run, there is no result."""
@@ -168,7 +168,7 @@ class TestZip:
 
         for name in (
             'autograder/__main__.py',
-            'autograder/exports/gradescope_run.py',
+            'autograder/exports/gradescope.py',
             'autograder/sandboxes/seccomp/x86_64.bpf',
             'environment/prepare.sh',
             'environment/requirements.lock',

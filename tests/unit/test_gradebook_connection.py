@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from autograder.errors import GraderError
-from autograder.gradebook.connection import connected
+from autograder.gradebook.database import connected
 from autograder.gradebook.journal import make_gradebook, refuse_incomplete
 from autograder.layout import Layout
 

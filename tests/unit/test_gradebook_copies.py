@@ -10,9 +10,8 @@ import time
 import pytest
 
 from autograder.errors import GraderError
-from autograder.gradebook import copies
-from autograder.gradebook.connection import connected
-from autograder.gradebook.copies import keep_copy, refuse_damaged
+from autograder.gradebook import database
+from autograder.gradebook.database import connected, keep_copy, refuse_damaged
 from autograder.layout import Layout
 
 GMTIME = time.gmtime
@@ -61,7 +60,7 @@ def at(monkeypatch):
 
     def put(day, second=0):
         moment = 1_800_000_000 + 86_400 * day + second
-        monkeypatch.setattr(copies.time, 'gmtime', lambda: GMTIME(moment))
+        monkeypatch.setattr(database.time, 'gmtime', lambda: GMTIME(moment))
 
     put(0)
     return put
@@ -85,13 +84,13 @@ def test_an_unchanged_gradebook_is_not_copied_again(course, at):
     assert keep_copy(course) == first
     submit(course, 'cho')
     assert keep_copy(course) != first
-    assert len(copies.copies(course)) == 2
+    assert len(database.copies(course)) == 2
 
 
 def test_number_of_copies_is_bounded(course, at, monkeypatch):
     """The newest copies stay, and the first of each of the last days."""
-    monkeypatch.setattr(copies, 'MAX_RECENT', 2)
-    monkeypatch.setattr(copies, 'MAX_DAYS', 3)
+    monkeypatch.setattr(database, 'MAX_RECENT', 2)
+    monkeypatch.setattr(database, 'MAX_DAYS', 3)
     for day in range(5):
         for second in range(3):
             at(day, second)
@@ -99,7 +98,7 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
             os.utime(gradebook(course), ns=(day, second))
             keep_copy(course)
 
-    assert [one.name for one in copies.copies(course)] == [
+    assert [one.name for one in database.copies(course)] == [
         '2027-01-17_080000Z.db',
         '2027-01-18_080000Z.db',
         '2027-01-19_080000Z.db',
@@ -111,18 +110,18 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
 def test_size_of_copies_is_bounded(course, at, monkeypatch):
     """The newest copy stays, whatever its size is."""
     size = keep_copy(course).stat().st_size
-    monkeypatch.setattr(copies, 'MAX_BYTES', 2 * size + 100)
+    monkeypatch.setattr(database, 'MAX_BYTES', 2 * size + 100)
     for day in range(1, 4):
         at(day)
         os.utime(gradebook(course), ns=(day, day))
         keep_copy(course)
-    assert len(copies.copies(course)) == 2
+    assert len(database.copies(course)) == 2
 
-    monkeypatch.setattr(copies, 'MAX_BYTES', 10)
+    monkeypatch.setattr(database, 'MAX_BYTES', 10)
     at(4)
     os.utime(gradebook(course), ns=(4, 4))
-    assert copies.copies(course) != [keep_copy(course)]
-    assert [one.name for one in copies.copies(course)] == ['2027-01-19_080000Z.db']
+    assert database.copies(course) != [keep_copy(course)]
+    assert [one.name for one in database.copies(course)] == ['2027-01-19_080000Z.db']
 
 
 def empty(path):
@@ -164,7 +163,7 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
         with pytest.raises(GraderError, match='the gradebook is damaged: ') as told:
             look(course)
     assert gradebook(course).read_bytes() == broken
-    assert len(copies.copies(course)) == 1
+    assert len(database.copies(course)) == 1
 
     command = told.value.fix.removeprefix('Try: ').partition('. To begin')[0]
     subprocess.run(command, shell=True, check=True)
@@ -212,12 +211,12 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
     """A locked gradebook cannot be copied, which is one line."""
     connect = sqlite3.connect
-    monkeypatch.setattr(copies.sqlite3, 'connect', lambda path: connect(path, timeout=0))
+    monkeypatch.setattr(database.sqlite3, 'connect', lambda path: connect(path, timeout=0))
     holder = connect(gradebook(course))
     holder.execute('begin exclusive')
 
     refuse_damaged(course)
     with pytest.raises(GraderError, match=r'cannot be copied: database is locked\. Nothing'):
         keep_copy(course)
-    assert copies.copies(course) == []
+    assert database.copies(course) == []
     holder.close()

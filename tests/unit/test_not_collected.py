@@ -17,16 +17,14 @@ import pytest
 from rich.console import Console
 
 from autograder import __main__ as command
-from autograder.classroom.class_report import write_class_report
-from autograder.classroom.not_collected import (
-    forget_not_collected,
+from autograder.classroom.collected import (
     keep_not_collected,
     names_to_write_to,
     not_collected,
     NotCollected,
     read_not_collected,
 )
-from autograder.classroom.pages import print_table, write_reports
+from autograder.classroom.pages import print_table, write_class_report, write_reports
 from autograder.classroom.results_of_class import graded
 from autograder.collect.take_in import collect
 from autograder.commands import OK
@@ -162,7 +160,7 @@ def test_forgotten_student_leaves_the_list(tmp_path, layout):
     (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
     lines = traces(layout, '1004').lines
 
-    forget_not_collected(layout, '1004')
+    keep_not_collected(layout, (), without='1004')
 
     assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
     assert f'reports: Not collected: {PDF}.' in lines

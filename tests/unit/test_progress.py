@@ -1,7 +1,8 @@
-"""Progress: totals, the slowest, one changing line on a terminal, and lines in a log."""
+"""Progress: totals, one changing line on a terminal, and lines in a log."""
 
 from __future__ import annotations
 
+from collections import Counter
 import io
 import sys
 import threading
@@ -9,63 +10,24 @@ import threading
 import pytest
 from rich.console import Console
 
-from autograder.commands.progress import is_alive, line_of, progress, Totals
+from autograder.commands.grade import about_runs
+from autograder.commands.progress import is_alive, kind_of, line_of, progress, text_of
 from autograder.errors import ProbeFailed
-from autograder.grading.pipeline import Done
-from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 
-def done(student: str, points: float, run_s: float = 0.0) -> Done:
+def done(points: float) -> ExamResult:
     """Return a run with this many of two points."""
-    check = CheckResult('c', 'C.', Verdict.PASSED, points, 2)
-    return Done(student, 'e', ExamResult('e', (check,), timing={'run_s': run_s}))
+    return ExamResult('e', (CheckResult('c', 'C.', Verdict.PASSED, points, 2),))
 
 
-class TestTotals:
-    """The totals of a class so far."""
+def test_full_marks_less_and_reviews_are_counted():
+    """A submission for review counts as neither."""
+    counts = Counter(map(kind_of, (done(2), done(1), done(2))))
+    assert text_of(counts) == '2 full marks, 1 less'
 
-    def test_full_marks_less_and_reviews_are_counted(self):
-        """A submission for review counts as neither."""
-        totals = Totals()
-        for one in (done('ann', 2), done('bob', 1), done('cho', 2)):
-            totals.add(one)
-        assert totals.text() == '2 full marks, 1 less'
-
-        totals.add(Done('dee', 'e', ProbeFailed('The probe broke off.')))
-        assert totals.text() == '2 full marks, 1 less, 1 for review'
-
-    def test_the_slowest_is_who_took_longest_over_all_exams(self):
-        """The times of all exams are added."""
-        totals = Totals()
-        for one in (done('ann', 2, 1.5), done('bob', 2, 2.0), done('ann', 2, 1.0)):
-            totals.add(one)
-
-        assert totals.slowest == ('ann', 2.5)
-        assert totals.slowest_text() == 'longest run time: ann, 2.5 s'
-
-    def test_a_rerun_has_the_same_slowest(self):
-        """The time of a run is stored with its recording."""
-        totals = Totals()
-        for student in ('cho', 'bob', 'ann'):
-            kept = ExamResult('e', (), timing={'kept_run_s': 0.5 if student == 'ann' else 2.0})
-            totals.add(Done(student, 'e', kept))
-
-        assert totals.slowest == ('bob', 2.0)
-
-    def test_nobody_is_slow_where_no_time_is_known(self):
-        """Older recordings have no time."""
-        totals = Totals()
-        totals.add(done('ann', 2))
-
-        assert totals.slowest == ('', 0.0)
-        assert totals.slowest_text() == ''
-
-    def test_a_name_acts_on_no_terminal(self):
-        """The name of a folder may contain control characters."""
-        totals = Totals()
-        totals.add(done('\x1b[31mann', 2, 1.0))
-
-        assert '\x1b' not in totals.slowest_text()
+    counts[kind_of(ProbeFailed('The probe broke off.'))] += 1
+    assert text_of(counts) == '2 full marks, 1 less, 1 for review'
 
 
 @pytest.mark.parametrize(
@@ -82,7 +44,7 @@ def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monke
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
     """A short grading ends before the first line."""
     with progress(2, 'x') as tell:
-        tell(done('ann', 2, 1.0))
+        tell('ann', done(2))
 
     captured = capsys.readouterr()
     assert captured.out == captured.err == ''
@@ -90,12 +52,10 @@ def test_a_short_grading_prints_nothing_into_a_log(capsys):
 
 def test_a_line_in_a_log_has_counts_and_the_time_left():
     """The time left is unknown at first, and then follows from the pace."""
-    totals = Totals()
-    assert line_of(totals, 8, 3.0) == '0 of 8 runs'
+    assert line_of(Counter(), 8, 3.0) == '0 of 8 runs'
 
-    for points in (2, 1):
-        totals.add(done('ann', points))
-    assert line_of(totals, 8, 3.0) == '2 of 8 runs; 1 full marks, 1 less; about 9 s left'
+    counts = Counter(map(kind_of, (done(2), done(1))))
+    assert line_of(counts, 8, 3.0) == '2 of 8 runs; 1 full marks, 1 less; about 9 s left'
 
 
 def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
@@ -117,3 +77,19 @@ def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
         assert log.second.wait(60)
 
     assert log.getvalue().startswith('01_node_life: 0 of 8 runs\n01_node_life: 0 of 8 runs')
+
+
+def test_the_summary_names_who_took_longest_over_all_exams():
+    """Equal files share a recording and its time: the first by name is named after a rerun too."""
+
+    def took(student: str, *seconds: float) -> SubmissionResult:
+        exams = (ExamResult('e', (), timing={'kept_run_s': one}) for one in seconds)
+        return SubmissionResult(student, 'x', tuple(exams))
+
+    results = [took('cho', 2.0), took('\x1b[31mbob', 1.5, 0.5), took('ann', 0.5)]
+    said = about_runs(results, 3.0, 2.5)
+
+    assert said.startswith('3 submissions in 3.0 s, of which runs took 2.5 s; longest run time: ')
+    assert said.endswith('[31mbob, 2.0 s.')
+    assert '\x1b' not in said
+    assert 'longest' not in about_runs([took('ann'), took('bob')], 1.0, 1.0)

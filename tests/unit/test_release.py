@@ -36,7 +36,7 @@ CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
 
 def unfit(*cells, exams=(FakeExam(),)):
     """Return what is wrong with a notebook of some cells."""
-    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', '01', exams))
+    return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', exams))
 
 
 class TestCheckCells:
@@ -98,7 +98,7 @@ class TestRelease:
     def layout(self, tmp_path, monkeypatch):
         """Return a course whose notebooks need no generating."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
-        monkeypatch.setattr(course, 'regenerate', lambda layout: ('01',))
+        monkeypatch.setattr(course, 'generate', lambda layout, folder: ['01'])
         return Layout(tmp_path)
 
     def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):

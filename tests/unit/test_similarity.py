@@ -10,7 +10,6 @@ import pytest
 
 from autograder.classroom.similarity import compare, finished, given_lines, lines_of, WARNING
 from autograder.commands.similar import similar_text
-from autograder.grading.again import NothingRuns
 from autograder.grading.pipeline import load_lesson
 from autograder.layout import Layout
 
@@ -180,10 +179,7 @@ def test_a_copy_of_the_finished_package_is_listed():
 def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
     """Other lessons have no such package."""
     layout = Layout.here()
-    lessons = {
-        name: load_lesson(layout, name, NothingRuns())
-        for name in ('03_topics', '07_temperature_monitor')
-    }
+    lessons = {name: load_lesson(layout, name) for name in ('03_topics', '07_temperature_monitor')}
     nodes, package = finished(layout, lessons['07_temperature_monitor']).values()
 
     assert set(nodes) == {'temp_publisher.py', 'temp_subscriber.py'}

@@ -8,8 +8,7 @@ import zipfile
 import nbformat
 import pytest
 
-from autograder.authoring.student_bundle import pack, TOP
-from autograder.authoring.worked_answers import answer_files
+from autograder.authoring.student_bundle import answer_files, pack, TOP
 from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.explaining.worked_answers import encoded, FOLDER, read_answers

@@ -41,12 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def build(sphinx: str, pages: Path, html: Path) -> int:
-    """
-    Convert pages to HTML.
-
-    :param sphinx: a Python with the packages in ``environment/requirements-book.txt``
-    :returns: the exit code of Sphinx, which treats warnings as errors
-    """
+    """Convert pages to HTML with the given Python, which has Sphinx; return Sphinx's exit code."""
     return subprocess.run(
         [sphinx, '-m', 'sphinx', '-W', '-q', '-c', str(Path(__file__).parent), pages, html],
         # conf.py names a function of this project, which creates the ids of headings.

@@ -12,19 +12,16 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 import re
-import tempfile
 
-from nbclient import NotebookClient
 import nbformat
 from nbformat.v4 import new_markdown_cell, new_notebook
 from traitlets.config import Config
 
-from autograder.authoring.execute import CELL_TIMEOUT_S
+from autograder.authoring.execute import executed
 from autograder.authoring.lesson_frame import lesson_map, outlines, START_HERE
 from autograder.files import keep
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of
-from environment.install_files import KERNEL_NAME
 
 AT_ONCE = 2
 """Number of lessons executed in parallel; most of the time they wait for messages."""
@@ -58,8 +55,12 @@ def write_pages(layout: Layout, folder: Path) -> list[Path]:
     """
     lessons = lesson_files(layout.notebooks)
     names = [path.relative_to(layout.notebooks) for path in lessons]
+    # Name the cell in each request, as JupyterLab does: roslab then shows pictures, not text.
+    frontend = Config({'Session': {'metadata': {'cellId': 'book'}}})
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        solved = list(pool.map(executed, (layout.solutions / name for name in names)))
+        solved = list(
+            pool.map(lambda name: executed(layout.solutions / name, config=frontend), names)
+        )
     for path, name, notebook in zip(lessons, names, solved):
         _write(page(nbformat.read(path, as_version=4), notebook), folder / name)
     _write(first_page(layout), folder / INDEX)
@@ -71,33 +72,8 @@ def _write(notebook: nbformat.NotebookNode, path: Path) -> None:
     keep(path, f'{nbformat.writes(notebook)}\n'.encode())
 
 
-def executed(path: Path) -> nbformat.NotebookNode:
-    """
-    Return a notebook with the outputs that JupyterLab would show.
-
-    :raises CellExecutionError: if a cell raised an error
-    """
-    notebook = nbformat.read(path, as_version=4)
-    # Name the cell in each request, as JupyterLab does: roslab then shows pictures, not text.
-    frontend = Config({'Session': {'metadata': {'cellId': 'book'}}})
-    with tempfile.TemporaryDirectory(prefix='lesson_') as folder:
-        NotebookClient(
-            notebook,
-            kernel_name=KERNEL_NAME,
-            timeout=CELL_TIMEOUT_S,
-            resources={'metadata': {'path': folder}},
-            config=frontend,
-        ).execute()
-    return notebook
-
-
 def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbformat.NotebookNode:
-    """
-    Return the students' lesson with the outputs of the solved one.
-
-    :param release: the lesson as students receive it, without outputs
-    :param solved: the executed solution of this lesson, with the same cell ids
-    """
+    """Return the students' lesson with the outputs of the solved one; cell ids are the same."""
     outputs = {cell.id: list(_shown(cell)) for cell in solved.cells if 'outputs' in cell}
     cells, after = [], 0
     for cell in release.cells:

@@ -9,9 +9,9 @@ import re
 
 from sqlalchemy import DateTime, Interval, text
 
-from autograder.classroom.class_list import extensions
+from autograder.classroom.people import extensions
 from autograder.errors import GraderError
-from autograder.gradebook.connection import query
+from autograder.gradebook.database import query
 from autograder.layout import Layout
 
 STAMP = 'timestamp.txt'

@@ -1,24 +1,37 @@
 """
-Remember what ``collect`` could not collect, and find who handed in nothing.
+Remember what ``collect`` saw in a source, and find who handed in nothing.
 
-An entry is kept until a submission of that student is collected.  Without it, a file in the wrong
-format would appear only in the table of one collection, and later reports could not explain why
-the student is missing.
+Platforms take feedback back only under the names that they gave to files, which hold numbers of
+their own.  A delivery that could not be collected is remembered until a submission of that student
+is collected.  Otherwise a file in the wrong format would appear only in the table of one
+collection, and later reports could not explain why the student is missing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-import json
 
-from autograder.classroom.class_list import class_list
+from autograder.classroom.people import class_list
+from autograder.classroom.tables import read_note
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
-from autograder.submission.reading import read_file
 
 NOTHING = 'Nothing handed in'
+
+
+@dataclass(frozen=True)
+class Delivered:
+    """
+    The place of a collected notebook in its source.
+
+    :param kind: of the source, such as ``canvas``
+    :param place: name of its file or folder there
+    """
+
+    kind: str
+    place: str
 
 
 @dataclass(frozen=True)
@@ -47,45 +60,62 @@ class NotCollected:
         return f'Not collected: {self.why}{when}.'
 
 
-def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
-    """
-    Return the entries of students whose work has not been collected since.
+Deliveries = Mapping[tuple[str, str], Delivered]
+"""By assignment and student id."""
 
-    :returns: the entries, empty if the file is missing or damaged
-    """
-    data, _ = read_file(layout.not_collected, layout.not_collected.name)
+
+def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
+    """Return the names of the last collected deliveries; nothing if their file is damaged."""
     try:
-        kept = [NotCollected(**one) for one in json.loads(data or b'[]')]
+        return {
+            (str(assignment), str(student)): Delivered(str(one['kind']), str(one['place']))
+            for assignment, students in (read_note(layout.delivered) or {}).items()
+            for student, one in students.items()
+        }
+    except (KeyError, TypeError, AttributeError):
+        return {}
+
+
+def keep_delivered(layout: Layout, found: Deliveries, without: str = '') -> None:
+    """
+    Save names; a new delivery of a student replaces the old one.
+
+    :param without: a student whose names are removed
+    :raises OSError: if they cannot be written
+    """
+    known = read_delivered(layout)
+    kept = {key: one for key, one in {**known, **found}.items() if key[1] != without}
+    if kept == known:
+        return
+    data: dict[str, dict[str, dict[str, str]]] = {}
+    for (assignment, student), one in sorted(kept.items()):
+        data.setdefault(assignment, {})[student] = asdict(one)
+    keep(layout.delivered, json_bytes(data))
+
+
+def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
+    """Return the entries of students whose work has not been collected since."""
+    try:
+        kept = [NotCollected(**one) for one in read_note(layout.not_collected) or ()]
         return tuple(one for one in kept if not _arrived(layout, one))
-    except (ValueError, RecursionError, TypeError):
+    except TypeError:  # The file is damaged.
         return ()
 
 
-def keep_not_collected(layout: Layout, found: Iterable[NotCollected]) -> None:
+def keep_not_collected(layout: Layout, found: Iterable[NotCollected], without: str = '') -> None:
     """
     Add entries; keep only the latest entry per student and assignment.
 
+    :param without: a student whose entries are removed
     :raises OSError: if the file cannot be written
     """
     known = {(one.student, one.assignment): one for one in read_not_collected(layout)}
     for one in sorted(found, key=lambda one: one.handed_in):
         if not _arrived(layout, one):
             known[one.student, one.assignment] = one
-    _write(layout, [known[key] for key in sorted(known)])
-
-
-def forget_not_collected(layout: Layout, student: str) -> None:
-    """
-    Remove the entries of a student.
-
-    :raises OSError: if the file cannot be written
-    """
-    _write(layout, [one for one in read_not_collected(layout) if one.student != student])
-
-
-def _write(layout: Layout, kept: Sequence[NotCollected]) -> None:
+    kept = [asdict(known[key]) for key in sorted(known) if key[0] != without]
     if kept or layout.not_collected.exists():
-        keep(layout.not_collected, json_bytes([asdict(one) for one in kept]))
+        keep(layout.not_collected, json_bytes(kept))
 
 
 def not_collected(
