@@ -18,8 +18,7 @@ from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.logged_errors import why_exception_logged
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
-from autograder.submission.code.code_places import leaves_out, logs_with_python
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.learners_code import Code, leaves_out, logs_with_python
 from autograder.submission.code.program import last_name
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}

@@ -16,7 +16,7 @@ from autograder.judging.causes.redaction import asked
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.recording import Recording
-from autograder.submission.code.code_places import pause_in_callback
+from autograder.submission.code.learners_code import pause_in_callback
 
 THREAD = 'Exception in thread '
 """Start of Python's message about an exception that ended a thread."""
