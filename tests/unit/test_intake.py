@@ -8,8 +8,8 @@ import zipfile
 
 import pytest
 
-from autograder.submission import intake
-from autograder.submission.intake import in_package, read_handed_in, with_node_files
+from autograder.submission import package
+from autograder.submission.package import in_package, read_handed_in, with_node_files
 from autograder.submission.tree import NotTakenInError
 
 
@@ -139,7 +139,7 @@ class TestWhatAZipMayNotHold:
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
         """The bytes are counted while a zip bomb is read, which is a thousand times smaller."""
-        monkeypatch.setattr(intake, 'LARGEST_FILE', 1 << 16)
+        monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(file_bytes=1 << 16))
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
         assert path.stat().st_size < 1 << 16
@@ -159,7 +159,7 @@ class TestWhatAZipMayNotHold:
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
         """Many files of a permitted size are refused too."""
-        monkeypatch.setattr(intake, 'LARGEST_WHOLE', 1000)
+        monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(whole_bytes=1000))
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
         with pytest.raises(NotTakenInError, match='more than'):
@@ -167,12 +167,12 @@ class TestWhatAZipMayNotHold:
 
     def test_so_is_the_number_of_files(self, tmp_path):
         """The number of entries is limited, and the number of files in a package."""
-        many = [(f'a{number}.py', '') for number in range(intake.MOST_FILES + 1)]
-        with pytest.raises(NotTakenInError, match=f'more than {intake.MOST_FILES}'):
+        many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
+        with pytest.raises(NotTakenInError, match=f'more than {package.MOST_FILES}'):
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
 
-        many = [(f'a{number}.png', '') for number in range(intake.MOST_ENTRIES + 1)]
-        with pytest.raises(NotTakenInError, match=f'more than {intake.MOST_ENTRIES} files'):
+        many = [(f'a{number}.png', '') for number in range(package.BOUNDS.entries + 1)]
+        with pytest.raises(NotTakenInError, match=f'more than {package.BOUNDS.entries} files'):
             read_handed_in(zip_of(tmp_path / 'b.zip', many))
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
