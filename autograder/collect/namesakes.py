@@ -13,8 +13,9 @@ Two people with the same name who never hand in the same assignment are not dete
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 import json
+from typing import NamedTuple
 
 from autograder.collect.source.deliveries import Handed
 from autograder.files import json_bytes, keep
@@ -25,8 +26,7 @@ from autograder.submission.tree import NotTakenInError
 Numbers = dict[str, dict[str, str]]
 
 
-@dataclass(frozen=True)
-class Namesakes:
+class Namesakes(NamedTuple):
     """
     Saved participant numbers and shared student ids.
 
@@ -35,8 +35,8 @@ class Namesakes:
         assignment
     """
 
-    shared: frozenset[str] = frozenset()
-    numbers: Numbers = field(default_factory=dict)
+    shared: frozenset[str]
+    numbers: Numbers
 
 
 def read_namesakes(layout: Layout) -> Namesakes:
@@ -48,7 +48,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
     path = layout.namesakes
     data, problems = read_file(path, path.name)
     if data is None and not path.is_symlink() and not path.exists():
-        return Namesakes()
+        return Namesakes(frozenset(), {})
     try:
         found = json.loads(data or b'')
         numbers = {
@@ -78,24 +78,24 @@ def in_doubt(
         if one.number and one.id:
             here.setdefault(one.id, set()).add(one.number)
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
-    now = replace(known, shared=frozenset(shared))
+    now = known._replace(shared=frozenset(shared))
     return [replace(one, doubt=one.doubt or _doubt(one, now, assignment)) for one in handed], now
 
 
 def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
-    student, name = one.id, one.student[:60]
-    before = known.numbers.get(student, {}).get(assignment, one.number)
-    if one.number and student in known.shared:
+    name, number = one.student[:60], one.number
+    before = known.numbers.get(one.id, {}).get(assignment, number)
+    if number and one.id in known.shared:
         return (
             f'two people are called {name!r}: unpack the zip, add the same id to all folders of '
-            f'one person, as in "{name} ID_{one.number}_assignsubmission_file", and find out '
-            f'whose work is in submitted/{student}'
+            f'one person, as in "{name} ID_{number}_assignsubmission_file", and find out '
+            f'whose work is in submitted/{one.id}'
         )
-    if one.number and before != one.number:
+    if number and before != number:
         return (
-            f'perhaps another {name!r}: number {one.number} in Moodle, earlier {before}; add an '
-            f'id to the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
+            f'perhaps another {name!r}: number {number} in Moodle, earlier {before}; add an '
+            f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file'
             '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
         )
     return ''
