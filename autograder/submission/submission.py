@@ -118,7 +118,11 @@ def _fill_in(
     grade_id = marks_of(cell)['grade_id']
     spot = f'{where}, cell {grade_id}'
     if not copies:
-        yield _missing_answer(cell, by_file, spot)
+        got = 'no such cell'
+        if other := by_file.get(wanted := _path(cell['source'])):
+            title = f'grade id {other.grade_id[:60]!r}' if other.grade_id else 'no grade id'
+            got = f'no such cell, only a cell for {wanted} with {title}'
+        yield Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
         return
     answer = copies[0]
     if len(answer.source.encode()) > MAX_ANSWER_BYTES:
@@ -134,17 +138,6 @@ def _fill_in(
         fix = f'change the cell type back to {kind} in the notebook toolbar'
         yield Problem(spot, f'a {kind} cell', got, fix)
     cell['source'] = answer.source
-
-
-def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
-    """Return the problem of a missing answer; it names any other cell for the same file."""
-    grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
-    got = 'no such cell'
-    if wanted in by_file:
-        name = by_file[wanted].grade_id
-        title = f'grade id {name[:60]!r}' if name else 'no grade id'
-        got = f'no such cell, only a cell for {wanted} with {title}'
-    return Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
 
 
 def _path(source: str) -> str:

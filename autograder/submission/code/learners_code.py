@@ -151,11 +151,8 @@ def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()
 
 def _leaves_out(call: ast.Call) -> str:
     """Return the argument with which a log call skips lines; False, 0 and None skip none."""
-    for one in call.keywords:
-        off = isinstance(one.value, ast.Constant) and not one.value.value
-        if one.arg in _LEAVE_OUT and not off:
-            return one.arg
-    return ''
+    given = (one for one in call.keywords if one.arg in _LEAVE_OUT)
+    return next((one.arg or '' for one in given if getattr(one.value, 'value', True)), '')
 
 
 def logs_with_python(files: Mapping[str, str], level: str) -> bool:
