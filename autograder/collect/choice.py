@@ -17,10 +17,10 @@ replace a notebook in lesson 6.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from statistics import multimode
 from typing import NamedTuple
 
 from autograder.collect.source.course import Course
@@ -90,13 +90,10 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
         frequent
     """
     students = [one for one in seen if one]
-    votes = Counter(found for one in students for found in {each.about for each in one} - {''})
-    ranked = votes.most_common(2)
-    if len(ranked) == 1 or (ranked and ranked[0][1] > ranked[1][1]):
-        return ranked[0][0]
-    if not students:
-        return ''
-    among = sorted(one for one, count in votes.items() if count == ranked[0][1])
+    votes = (found for one in students for found in {each.about for each in one} - {''})
+    among = sorted(multimode(votes))
+    if len(among) == 1 or not students:
+        return ''.join(among)
     got = f'as many cells of {among[1]} as of {among[0]}' if among else 'none of this course'
     raise NotTakenInError(
         f'{name}: the notebooks do not show which assignment this is: {got}.',
@@ -105,7 +102,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
 
 
 def choose(
-    delivered: Sequence[tuple[Handed, Sequence[Seen]]],
+    delivered: Mapping[Handed, Sequence[Seen]],
     course: Course,
     wanted: str = '',
     single: bool = False,
@@ -120,7 +117,7 @@ def choose(
         collected
     """
     fitting: dict[tuple[str, str], list[Seen]] = {}
-    for handed, seen in delivered:
+    for handed, seen in delivered.items():
         goal = wanted or handed.assignment
         if not _unusable(handed, course, wanted):
             for name in [goal] if goal else sorted({one.about for one in seen} - {''}):
@@ -138,7 +135,7 @@ def choose(
             chosen.setdefault(student, {})[assignment] = best
             reasons |= {one: _why_another(one, best.seen) for one in candidates}
     rows: list[Row] = []
-    for handed, seen in delivered:
+    for handed, seen in delivered.items():
         mine = chosen.get(handed.id, {})
         rows += _others(handed, seen, course, mine, reasons, wanted, single)
     return [best for mine in chosen.values() for best in mine.values()], rows

@@ -13,7 +13,6 @@ Two people with the same name who never hand in the same assignment are not dete
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 import json
 from typing import NamedTuple
 
@@ -64,14 +63,12 @@ def read_namesakes(layout: Layout) -> Namesakes:
         ) from error
 
 
-def in_doubt(
-    handed: Sequence[Handed], known: Namesakes, assignment: str
-) -> tuple[list[Handed], Namesakes]:
+def check_names(handed: Sequence[Handed], known: Namesakes, assignment: str) -> Namesakes:
     """
-    Mark deliveries whose owner is unclear.
+    Set ``doubt`` of the deliveries whose owner is unclear.
 
     :param assignment: the assignment of the source, empty if it is not known
-    :returns: the deliveries with their doubts, and the updated ids and numbers
+    :returns: the updated ids and numbers
     """
     here: dict[str, set[str]] = {}
     for one in handed:
@@ -79,7 +76,9 @@ def in_doubt(
             here.setdefault(one.id, set()).add(one.number)
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
     now = known._replace(shared=frozenset(shared))
-    return [replace(one, doubt=one.doubt or _doubt(one, now, assignment)) for one in handed], now
+    for one in handed:
+        one.doubt = one.doubt or _doubt(one, now, assignment)
+    return now
 
 
 def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:

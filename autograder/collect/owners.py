@@ -11,7 +11,6 @@ owner.  The owner must be the student: the user of the same name, or the user th
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import replace
 from functools import cache
 import pwd
 from types import MappingProxyType
@@ -83,10 +82,8 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
     return OwnerRule(bool(settings.get('check_owner', True)), owners)
 
 
-def with_owners_checked(handed: Iterable[Handed], rule: OwnerRule) -> tuple[Handed, ...]:
-    """Return deliveries of an exchange; set ``doubt`` for those that another user owns."""
-    return tuple(
-        replace(one, doubt=f'{doubt}; {ADVICE}') if doubt else one
-        for one in handed
-        for doubt in [rule.doubt(one.student, one.owners)]
-    )
+def check_owners(handed: Iterable[Handed], rule: OwnerRule) -> None:
+    """Set ``doubt`` of the deliveries of an exchange that another user owns."""
+    for one in handed:
+        if doubt := rule.doubt(one.student, one.owners):
+            one.doubt = f'{doubt}; {ADVICE}'

@@ -20,8 +20,8 @@ from autograder.classroom.delivered import Delivered, keep_delivered
 from autograder.classroom.not_collected import keep_not_collected, NotCollected
 from autograder.classroom.people import keep_people
 from autograder.collect.choice import choose, Chosen, look, of_all
-from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes
-from autograder.collect.owners import owner_rule, with_owners_checked
+from autograder.collect.namesakes import check_names, keep_namesakes, Namesakes, read_namesakes
+from autograder.collect.owners import check_owners, owner_rule
 from autograder.collect.platforms import EXCHANGE
 from autograder.collect.recognise import handed_in
 from autograder.collect.source.course import Course
@@ -62,16 +62,11 @@ def collect(
     with opened(source) as tree:
         there = handed_in(tree, course, kind, prefix)
         if there.kind == EXCHANGE:
-            rule = owner_rule(layout, trust_names)
-            there = there._replace(handed=with_owners_checked(there.handed, rule))
-        seen = [look(one, course, assignment) for one in there.handed]
-        goal = assignment or (of_all(seen, course, tree.name) if there.single else '')
-        handed, known = in_doubt(there.handed, read_namesakes(layout), goal)
-        delivered = [
-            (one, [replace(each, handed=one) for each in notebooks])
-            for one, notebooks in zip(handed, seen)
-        ]
-        chosen, others = choose(delivered, course, goal, there.single)
+            check_owners(there.handed, owner_rule(layout, trust_names))
+        seen = {one: look(one, course, assignment) for one in there.handed}
+        goal = assignment or (of_all(seen.values(), course, tree.name) if there.single else '')
+        known = check_names(there.handed, read_namesakes(layout), goal)
+        chosen, others = choose(seen, course, goal, there.single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
         rows = [*_refused(tree), *there.left, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:

@@ -83,7 +83,7 @@ class Piece(NamedTuple):
     turn: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Handed:
     """
     A delivery: everything that one student handed in at one time.
