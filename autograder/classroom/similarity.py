@@ -22,7 +22,7 @@ import statistics
 from autograder.errors import GraderError
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
 from autograder.layout import Layout
-from autograder.submission.code.python_text import NotPythonError, parsed
+from autograder.submission.code.program import NotPythonError, parsed
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import Notebook
 from autograder.submission.submission import Opened

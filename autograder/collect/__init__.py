@@ -4,9 +4,9 @@ The command ``collect``: copy handed-in notebooks to the folder that nbgrader re
 Files are written atomically, and the source is never changed.  A table lists every entry of the
 source: collected, or why not.  Running the same command again changes nothing.
 
-``source`` lists the files, ``kinds`` recognises the platform and who handed in what, ``choice``
-selects the notebooks, and ``write_copy`` writes them.  A student's id depends only on the name in
-the source (``ids``).  If two people have the same name, ``namesakes`` refuses their work.  In
+``source`` lists the files, ``recognise`` finds the platform (``platforms``) and who handed in
+what, ``choice`` selects the notebooks, and ``take_in`` copies them.  A student's id depends only
+on the name in the source.  If two people have the same name, ``namesakes`` refuses their work.  In
 nbgrader's exchange, any user can hand in under any name, so ``owners`` compares the student with
 the owner of the files.
 """

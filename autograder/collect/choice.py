@@ -17,15 +17,16 @@ replace a notebook in lesson 6.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from statistics import multimode
+from typing import NamedTuple
 
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
-from autograder.collect.table import LEFT, Row
+from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
 from autograder.submission.tree import NotTakenInError, UnreadableError
 
@@ -63,30 +64,17 @@ class Seen:
         return self.content or self.named
 
 
-@dataclass(frozen=True)
-class Chosen:
+class Chosen(NamedTuple):
     """
     A notebook that was selected for collection.
 
     :param when: time of delivery in UTC, None if it is not known
+    :param row: its row in the table, before the notebook is written
     """
 
     seen: Seen
-    assignment: str
     when: datetime | None
-    notes: tuple[str, ...]
-
-    @property
-    def handed(self) -> Handed:
-        """Return the delivery that contains the notebook."""
-        return self.seen.handed
-
-    def row(self, done: str, course: Course, said: str) -> Row:
-        """Return the row of the table for this notebook, with ``said`` as its first note."""
-        due = course.due.of(self.handed.id, self.assignment) if self.when else None
-        late = late_notes(self.handed.late, self.when, due)
-        notes = (*filter(None, (said,)), *late, *self.notes)
-        return _row(self.handed, self.assignment, self.seen.piece.place, done, notes, self.when)
+    row: Row
 
 
 def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
@@ -102,18 +90,11 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
         frequent
     """
     students = [one for one in seen if one]
-    votes = Counter(found for one in students for found in {each.about for each in one} - {''})
-    ranked = votes.most_common(2)
-    if len(ranked) == 1 or (ranked and ranked[0][1] > ranked[1][1]):
-        return ranked[0][0]
-    if not students:
-        return ''
-    got = (
-        f'as many cells of {ranked[1][0]} as of {ranked[0][0]}'
-        if ranked
-        else 'none of this course'
-    )
-    among = sorted(one for one, count in votes.items() if count == ranked[0][1])
+    votes = (found for one in students for found in {each.about for each in one} - {''})
+    among = sorted(multimode(votes))
+    if len(among) == 1 or not students:
+        return ''.join(among)
+    got = f'as many cells of {among[1]} as of {among[0]}' if among else 'none of this course'
     raise NotTakenInError(
         f'{name}: the notebooks do not show which assignment this is: {got}.',
         f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
@@ -121,7 +102,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
 
 
 def choose(
-    delivered: Sequence[tuple[Handed, Sequence[Seen]]],
+    delivered: Mapping[Handed, Sequence[Seen]],
     course: Course,
     wanted: str = '',
     single: bool = False,
@@ -136,7 +117,7 @@ def choose(
         collected
     """
     fitting: dict[tuple[str, str], list[Seen]] = {}
-    for handed, seen in delivered:
+    for handed, seen in delivered.items():
         goal = wanted or handed.assignment
         if not _unusable(handed, course, wanted):
             for name in [goal] if goal else sorted({one.about for one in seen} - {''}):
@@ -152,9 +133,9 @@ def choose(
         elif candidates:
             best = _best(candidates, assignment, course)
             chosen.setdefault(student, {})[assignment] = best
-            reasons |= {one: _why_another(one, best) for one in candidates}
+            reasons |= {one: _why_another(one, best.seen) for one in candidates}
     rows: list[Row] = []
-    for handed, seen in delivered:
+    for handed, seen in delivered.items():
         mine = chosen.get(handed.id, {})
         rows += _others(handed, seen, course, mine, reasons, wanted, single)
     return [best for mine in chosen.values() for best in mine.values()], rows
@@ -178,14 +159,8 @@ def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
     if _unusable(handed, course, wanted):
         return []
     notebooks = [one for one in handed.pieces if one.file.name.lower().endswith('.ipynb')]
-    notebooks.sort(
-        key=lambda piece: (
-            not course.of_file(piece.file.name),
-            -piece.turn,
-            len(piece.file.parts),
-            piece.file.parts,
-        )
-    )
+    notebooks.sort(key=lambda one: (len(one.file.parts), one.file.parts))
+    notebooks.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
     seen, left = [], MOST_BYTES_EACH
     for count, piece in enumerate(notebooks):
         one = Seen(handed, piece, named=course.named(piece.file.parts))
@@ -256,7 +231,11 @@ def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen
     if file.name != course.file_names[assignment]:
         notes.append(f'the file was called {file.name[:60]!r}')
     when, about_time = _time(best.handed, best.piece, assignment)
-    return Chosen(best, assignment, when, (*notes, *about_time))
+    due = course.due.of(best.handed.id, assignment) if when else None
+    late = late_notes(best.handed.late, when, due)
+    place = best.piece.place
+    row = _row(best.handed, assignment, place, TAKEN, (*late, *notes, *about_time), when)
+    return Chosen(best, when, row)
 
 
 def _is_attempt(one: Seen, best: Seen) -> bool:
@@ -264,11 +243,11 @@ def _is_attempt(one: Seen, best: Seen) -> bool:
     return one.handed is not best.handed or one.piece.file.parts == best.piece.file.parts
 
 
-def _why_another(one: Seen, best: Chosen) -> str:
+def _why_another(one: Seen, best: Seen) -> str:
     """Return why a notebook for the same assignment was not selected."""
-    if not _is_attempt(one, best.seen):
-        return f'{one.piece.file.path[:80]}: {best.seen.piece.file.path} counts'
-    odd = best.seen.shared and not one.shared
+    if not _is_attempt(one, best):
+        return f'{one.piece.file.path[:80]}: {best.piece.file.path} counts'
+    odd = best.shared and not one.shared
     return 'a different one was collected' if odd else 'an earlier one'
 
 
@@ -306,7 +285,7 @@ def _others(
     :param reasons: known reasons why notebooks were not selected
     """
     goal, why = wanted or handed.assignment, _unusable(handed, course, wanted)
-    taken = {one.seen.piece.place for one in mine.values() if one.handed is handed}
+    taken = {one.row.place for one in mine.values() if one.seen.handed is handed}
     for place in handed.places:
         there = [one for one in seen if one.piece.place == place]
         left = [

@@ -13,8 +13,8 @@ Two people with the same name who never hand in the same assignment are not dete
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
 import json
+from typing import NamedTuple
 
 from autograder.collect.source.deliveries import Handed
 from autograder.files import json_bytes, keep
@@ -25,8 +25,7 @@ from autograder.submission.tree import NotTakenInError
 Numbers = dict[str, dict[str, str]]
 
 
-@dataclass(frozen=True)
-class Namesakes:
+class Namesakes(NamedTuple):
     """
     Saved participant numbers and shared student ids.
 
@@ -35,8 +34,8 @@ class Namesakes:
         assignment
     """
 
-    shared: frozenset[str] = frozenset()
-    numbers: Numbers = field(default_factory=dict)
+    shared: frozenset[str]
+    numbers: Numbers
 
 
 def read_namesakes(layout: Layout) -> Namesakes:
@@ -48,7 +47,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
     path = layout.namesakes
     data, problems = read_file(path, path.name)
     if data is None and not path.is_symlink() and not path.exists():
-        return Namesakes()
+        return Namesakes(frozenset(), {})
     try:
         found = json.loads(data or b'')
         numbers = {
@@ -64,38 +63,38 @@ def read_namesakes(layout: Layout) -> Namesakes:
         ) from error
 
 
-def in_doubt(
-    handed: Sequence[Handed], known: Namesakes, assignment: str
-) -> tuple[list[Handed], Namesakes]:
+def check_names(handed: Sequence[Handed], known: Namesakes, assignment: str) -> Namesakes:
     """
-    Mark deliveries whose owner is unclear.
+    Set ``doubt`` of the deliveries whose owner is unclear.
 
     :param assignment: the assignment of the source, empty if it is not known
-    :returns: the deliveries with their doubts, and the updated ids and numbers
+    :returns: the updated ids and numbers
     """
     here: dict[str, set[str]] = {}
     for one in handed:
         if one.number and one.id:
             here.setdefault(one.id, set()).add(one.number)
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
-    now = replace(known, shared=frozenset(shared))
-    return [replace(one, doubt=one.doubt or _doubt(one, now, assignment)) for one in handed], now
+    now = known._replace(shared=frozenset(shared))
+    for one in handed:
+        one.doubt = one.doubt or _doubt(one, now, assignment)
+    return now
 
 
 def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
-    student, name = one.id, one.student[:60]
-    before = known.numbers.get(student, {}).get(assignment, one.number)
-    if one.number and student in known.shared:
+    name, number = one.student[:60], one.number
+    before = known.numbers.get(one.id, {}).get(assignment, number)
+    if number and one.id in known.shared:
         return (
             f'two people are called {name!r}: unpack the zip, add the same id to all folders of '
-            f'one person, as in "{name} ID_{one.number}_assignsubmission_file", and find out '
-            f'whose work is in submitted/{student}'
+            f'one person, as in "{name} ID_{number}_assignsubmission_file", and find out '
+            f'whose work is in submitted/{one.id}'
         )
-    if one.number and before != one.number:
+    if number and before != number:
         return (
-            f'perhaps another {name!r}: number {one.number} in Moodle, earlier {before}; add an '
-            f'id to the name of the folder as in "{name} ID_{one.number}_assignsubmission_file'
+            f'perhaps another {name!r}: number {number} in Moodle, earlier {before}; add an '
+            f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file'
             '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
         )
     return ''

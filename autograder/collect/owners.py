@@ -11,9 +11,10 @@ owner.  The owner must be the student: the user of the same name, or the user th
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from functools import cache
 import pwd
+from types import MappingProxyType
+from typing import NamedTuple
 
 from autograder.collect.source.deliveries import Handed
 from autograder.errors import GraderError
@@ -23,8 +24,7 @@ from autograder.layout import Layout
 ADVICE = 'if you copied it there yourself: --trust-names (docs/exchange.md)'
 
 
-@dataclass(frozen=True)
-class OwnerRule:
+class OwnerRule(NamedTuple):
     """
     Rule about the system user who must own a student's work.
 
@@ -33,7 +33,7 @@ class OwnerRule:
     """
 
     check: bool = True
-    owners: Mapping[str, str] = field(default_factory=dict)
+    owners: Mapping[str, str] = MappingProxyType({})
 
     def doubt(self, student: str, uids: Collection[int]) -> str:
         """
@@ -82,9 +82,8 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
     return OwnerRule(bool(settings.get('check_owner', True)), owners)
 
 
-def with_owners_checked(handed: Iterable[Handed], rule: OwnerRule) -> tuple[Handed, ...]:
-    """Return deliveries of an exchange; set ``doubt`` for those that another user owns."""
-    doubts = ((one, rule.doubt(one.student, one.owners)) for one in handed)
-    return tuple(
-        replace(one, doubt=f'{doubt}; {ADVICE}') if doubt else one for one, doubt in doubts
-    )
+def check_owners(handed: Iterable[Handed], rule: OwnerRule) -> None:
+    """Set ``doubt`` of the deliveries of an exchange that another user owns."""
+    for one in handed:
+        if doubt := rule.doubt(one.student, one.owners):
+            one.doubt = f'{doubt}; {ADVICE}'

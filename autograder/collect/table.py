@@ -58,9 +58,5 @@ def print_rows(rows: Sequence[Row], to: Path, written: bool) -> None:
     counts = Counter(row.done for row in rows)
     said = ', '.join(f'{count} {done}' for done, count in sorted(counts.items()))
     where = f'Folder: {to}' if written else 'Nothing was written (--dry-run)'
-    console.print(
-        f'{said or "no submissions"}. {where}. Times are UTC.',
-        markup=False,
-        highlight=False,
-        soft_wrap=True,
-    )
+    summary = f'{said or "no submissions"}. {where}. Times are UTC.'
+    console.print(summary, markup=False, highlight=False, soft_wrap=True)

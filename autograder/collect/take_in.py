@@ -1,9 +1,18 @@
-"""Collect a class: read a source, copy the selected notebooks, and save a list of the others."""
+"""
+Collect a class: read a source, copy the selected notebooks, and save a list of the others.
+
+Each file is written atomically.  Collecting Monday's zip after Tuesday's changes nothing: if the
+time of both notebooks is known, an older notebook does not replace a newer copy.  If either time
+is unknown, as with Canvas, Moodle and repositories, the new notebook replaces the copy, and a note
+in the table reports this.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+import os
 from pathlib import Path
 
 from autograder.classroom.collected import (
@@ -14,14 +23,17 @@ from autograder.classroom.collected import (
 )
 from autograder.classroom.people import extensions, keep_people
 from autograder.collect.choice import choose, Chosen, look, of_all
-from autograder.collect.kinds.kind import EXCHANGE, Found, handed_in
-from autograder.collect.namesakes import in_doubt, keep_namesakes, Namesakes, read_namesakes
-from autograder.collect.owners import owner_rule, with_owners_checked
+from autograder.collect.namesakes import check_names, keep_namesakes, Namesakes, read_namesakes
+from autograder.collect.owners import check_owners, owner_rule
+from autograder.collect.platforms import EXCHANGE
+from autograder.collect.recognise import handed_in
 from autograder.collect.source.course import Course
-from autograder.collect.source.tree import opened
-from autograder.collect.table import LEFT, Row, unclaimed
-from autograder.collect.write_copy import lay
+from autograder.collect.source.deliveries import Handed, opened
+from autograder.collect.source.times import read_time, STAMP
+from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
+from autograder.files import keep
 from autograder.layout import Layout
+from autograder.submission.reading import read_file
 from autograder.submission.tree import Tree, UnreadableError
 
 
@@ -53,66 +65,58 @@ def collect(
     with opened(source) as tree:
         there = handed_in(tree, course, kind, prefix)
         if there.kind == EXCHANGE:
-            rule = owner_rule(layout, trust_names)
-            there = replace(there, handed=with_owners_checked(there.handed, rule))
-        chosen, others, known = _choose(there, course, assignment, tree.name)
-        taken = [(one, _take(one, course, to, write)) for one in chosen]
-        rows = [*_refused(tree), *there.left, *others, *(row for _, row in taken)]
+            check_owners(there.handed, owner_rule(layout, trust_names))
+        seen = {one: look(one, course, assignment) for one in there.handed}
+        goal = assignment or (of_all(seen.values(), course, tree.name) if there.single else '')
+        known = check_names(there.handed, read_namesakes(layout), goal)
+        chosen, others = choose(seen, course, goal, there.single)
+        done = [(one, _take(one, course, to, write)) for one in chosen]
+        rows = [*_refused(tree), *there.left, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
-        names = {row.student: row.person for row in rows if row.done != LEFT and row.person}
-        numbers = [(one.handed, one.assignment) for one, row in taken if row.done != LEFT]
-        left = list(_not_collected(rows, layout))
-        names_there = {
-            (one.assignment, row.student): Delivered(there.kind, row.place)
-            for one, row in taken
-            if row.done != LEFT
-        }
-        rows += _kept(
-            layout.delivered, 'names of files', lambda: keep_delivered(layout, names_there)
-        )
-        rows += _kept(layout.people, 'names', lambda: keep_people(layout, names))
-        rows += _kept(
-            layout.namesakes,
-            'student numbers from Moodle',
-            lambda: keep_namesakes(layout, known, numbers),
-        )
-        if to.resolve() == layout.submitted.resolve():
-            rows += _kept(
-                layout.not_collected, 'the list', lambda: keep_not_collected(layout, left)
-            )
+        taken = [(one.seen.handed, row) for one, row in done if row.done != LEFT]
+        kept = _to_keep(taken, there.kind, known, rows, layout)
+        rows += _saved(kept if to.resolve() == layout.submitted.resolve() else kept[:-1])
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
-def _choose(
-    there: Found, course: Course, wanted: str, name: str
-) -> tuple[list[Chosen], list[Row], Namesakes]:
-    """
-    Select the notebooks to collect.
+Kept = tuple[Path, str, Callable[[], None]]
+"""A file for later commands, what it contains, and the function that writes it."""
 
-    :param wanted: the only assignment, empty to recognise it from the notebooks
-    :param name: name of the source, for error messages
-    :returns: the notebooks, a row for each entry that was not collected, and the updated data
-        about people with the same name
-    """
-    seen = [look(one, course, wanted) for one in there.handed]
-    goal = wanted or (of_all(seen, course, name) if there.single else '')
-    handed, known = in_doubt(there.handed, read_namesakes(course.layout), goal)
-    delivered = [
-        (one, [replace(each, handed=one) for each in notebooks])
-        for one, notebooks in zip(handed, seen)
+
+def _to_keep(
+    taken: Sequence[tuple[Handed, Row]],
+    kind: str,
+    known: Namesakes,
+    rows: Sequence[Row],
+    layout: Layout,
+) -> list[Kept]:
+    """Return the files that a collection writes for later commands."""
+    places = {(row.assignment, row.student): Delivered(kind, row.place) for _, row in taken}
+    people = {row.student: row.person for _, row in taken if row.person}
+    numbers = [(one, row.assignment) for one, row in taken]
+    left = list(_not_collected(rows, layout))
+    numbers_of_moodle = partial(keep_namesakes, layout, known, numbers)
+    return [
+        (layout.delivered, 'names of files', partial(keep_delivered, layout, places)),
+        (layout.people, 'names', partial(keep_people, layout, people)),
+        (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
+        (layout.not_collected, 'the list', partial(keep_not_collected, layout, left)),
     ]
-    return (*choose(delivered, course, goal, there.single), known)
 
 
-def _kept(path: Path, what: str, keep: Callable[[], None]) -> Iterator[Row]:
-    """Save data for later commands; if that fails, yield a row for the table."""
-    try:
-        keep()
-    except OSError as error:
-        why = f'{what} cannot be written: {(error.strerror or "error").lower()}'
-        yield unclaimed(str(path), why)
+def _saved(kept: Iterable[Kept]) -> Iterator[Row]:
+    """Write files for later commands; yield a row for each that cannot be written."""
+    for path, what, save in kept:
+        try:
+            save()
+        except OSError as error:
+            yield unclaimed(str(path), f'{what} {_unwritable(error)}')
+
+
+def _unwritable(error: OSError) -> str:
+    return f'cannot be written: {(error.strerror or "error").lower()}'
 
 
 def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
@@ -140,9 +144,51 @@ def _refused(tree: Tree) -> Iterator[Row]:
 def _take(one: Chosen, course: Course, to: Path, write: bool) -> Row:
     """Copy a notebook to nbgrader's folder, and return its row."""
     try:
-        done, said = lay(one, course.file_names[one.assignment], to, write)
+        done, said = lay(one, course.file_names[one.row.assignment], to, write)
     except OSError as error:
-        done, said = LEFT, f'cannot be written: {(error.strerror or "error").lower()}'
+        done, said = LEFT, _unwritable(error)
     except UnreadableError as error:
         done, said = LEFT, str(error)
-    return one.row(done, course, said)
+    return replace(one.row, done=done, notes=(*filter(None, (said,)), *one.row.notes))
+
+
+def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
+    """
+    Write a notebook and its time of delivery, unless an equal or newer copy exists.
+
+    :param file_name: file name of the assignment's notebook
+    :param to: the folder of the class
+    :param write: False to only report what would be done
+    :returns: the value of ``Row.done``, and a note for the table
+    :raises OSError: if the copy cannot be written
+    :raises UnreadableError: if the notebook in the source can no longer be read
+    """
+    folder = to / one.row.student / one.row.assignment
+    for part in (folder.parent, folder):
+        if part.is_symlink():
+            raise NotADirectoryError(20, 'a link where a folder should be')
+    notebook, time = folder / file_name, folder / STAMP
+    wanted = f'{one.when:%Y-%m-%d %H:%M:%S} UTC\n'.encode() if one.when else None
+    there, _ = read_file(notebook, file_name)
+    time_there, _ = read_file(time, STAMP)
+    data = one.seen.piece.file.read()
+    same = there == data
+    if same and wanted in (None, time_there):
+        return UNCHANGED, ''
+    texts = ((stamp or b'')[:100].decode('utf-8', 'replace') for stamp in (wanted, time_there))
+    new, old = (read_time(text)[0] for text in texts)
+    if there is not None and new and old and new < old:
+        said = f'older than the collected one, of {old:%Y-%m-%d %H:%M}'
+        return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
+    if write:
+        if wanted is None and os.path.lexists(time):
+            # Remove the time first: if the process is killed between the two steps, the new
+            # notebook must not keep the old time.
+            time.unlink()
+        if wanted is not None and wanted != time_there:
+            keep(time, wanted)
+        if not same:
+            keep(notebook, data)
+    if there is None:
+        return TAKEN if time_there is None else REPLACED, ''
+    return REPLACED, '' if same or (new and old) else 'it is unknown which one is newer'

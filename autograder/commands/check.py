@@ -53,8 +53,14 @@ def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; a visible exam also runs if no isolation works."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
-    from autograder.submission.intake import read_handed_in, with_node_files
-    from autograder.submission.package import name_missing, own_files, read_package, what_is_there
+    from autograder.submission.package import (
+        name_missing,
+        own_files,
+        read_handed_in,
+        read_package,
+        what_is_there,
+        with_node_files,
+    )
 
     if not chosen.files.is_dir():
         raise UsageError(f'--files {chosen.files}: there is no such folder.')

@@ -33,9 +33,13 @@ from autograder.recording import Event, Recording
 from autograder.results import ExamResult, Problem
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import extract
-from autograder.submission.intake import read_handed_in, with_node_files
 from autograder.submission.notebook import read_release
-from autograder.submission.package import name_missing, what_is_there
+from autograder.submission.package import (
+    name_missing,
+    read_handed_in,
+    what_is_there,
+    with_node_files,
+)
 from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 from autograder.submission.tree import NotTakenInError

@@ -25,7 +25,7 @@ from typing import Any
 from autograder.classroom.results_of_class import lacks, modes, seconds_of_exam
 from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
-from autograder.explaining.feedback import number, printable, titles_of
+from autograder.explaining.feedback import causes_once, number, printable
 from autograder.exports.marks import automatic
 from autograder.files import json_bytes, keep, zip_bytes
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
@@ -120,7 +120,7 @@ def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> d
         'tests': [
             _test(exam, check, f'{one}.{two}', visibility)
             for one, exam in enumerate(result.exams, start=1)
-            for two, check in enumerate(exam.checks, start=1)
+            for two, check in enumerate(causes_once(exam), start=1)
         ],
         'extra_data': {
             'assignment': result.assignment,
@@ -147,19 +147,18 @@ def _test(exam: ExamResult, check: CheckResult, place: str, visibility: str) -> 
         'score': round(check.points, 4),
         'max_score': round(check.max_points, 4),
         'status': 'passed' if check.verdict is Verdict.PASSED else 'failed',
-        'output': printable(_output(exam, check)),
+        'output': printable(_output(check)),
         'output_format': 'text',
         'visibility': visibility,
     }
 
 
-def _output(exam: ExamResult, check: CheckResult) -> str:
+def _output(check: CheckResult) -> str:
     """Return the feedback on a check for the student; empty if it passed."""
     if check.verdict is Verdict.PASSED:
         return ''
     if check.verdict is Verdict.NOT_RUN:
-        awaited = titles_of(exam).get(check.waits_for, check.waits_for)
-        return f'Not checked, because it depends on: {awaited}'
+        return f'Not checked, because it depends on: {check.waits_for}'
     return '\n'.join(f'{name.capitalize()}: {text}' for name, text in check.facts.items())
 
 

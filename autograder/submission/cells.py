@@ -12,7 +12,7 @@ import ast
 from dataclasses import dataclass
 import re
 
-from autograder.submission.code.python_text import expression
+from autograder.submission.code.program import parsed
 
 UNSOLVED = 'YOUR CODE HERE'
 """Text of every stub that ``nbgrader generate_assignment`` writes to a release."""
@@ -185,7 +185,7 @@ def chosen_letter(body: str) -> str | None:
     if not written:
         return None
     try:
-        value = ast.literal_eval(expression(written)) if not _ODD.search(written) else ()
+        value = ast.literal_eval(parsed(written, 'eval')) if not _ODD.search(written) else ()
     except (ValueError, TypeError, RecursionError, MemoryError):
         bare = len(written) == 1 and written.lower() in LETTERS
         raise NotALetterError('no_quotes' if bare else 'no_literal', _shown(written)) from None

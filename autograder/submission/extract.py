@@ -7,7 +7,7 @@ the expected file of each cell, so a student who edits a magic line gets a messa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from autograder.exam.exam import Exam
@@ -41,14 +41,12 @@ def answer_files(release: Notebook) -> dict[str, CellFile]:
     :param release: the notebook that students received
     :raises CellSyntaxError: if a magic line in the release is invalid
     """
-    files = {}
-    for cell in release['cells']:
-        marks = marks_of(cell)
-        if cell['cell_type'] == 'code' and marks.get('solution'):
-            found = parse_cell(cell['source'])
-            if found is not None:
-                files[marks['grade_id']] = found
-    return files
+    marked = ((marks_of(cell), cell) for cell in release['cells'] if cell['cell_type'] == 'code')
+    return {
+        marks['grade_id']: found
+        for marks, cell in marked
+        if marks.get('solution') and (found := parse_cell(cell['source']))
+    }
 
 
 def extract(
@@ -64,15 +62,11 @@ def extract(
     sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in opened.notebook['cells']}
     result = {}
     for exam in exams:
-        files, problems = {}, []
+        files: dict[str, str] = {}
+        problems: list[Problem] = []
         for grade_id in exam.cells:
-            if grade_id in opened.missing or grade_id not in expected:
-                continue
-            found, problem = _read(sources[grade_id], expected[grade_id], grade_id, where)
-            if problem is not None:
-                problems.append(problem)
-            if found is not None:
-                files[found.path] = found.body
+            if grade_id not in opened.missing and (wanted := expected.get(grade_id)):
+                problems += _add(sources[grade_id], wanted, files, where, grade_id)
         result[exam.name] = ExamFiles(files, tuple(problems))
     return result
 
@@ -95,22 +89,18 @@ def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionR
     return replace(result, exams=tuple(explained))
 
 
-def _read(
-    source: str, wanted: CellFile, grade_id: str, where: str
-) -> tuple[CellFile | None, Problem | None]:
-    """Return the file of an answer cell, or the problem if it is not the expected file."""
-    line, first = f'%%{wanted.kind} {wanted.name}', first_line(source)[0].strip()
+def _add(
+    source: str, wanted: CellFile, files: dict[str, str], where: str, grade_id: str
+) -> Iterator[Problem]:
+    """Add the file of an answer cell; yield a problem if it is not the expected file."""
     try:
         found = parse_cell(source)
     except CellSyntaxError:
         found = None
     if found is not None and found.path == wanted.path:
-        return found, None
-    problem = Problem(
-        f'{where}, cell {grade_id}',
-        f'the first line {line}',
-        repr(first[:60]) if first else 'an empty cell',
-        f'write {line} as the first line again',
-        (grade_id,),
-    )
-    return None, problem
+        files[found.path] = found.body
+        return
+    line, first = f'%%{wanted.kind} {wanted.name}', first_line(source)[0].strip()
+    got = repr(first[:60]) if first else 'an empty cell'
+    fix = f'write {line} as the first line again'
+    yield Problem(f'{where}, cell {grade_id}', f'the first line {line}', got, fix, (grade_id,))

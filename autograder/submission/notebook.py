@@ -47,49 +47,21 @@ def read_notebook(
     :param where: name of the file in messages
     :returns: the cells, None if this is not a notebook; and the problems
     """
-
-    def refuse(expected: str, got: str, try_this: str) -> tuple[None, tuple[Problem, ...]]:
-        return None, (Problem(where, expected, got, try_this),)
-
     if len(data) > MAX_BYTES:
         return None, (too_large(where, len(data)),)
-    if not data or data.isspace():
-        return refuse('a Jupyter notebook', 'an empty file', 'save the notebook and submit again')
-    if _parts(data) > MAX_PARTS:
-        return refuse('a Jupyter notebook', 'far too many parts', FRESH_COPY)
-    objects = _Objects()
+    repeated: list[str] = []
     try:
-        # The grader needs only small numbers, and int() takes hours for a number of megabytes.
-        content = json.loads(
-            data.decode('utf-8-sig'),
-            parse_int=small_number,
-            parse_float=small_number,
-            object_pairs_hook=objects,
-        )
-    except UnicodeDecodeError as error:
-        got = f'bytes that are not UTF-8 (byte {error.start})'
-        return refuse('a Jupyter notebook in UTF-8', got, 'save it in JupyterLab and submit again')
-    except RecursionError:
-        return refuse('a Jupyter notebook', 'JSON nested too deeply', FRESH_COPY)
-    except ValueError as error:
-        return refuse('a Jupyter notebook', *_broken_json(data, error))
-    cells, problems = _read_cells(content, where)
-    if objects.repeated and cells is not None:
-        got = f'{objects.repeated[:40]!r} more than once in one object; the last one counts'
-        problems = (Problem(where, 'every JSON key once', got, FRESH_COPY),)
-    return cells, problems
+        cells = _cells_of(_content_of(data, repeated))
+    except _RefusedError as error:
+        return None, (Problem(where, *error.args),)
+    if not repeated:
+        return cells, ()
+    got = f'{repeated[0][:40]!r} more than once in one object; the last one counts'
+    return cells, (Problem(where, 'every JSON key once', got, FRESH_COPY),)
 
 
-class _Objects:
-    """Build JSON objects, and note a repeated key, for which programs may use different values."""
-
-    repeated = ''
-
-    def __call__(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        made = dict(pairs)
-        if len(made) != len(pairs) and not self.repeated:
-            self.repeated = Counter(name for name, _ in pairs).most_common(1)[0][0]
-        return made
+class _RefusedError(ValueError):
+    """Report that a file is not a notebook: what was expected, what it is, and what to try."""
 
 
 def too_large(where: str, size: int) -> Problem:
@@ -99,10 +71,38 @@ def too_large(where: str, size: int) -> Problem:
     return Problem(where, limit, got, 'clear all outputs, save and submit again')
 
 
-def _parts(data: bytes) -> int:
-    """Estimate the number of lists, objects and strings in JSON without parsing it."""
+def _content_of(data: bytes, repeated: list[str]) -> object:
+    """Parse JSON, and add to a list each repeated key, whose value depends on the program."""
+
+    def make(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        made = dict(pairs)
+        if len(made) != len(pairs) and not repeated:
+            repeated.append(Counter(name for name, _ in pairs).most_common(1)[0][0])
+        return made
+
+    notebook = 'a Jupyter notebook'
+    if not data or data.isspace():
+        raise _RefusedError(notebook, 'an empty file', 'save the notebook and submit again')
+    # Estimate the number of lists, objects and strings without parsing them.
     quotes = data.count(b'"') - data.count(b'\\"')
-    return data.count(b'[') + data.count(b'{') + quotes
+    if data.count(b'[') + data.count(b'{') + quotes > MAX_PARTS:
+        raise _RefusedError(notebook, 'far too many parts', FRESH_COPY)
+    try:
+        # The grader needs only small numbers, and int() takes hours for a number of megabytes.
+        return json.loads(
+            data.decode('utf-8-sig'),
+            parse_int=small_number,
+            parse_float=small_number,
+            object_pairs_hook=make,
+        )
+    except UnicodeDecodeError as error:
+        got = f'bytes that are not UTF-8 (byte {error.start})'
+        fix = 'save it in JupyterLab and submit again'
+        raise _RefusedError(f'{notebook} in UTF-8', got, fix) from None
+    except RecursionError:
+        raise _RefusedError(notebook, 'JSON nested too deeply', FRESH_COPY) from None
+    except ValueError as error:
+        raise _RefusedError(notebook, *_broken_json(data, error)) from None
 
 
 def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
@@ -118,20 +118,17 @@ def _broken_json(data: bytes, error: ValueError) -> tuple[str, str]:
     return f'broken JSON in line {line}' if line else 'broken JSON', fix
 
 
-def _read_cells(
-    content: object, where: str
-) -> tuple[tuple[StudentCell, ...] | None, tuple[Problem, ...]]:
-    """Return the cells of a parsed notebook, or the problem; unexpected data is ignored."""
+def _cells_of(content: object) -> tuple[StudentCell, ...]:
+    """Return the cells of a parsed notebook; unexpected data is ignored."""
     cells = content.get('cells') if isinstance(content, dict) else None
     if not isinstance(cells, list):
         old = isinstance(content, dict) and 'worksheets' in content
         got = 'a notebook in format 3' if old else 'JSON that has no list of cells'
-        try_this = 'open it in JupyterLab, which converts it, and save' if old else FRESH_COPY
-        return None, (Problem(where, 'a Jupyter notebook in format 4', got, try_this),)
+        fix = 'open it in JupyterLab, which converts it, and save' if old else FRESH_COPY
+        raise _RefusedError('a Jupyter notebook in format 4', got, fix)
     if len(cells) > MAX_CELLS:
-        expected = f'at most {MAX_CELLS} cells'
-        return None, (Problem(where, expected, f'{len(cells)} cells', FRESH_COPY),)
-    return tuple(_read_cell(cell) for cell in cells), ()
+        raise _RefusedError(f'at most {MAX_CELLS} cells', f'{len(cells)} cells', FRESH_COPY)
+    return tuple(map(_read_cell, cells))
 
 
 def _read_cell(cell: object) -> StudentCell:

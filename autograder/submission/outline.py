@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, read_release
@@ -33,8 +33,7 @@ class Part:
     quizzes: list[str] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class Outline:
+class Outline(NamedTuple):
     """
     The outline of one lesson.
 
@@ -72,7 +71,11 @@ def read_outline(path: Path) -> Outline:
     parts, minutes = [Part(path.stem)], 0
     for cell in notebook['cells']:
         if cell['cell_type'] == 'code':
-            _add_exercises(parts[-1], cell)
+            marks = marks_of(cell)
+            if marks.get('grade') and not marks.get('solution'):
+                name = marks['grade_id'].removeprefix(CHECK_PREFIX)
+                parts[-1].checks[name] = float(marks['points'])
+            parts[-1].quizzes.extend(_QUIZ.findall(cell['source']))
             continue
         text = re.sub(r'```.*?```', '', cell['source'], flags=re.DOTALL)
         for level, heading in _HEADING.findall(text):
@@ -84,11 +87,3 @@ def read_outline(path: Path) -> Outline:
             minutes = sum(map(int, _MINUTES.findall(text)))
     facts = notebook.get('metadata', {}).get(FACTS, {})
     return Outline(path, parts[0].heading, tuple(parts), minutes, facts)
-
-
-def _add_exercises(part: Part, cell: dict[str, Any]) -> None:
-    """Add the exercises and quizzes of a code cell to a part."""
-    marks = marks_of(cell)
-    if marks.get('grade') and not marks.get('solution'):
-        part.checks[marks['grade_id'].removeprefix(CHECK_PREFIX)] = float(marks['points'])
-    part.quizzes.extend(_QUIZ.findall(cell['source']))

@@ -15,17 +15,20 @@ from dataclasses import dataclass, replace
 
 from autograder.results import Problem
 from autograder.submission.cells import CellSyntaxError, first_line, parse_cell
-from autograder.submission.integrity import changes
 from autograder.submission.notebook import (
     by_grade_id,
     FRESH_COPY,
     grade_ids,
+    MARKS,
     marks_of,
     MAX_ANSWER_BYTES,
     Notebook,
     read_notebook,
     StudentCell,
 )
+
+MOST_LINES = 20
+"""Maximum number of differences in a report."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +38,8 @@ class Opened:
 
     :param notebook: the release with the student's answers
     :param problems: the mistakes in the submission; ``cells`` of each lists the missing answers
-    :param flags: differences from the release that an instructor should look at, see
-        :mod:`autograder.submission.integrity`
+    :param flags: differences from the release that an instructor should look at, from
+        :func:`changes`
     """
 
     notebook: Notebook
@@ -100,7 +103,9 @@ def rebuild(
             if marks.get('solution'):
                 problems += _fill_in(cell, copies, by_file, where)
             elif copies and copies[0].source.strip() != cell['source'].strip():
-                problems.append(_changed_check(marks['grade_id'], where))
+                expected = 'the text of the release (this cell is locked)'
+                got, fix = 'changed text, which was ignored', 'leave locked cells as they are'
+                problems.append(Problem(f'{where}, cell {marks["grade_id"]}', expected, got, fix))
         if cell['cell_type'] == 'code':
             cell['outputs'], cell['execution_count'] = [], None
     return notebook, tuple(problems)
@@ -113,7 +118,11 @@ def _fill_in(
     grade_id = marks_of(cell)['grade_id']
     spot = f'{where}, cell {grade_id}'
     if not copies:
-        yield _missing_answer(cell, by_file, spot)
+        got = 'no such cell'
+        if other := by_file.get(wanted := _path(cell['source'])):
+            title = f'grade id {other.grade_id[:60]!r}' if other.grade_id else 'no grade id'
+            got = f'no such cell, only a cell for {wanted} with {title}'
+        yield Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
         return
     answer = copies[0]
     if len(answer.source.encode()) > MAX_ANSWER_BYTES:
@@ -121,31 +130,14 @@ def _fill_in(
         yield Problem(spot, limit, 'a longer one', 'leave out generated data', (grade_id,))
         return
     if len(copies) > 1:
-        yield Problem(
-            spot,
-            'one cell with this grade id',
-            f'{len(copies)}; the first one counts',
-            'delete the copies',
-        )
-    if answer.cell_type != cell['cell_type']:
-        yield Problem(
-            spot,
-            f'a {cell["cell_type"]} cell',
-            f'a {answer.cell_type or "broken"} cell, graded as {cell["cell_type"]}',
-            f'change the cell type back to {cell["cell_type"]} in the notebook toolbar',
-        )
+        got = f'{len(copies)}; the first one counts'
+        yield Problem(spot, 'one cell with this grade id', got, 'delete the copies')
+    kind = cell['cell_type']
+    if answer.cell_type != kind:
+        got = f'a {answer.cell_type or "broken"} cell, graded as {kind}'
+        fix = f'change the cell type back to {kind} in the notebook toolbar'
+        yield Problem(spot, f'a {kind} cell', got, fix)
     cell['source'] = answer.source
-
-
-def _missing_answer(cell: Notebook, by_file: Mapping[str, StudentCell], spot: str) -> Problem:
-    """Return the problem of a missing answer; it names any other cell for the same file."""
-    grade_id, wanted = marks_of(cell)['grade_id'], _path(cell['source'])
-    got = 'no such cell'
-    if wanted in by_file:
-        name = by_file[wanted].grade_id
-        title = f'grade id {name[:60]!r}' if name else 'no grade id'
-        got = f'no such cell, only a cell for {wanted} with {title}'
-    return Problem(spot, 'the cell with the answer', got, FRESH_COPY, (grade_id,))
 
 
 def _path(source: str) -> str:
@@ -157,11 +149,50 @@ def _path(source: str) -> str:
     return found.path if found else ''
 
 
-def _changed_check(grade_id: str, where: str) -> Problem:
-    """Return the problem of an edited locked cell, whose changes are ignored."""
-    return Problem(
-        f'{where}, cell {grade_id}',
-        'the text of the release (this cell is locked)',
-        'changed text, which was ignored',
-        'leave locked cells as they are',
-    )
+def changes(release: Notebook, cells: Sequence[StudentCell]) -> tuple[str, ...]:
+    """
+    Return for the instructor how cells differ from the release, one line per difference.
+
+    These differences do not change a grade.  nbgrader's checksums ignore tags, and are wrong for
+    every cell whose text is generated at release, so this function compares the cells themselves.
+    Data that editors add (outputs, ids, folding, timing) is ignored.
+
+    :param release: the notebook that students received
+    :param cells: all cells of the submitted notebook
+    """
+    by_id = by_grade_id(cells)
+    lines: list[str] = []
+    for released in release['cells']:
+        if grade_id := marks_of(released).get('grade_id'):
+            lines += _about(released, grade_id, by_id.pop(grade_id, []))
+    lines += [
+        f'the release has no cell with the grade id {name[:60]!r}'
+        for name in sorted(by_id)
+        if name
+    ]
+    more = len(lines) - MOST_LINES
+    return (*lines[:MOST_LINES], *([f'{more} more differences from the release'] * (more > 0)))
+
+
+def _about(released: Notebook, grade_id: str, copies: Sequence[StudentCell]) -> Iterator[str]:
+    """Yield the differences of one cell of the release."""
+    marks = marks_of(released)
+    answer = bool(marks.get('solution'))
+    name = f'{"answer" if answer else "locked"} cell {grade_id}'
+    if not copies:
+        yield f'{name} is missing'
+        return
+    if len(copies) > 1:
+        yield f'{name} occurs {len(copies)} times'
+    wanted = {key: marks[key] for key in MARKS if marks.get(key) is not None}
+    for cell in copies[:1]:
+        if not answer and cell.source.strip() != released['source'].strip():
+            yield f'{name} has a different text'
+        if cell.cell_type != released['cell_type']:
+            yield f'{name} is a {cell.cell_type[:20]!r} cell'
+        for key, value in wanted.items():
+            if cell.marks.get(key) != value:
+                yield f'{name} has a different value of {key}'
+        tags = released['metadata'].get('tags', [])
+        if not answer and sorted(cell.tags) != sorted(tags):
+            yield f'{name} has the tags {", ".join(cell.tags)[:80] or "removed"!r}'

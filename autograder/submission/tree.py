@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
 from functools import partial
 import os
 from pathlib import Path
 import stat
+from typing import NamedTuple
 import zipfile
 import zlib
 
@@ -42,8 +42,7 @@ class UnreadableError(Exception):
     """Report that one file cannot be read; other files of the source may be readable."""
 
 
-@dataclass(frozen=True)
-class Bounds:
+class Bounds(NamedTuple):
     """
     Limits for reading a source.
 
@@ -86,17 +85,20 @@ class Bounds:
         return f'folders more than {DEEPEST} deep' if len(parts) > DEEPEST else ''
 
 
-@dataclass(frozen=True)
-class File:
+class File(NamedTuple):
     """
     One regular file of a source.
 
     :param parts: the components of its path, which is never empty or absolute and has no ``..``
     :param read: returns its bytes, or raises :class:`UnreadableError`
+    :param trouble: why it is skipped, empty if it is not
+    :param owner: uid of its owner, None if it is not known
     """
 
     parts: Parts
     read: Callable[[], bytes]
+    trouble: str = ''
+    owner: int | None = None
 
     @property
     def path(self) -> str:
@@ -109,8 +111,7 @@ class File:
         return self.parts[-1]
 
 
-@dataclass(frozen=True)
-class Tree:
+class Tree(NamedTuple):
     """
     A source with its files.
 
@@ -123,10 +124,10 @@ class Tree:
 
     name: str
     files: tuple[File, ...]
-    refused: tuple[tuple[str, str], ...]
-    empty: tuple[Parts, ...] = ()
-    repositories: frozenset[Parts] = frozenset()
-    owners: Mapping[Parts, int] = field(default_factory=dict)
+    refused: list[tuple[str, str]]
+    empty: list[Parts]
+    repositories: set[Parts]
+    owners: Mapping[Parts, int]
 
 
 @contextmanager
@@ -158,18 +159,13 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
         ) from error
 
 
-@dataclass
 class _Meter:
-    """
-    Count the bytes that are read from a source; a file that is read again counts once.
+    """Count the bytes that are read from a source; a file that is read again counts once."""
 
-    :param where: name of the source in messages
-    """
-
-    where: str
-    bounds: Bounds
-    known: set[Parts] = field(default_factory=set)
-    count: int = 0
+    def __init__(self, where: str, bounds: Bounds) -> None:
+        self.where, self.bounds = where, bounds
+        self.known: set[Parts] = set()
+        self.count = 0
 
     def within(self, parts: Parts, data: bytes) -> bytes:
         """
@@ -187,22 +183,12 @@ class _Meter:
         return data
 
 
-@dataclass(frozen=True)
-class _Name:
-    """
-    A file or folder in a source.
-
-    :param trouble: why it is skipped; empty if it is not
-    :param read: returns the content; None for a folder
-    """
-
-    parts: Parts
-    trouble: str = ''
-    read: Callable[[], bytes] | None = None
-    owner: int | None = None
+def _is_folder() -> bytes:
+    """Mark a folder, which has no content."""
+    raise UnreadableError('a folder')
 
 
-def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
+def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:
     """
     Return the tree of a source from its files and folders.
 
@@ -232,42 +218,39 @@ def _tree(name: str, names: Iterable[_Name], meter: _Meter) -> Tree:
         if trouble := unsafe or one.trouble or twice:
             refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
             folders |= set() if unsafe else {above}
-        elif one.read is None:
+        elif one.read is _is_folder:
             folders.add(one.parts)
         else:
-            files[one.parts] = File(one.parts, one.read)
+            files[one.parts] = one
     used = {parts[:depth] for parts in files for depth in (1, 2)}
     empty = sorted({parts[:2] for parts in folders} - {(), *used})
     ordered = tuple(files[parts] for parts in sorted(files))
-    return Tree(name, ordered, tuple(refused), tuple(empty), frozenset(repositories), owners)
+    return Tree(name, ordered, refused, empty, repositories, owners)
 
 
-def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[_Name]:
+def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[File]:
     """Yield all files and folders in order, without following links."""
     with os.scandir(folder) as entries:
         inside = sorted(entries, key=lambda entry: entry.name)
     for entry in inside:
-        parts, path, facts = (
-            (*above, entry.name),
-            Path(entry.path),
-            entry.stat(follow_symlinks=False),
-        )
+        parts, path = (*above, entry.name), Path(entry.path)
+        facts = entry.stat(follow_symlinks=False)
         here, owner = stat.S_ISDIR(facts.st_mode), facts.st_uid
         marked = (parts,) if here and os.path.lexists(path / COLCON_MARK) else ()
         if meter.bounds.is_noise(parts, marked):
-            yield _Name(parts, _NOISE)
+            yield File(parts, _is_folder, _NOISE)
         elif not here:
             trouble = '' if stat.S_ISREG(facts.st_mode) else SPECIAL
-            yield _Name(parts, trouble, partial(_read_path, path, parts, owner, meter), owner)
+            yield File(parts, partial(_read_path, path, parts, owner, meter), trouble, owner)
         elif len(parts) >= DEEPEST:
-            yield _Name(parts, 'a path that is far too long', None, owner)
+            yield File(parts, _is_folder, 'a path that is far too long', owner)
         else:
             try:
-                yield _Name(parts, '', None, owner)
+                yield File(parts, _is_folder, '', owner)
                 yield from _in_folder(path, parts, meter)
             except PermissionError:  # in nbgrader's exchange, a student's folder may be unreadable
                 trouble = 'a folder that cannot be read: permission denied'
-                yield _Name(parts, trouble, None, owner)
+                yield File(parts, _is_folder, trouble, owner)
 
 
 def _read_path(path: Path, parts: Parts, owner: int, meter: _Meter) -> bytes:
@@ -277,7 +260,7 @@ def _read_path(path: Path, parts: Parts, owner: int, meter: _Meter) -> bytes:
     return meter.within(parts, data)
 
 
-def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
+def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[File]:
     inside = archive.infolist()
     # Do not split further than the allowed depth: a name may have thousands of slashes.
     paths = [tuple(_name_of(one).removesuffix('/').split('/', DEEPEST + 1)) for one in inside]
@@ -286,12 +269,12 @@ def _in_zip(archive: zipfile.ZipFile, meter: _Meter) -> Iterator[_Name]:
         heads = (parts[:count] for count in range(1, len(parts) + 1))
         noise = next((one for one in heads if meter.bounds.is_noise(one, marked)), None)
         if noise is not None:
-            yield _Name(noise, _NOISE)
+            yield File(noise, _is_folder, _NOISE)
         elif entry.is_dir():
-            yield _Name(parts)
+            yield File(parts, _is_folder)
         else:
             read = partial(_read_entry, archive, entry, parts, meter)
-            yield _Name(parts, _trouble_with_entry(entry), read)
+            yield File(parts, read, _trouble_with_entry(entry))
 
 
 def _name_of(entry: zipfile.ZipInfo) -> str:

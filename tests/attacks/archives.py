@@ -2,7 +2,7 @@
 Zip files that were packed to do harm, each a function that packs one.
 
 What it tries is in its docstring, and what is said about it in :data:`REFUSED`.  What a zip may
-hold is in :mod:`autograder.submission.intake`.
+hold is in :mod:`autograder.submission.package`.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ import zipfile
 
 import pytest
 
-from autograder.submission import intake
-from autograder.submission.intake import read_handed_in
+from autograder.submission import package
+from autograder.submission.package import read_handed_in
 from autograder.submission.tree import NotTakenInError
 from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
 from tests.attacks.corpus import CANARY
@@ -126,5 +126,5 @@ def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
 
 def test_the_limits_are_far_above_an_honest_package():
     """Two hundred files and a megabyte each: a package of the course has eight small ones."""
-    assert intake.MOST_FILES >= 100
-    assert intake.LARGEST_FILE >= 1 << 20
+    assert package.MOST_FILES >= 100
+    assert package.BOUNDS.file_bytes >= 1 << 20

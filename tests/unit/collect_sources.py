@@ -10,8 +10,9 @@ import zipfile
 import pytest
 
 from autograder.collect import take_in as collecting
-from autograder.collect.kinds.kind import recognised
-from autograder.collect.source.tree import opened
+from autograder.collect.recognise import recognised
+from autograder.collect.source import deliveries
+from autograder.collect.source.deliveries import opened
 from autograder.layout import Layout
 
 collect = partial(collecting.collect, trust_names=True)
@@ -65,6 +66,11 @@ def laid(folder: Path, files: dict[str, bytes]) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
     return folder
+
+
+def limit(monkeypatch, **limits: int) -> None:
+    """Lower limits for the size of a source."""
+    monkeypatch.setattr(deliveries, 'BOUNDS', deliveries.BOUNDS._replace(**limits))
 
 
 def taken(layout: Layout) -> dict[str, bytes]:

@@ -15,10 +15,10 @@ from collect_sources import (
     GRADESCOPE,
     laid,
     layout,  # noqa: F401 - a fixture
+    limit,
     LISTEN,
     MOODLE,
     notebook,
-    OTHER,
     packed,
     REPOSITORIES,
     taken,
@@ -31,9 +31,8 @@ from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import alone
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.kinds.kind import recognised
-from autograder.collect.source import tree
-from autograder.collect.source.tree import opened
+from autograder.collect.recognise import recognised
+from autograder.collect.source.deliveries import opened
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
@@ -78,16 +77,6 @@ class TestEveryKind:
         assert taken(layout) == first
         assert {row.done for row in again} <= {UNCHANGED, LEFT}
         assert before == sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
-
-
-def test_the_wrong_assignment_is_left_with_its_name(tmp_path, layout):
-    """A notebook of another assignment is not collected, whatever its name is."""
-    files = {'ann/talk.ipynb': OTHER, 'bob/talk.ipynb': GOOD}
-
-    rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
-
-    assert [(row.student, row.done) for row in rows] == [('ann', LEFT), ('bob', TAKEN)]
-    assert rows[0].notes == (f'wrong assignment: talk.ipynb is {LISTEN}',)
 
 
 def test_what_was_collected_can_be_graded(tmp_path, layout):
@@ -220,7 +209,7 @@ class TestHostileSources:
 
     def test_a_file_that_grows_when_unpacked_is_bounded(self, tmp_path, layout, monkeypatch):
         """The bytes that are unpacked are limited, whatever size the zip states."""
-        monkeypatch.setattr(tree, 'MAX_BYTES', 1000)
+        limit(monkeypatch, file_bytes=1000)
         source = packed(tmp_path / 's.zip', {'ann/talk.ipynb': b' ' * 100_000})
 
         (row,) = collect(source, layout, layout.submitted)
@@ -230,7 +219,7 @@ class TestHostileSources:
 
     def test_far_too_many_files_are_refused_as_a_whole(self, tmp_path, layout, monkeypatch):
         """The error says what to try."""
-        monkeypatch.setattr(tree, 'MOST_ENTRIES', 2)
+        limit(monkeypatch, entries=2)
         source = laid(tmp_path / 's', {f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
         with pytest.raises(NotTakenInError, match='more than 2 files'):
@@ -245,7 +234,7 @@ class TestHostileSources:
         files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
         files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
         source = how(tmp_path / 's', files)
-        monkeypatch.setattr(tree, 'MOST_ENTRIES', 12)
+        limit(monkeypatch, entries=12)
 
         rows = collect(source, layout, layout.submitted)
 
@@ -253,7 +242,7 @@ class TestHostileSources:
             ('ann', TAKEN), ('bob', LEFT), ('cy', TAKEN)
         ]  # fmt: skip
         assert rows[1].notes == ('no file that can be read',)
-        monkeypatch.setattr(tree, 'MOST_LISTED', 5)
+        limit(monkeypatch, listed=5)
         with pytest.raises(NotTakenInError, match='more than 5 files'):
             collect(source, layout, layout.submitted)
 

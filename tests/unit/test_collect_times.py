@@ -139,16 +139,6 @@ class TestExchange:
         assert (row.done, row.handed_in) == (TAKEN, '2026-03-01 11:34')
         assert taken(layout)[f'ann/{TALK}/timestamp.txt'] == b'2026-03-01 11:34:56 UTC\n'
 
-    def test_a_zone_by_name_is_no_time(self, tmp_path, layout):
-        """The name of a zone is not converted to an offset."""
-        source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 CET'))
-
-        (row,) = collect(source, layout, layout.submitted)
-
-        assert (row.done, row.handed_in) == (TAKEN, '')
-        assert row.notes == ('time zone CET not understood: no time',)
-        assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
-
 
 class TestStampBesideANotebook:
     """The stamp ``STUDENT/ASSIGNMENT/timestamp.txt``, which nbgrader's collect writes."""

@@ -10,7 +10,7 @@ from autograder.grading.examine import judged
 from autograder.judging.causes.builds import diagnose
 from autograder.judging.causes.ended import why_it_ended, why_late
 from autograder.recording import header, Recording
-from autograder.submission.intake import with_node_files
+from autograder.submission.package import with_node_files
 
 BOUND_S = 10.0  # hours before; milliseconds now
 ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': ''},))

@@ -7,9 +7,8 @@ import json
 
 import pytest
 
-from autograder.submission.integrity import MOST_LINES
 from autograder.submission.notebook import small_number
-from autograder.submission.submission import open_submission
+from autograder.submission.submission import MOST_LINES, open_submission
 
 
 def cell(grade_id, source, kind='code', **marks):

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from autograder.submission.code import code_places
-from autograder.submission.code.code_places import (
+from autograder.submission.code import learners_code
+from autograder.submission.code.learners_code import (
+    Code,
     FieldUse,
+    leaves_out,
+    logs_with_python,
     Pause,
     pause_in_callback,
     use_of_field,
+    without_texts,
 )
-from autograder.submission.code.learners_code import Code, without_texts
 
 BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
 
@@ -144,7 +147,59 @@ class TestPauses:
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []
-        monkeypatch.setattr(code_places, '_pause', looked.append)
+        monkeypatch.setattr(learners_code, '_pause', looked.append)
 
         assert pause_in_callback({'n.py': f'{chain}\n{given}\n'}) is None
         assert len(looked) == 200
+
+
+LOGGING = (
+    'import logging as lg\n'
+    "log = lg.getLogger('n')\n"
+    'class N(Node):\n'
+    '    def __init__(self):\n'
+    "        self.get_logger().info('ready', once=True)\n"
+    '        random.seed(1)\n'
+    '        self.create_timer(1.0, self.tick)\n'
+    '    def tick(self):\n'
+    '        {}\n'
+)
+
+
+@pytest.mark.parametrize(
+    ('line', 'found'),
+    [
+        ("self.get_logger().info('a', throttle_duration_sec=5.0)", 'throttle_duration_sec'),
+        ("self.get_logger().info('a', skip_first=True)", 'skip_first'),
+        ("self.get_logger().info('a', once=False)", ''),
+        ("self.get_logger().info('a')", ''),
+        ("self.get_logger().info('a', once=True); self.get_logger().info('b')", ''),
+        ("self.get_logger().warning('a', once=True)", ''),
+        ('pass', ''),
+    ],
+)
+def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
+    """What is said once in __init__() explains nothing, and neither does another level."""
+    assert leaves_out({'n.py': LOGGING.format(line)}, 'info') == found
+
+
+@pytest.mark.parametrize(
+    ('line', 'names', 'found'),
+    [
+        ("log.warning('a')", 'warning', True),
+        ("lg.warning('a')", 'warning', True),
+        ("lg.getLogger().warning('a')", 'warning', True),
+        ("log.warning('a'); self.get_logger().warning('a')", 'warning', False),
+        ("self.log.warning('a')", 'warning', True),
+        ("self.logger.warning('a')", 'warning', False),
+        (
+            "self.h['a'] = logging.getLogger('x'); self.get_logger().warning('a')",
+            'warning',
+            False,
+        ),
+        ("log.info('a')", 'info', False),
+    ],
+)
+def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
+    """A logger of Python is named only if nothing else logs at that level."""
+    assert logs_with_python({'n.py': LOGGING.format(line)}, names) is found

@@ -1,12 +1,267 @@
-"""A package folder as files: where nodes may lie, and what is left out."""
+"""Packages are read safely and completely, or refused: a folder, a script or a zip."""
 
 from __future__ import annotations
+
+import stat
+import struct
+import zipfile
 
 import pytest
 
 from autograder.exam import catalog
-from autograder.submission.package import own_files, read_package
+from autograder.submission import package
+from autograder.submission.package import (
+    in_package,
+    own_files,
+    read_handed_in,
+    read_package,
+    with_node_files,
+)
 from autograder.submission.tree import NotTakenInError
+
+
+def zip_of(path, entries):
+    """Write a zip file of (name or ZipInfo, text) pairs."""
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        for name, text in entries:
+            archive.writestr(name, text)
+    return path
+
+
+PACKAGE = [
+    ('my_pkg/package.xml', '<package/>'),
+    ('my_pkg/my_pkg/talker.py', 'x = 1'),
+    ('my_pkg/my_pkg/helper.py', 'y = 2'),
+    ('my_pkg/setup.cfg', '[develop]'),
+    ('my_pkg/resource/my_pkg', ''),
+]
+
+
+class TestWhatIsTakenIn:
+    """The three forms give the same files with the same names."""
+
+    def test_a_zip_and_its_folder_are_the_same(self, tmp_path):
+        """The folder around the package has no meaning."""
+        folder = tmp_path / 'anything'
+        for name, text in PACKAGE:
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text)
+
+        from_folder = read_handed_in(folder)
+        from_zip = read_handed_in(zip_of(tmp_path / 'a.zip', PACKAGE))
+
+        assert from_folder == from_zip
+        assert sorted(from_zip) == [
+            'my_pkg/helper.py',
+            'my_pkg/talker.py',
+            'package.xml',
+            'resource/my_pkg',
+            'setup.cfg',
+        ]
+
+    def test_a_script_is_one_file(self, tmp_path):
+        """A script is one file and keeps its name."""
+        (tmp_path / 'talker.py').write_text('x = 1')
+
+        assert read_handed_in(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
+
+    def test_what_tools_make_is_left_out(self, tmp_path):
+        """Builds, caches, version control and files of macOS are left out."""
+        extra = [
+            ('my_pkg/build/a.py', 'x'),
+            ('my_pkg/.git/config.txt', 'x'),
+            ('__MACOSX/my_pkg/package.xml', 'x'),
+            ('my_pkg/my_pkg/__pycache__/a.py', 'x'),
+            ('my_pkg/picture.png', 'x'),
+        ]
+
+        found = read_handed_in(zip_of(tmp_path / 'a.zip', [*PACKAGE, *extra]))
+
+        assert len(found) == len(PACKAGE)
+
+    @pytest.mark.parametrize('target', ['/etc/passwd', '/etc', '/nowhere'])
+    def test_link_in_a_folder_is_refused_as_in_a_zip(self, tmp_path, target):
+        """Leaving out a link would change the program that is judged."""
+        (tmp_path / 'package.xml').write_text('x')
+        (tmp_path / 'linked.py').symlink_to(target)
+
+        with pytest.raises(NotTakenInError, match=r"'linked\.py': .* got a link .* with copies"):
+            read_handed_in(tmp_path)
+
+    def test_two_packages_are_one_too_many(self, tmp_path):
+        """The refusal names the packages."""
+        both = [*PACKAGE, ('other/package.xml', 'x')]
+
+        with pytest.raises(NotTakenInError, match=r'expected one package, got 2: my_pkg, other'):
+            read_handed_in(zip_of(tmp_path / 'a.zip', both))
+
+    def test_anything_else_is_refused_by_name(self, tmp_path):
+        """A tar file, a picture and an empty folder are refused by name."""
+        (tmp_path / 'a.tar').write_text('x')
+
+        with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got another file'):
+            read_handed_in(tmp_path / 'a.tar')
+        with pytest.raises(NotTakenInError, match='no file or folder of this name'):
+            read_handed_in(tmp_path / 'b.zip2')
+
+
+def info(name, **facts):
+    """Return a zip entry with these facts."""
+    entry = zipfile.ZipInfo(name)
+    for fact, value in facts.items():
+        setattr(entry, fact, value)
+    return entry
+
+
+LINK = (stat.S_IFLNK | 0o777) << 16
+PIPE = (stat.S_IFIFO | 0o644) << 16
+
+
+class TestWhatAZipMayNotHold:
+    """All of these entries are refused, although no entry is ever written to disk."""
+
+    @pytest.mark.parametrize(
+        ('entry', 'said'),
+        [
+            (info('/etc/evil.py'), 'an absolute path'),
+            (info('C:/evil.py'), 'an absolute path'),
+            (info('../evil.py'), 'a path that leads out of the folder'),
+            (info('a/../../evil.py'), 'a path that leads out of the folder'),
+            (info('a//evil.py'), 'a path that leads out of the folder'),
+            (info('a\\evil.py'), 'unprintable characters'),
+            (info('a\x1b[2J.py'), 'unprintable characters'),
+            (info(f'{"a" * 300}.py'), 'a path that is far too long'),
+            (info(f'{"a/" * 20}evil.py'), 'more than 12 deep'),
+            (info('link.py', external_attr=LINK), 'a link or a special file'),
+            (info('pipe.py', external_attr=PIPE), 'a link or a special file'),
+            (info('a.py', compress_type=zipfile.ZIP_LZMA), 'an unusual compression'),
+        ],
+    )
+    def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
+        """The refusal has the entry and the reason."""
+        path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
+
+        with pytest.raises(NotTakenInError, match=said):
+            read_handed_in(path)
+
+    def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
+        """The bytes are counted while a zip bomb is read, which is a thousand times smaller."""
+        monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(file_bytes=1 << 16))
+        path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
+
+        assert path.stat().st_size < 1 << 16
+        with pytest.raises(NotTakenInError, match='expected the files of one package'):
+            read_handed_in(path)
+
+    def test_a_size_that_lies_is_not_believed(self, tmp_path):
+        """The bytes are counted, although the table of contents states one byte."""
+        path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * 100_000)])
+        data = bytearray(path.read_bytes())
+        directory = data.index(b'PK\x01\x02')
+        data[directory + 24 : directory + 28] = struct.pack('<I', 1)
+        path.write_bytes(data)
+
+        with pytest.raises(NotTakenInError, match='a damaged entry'):
+            read_handed_in(path)
+
+    def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
+        """Many files of a permitted size are refused too."""
+        monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(whole_bytes=1000))
+        many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
+
+        with pytest.raises(NotTakenInError, match='more than'):
+            read_handed_in(zip_of(tmp_path / 'a.zip', many))
+
+    def test_so_is_the_number_of_files(self, tmp_path):
+        """The number of entries is limited, and the number of files in a package."""
+        many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
+        with pytest.raises(NotTakenInError, match=f'more than {package.MOST_FILES}'):
+            read_handed_in(zip_of(tmp_path / 'a.zip', many))
+
+        many = [(f'a{number}.png', '') for number in range(package.BOUNDS.entries + 1)]
+        with pytest.raises(NotTakenInError, match=f'more than {package.BOUNDS.entries} files'):
+            read_handed_in(zip_of(tmp_path / 'b.zip', many))
+
+    @pytest.mark.filterwarnings('ignore:Duplicate name')
+    def test_a_name_has_one_meaning(self, tmp_path):
+        """Two entries cannot share a name, and a file cannot also be a folder."""
+        with pytest.raises(NotTakenInError, match='twice'):
+            read_handed_in(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
+        with pytest.raises(NotTakenInError, match='both a file and a folder'):
+            read_handed_in(zip_of(tmp_path / 'b.zip', [('a.py', '1'), ('a.py/b.py', '2')]))
+
+    @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
+    def test_what_is_no_zip_is_one_line(self, tmp_path, data):
+        """A truncated zip is one line, like a file that is not a zip."""
+        (tmp_path / 'a.zip').write_bytes(data)
+
+        with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
+            read_handed_in(tmp_path / 'a.zip')
+
+    def test_a_link_to_a_zip_is_none(self, tmp_path):
+        """A link to a zip is refused, like any link in a submission."""
+        zip_of(tmp_path / 'a.zip', PACKAGE)
+        (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
+
+        with pytest.raises(NotTakenInError, match='regular file'):
+            read_handed_in(tmp_path / 'b.zip')
+
+
+class TestNodeFiles:
+    """Exams know a node by the file of its executable."""
+
+    def test_a_module_of_that_name_is_found_in_its_package(self):
+        """The file in the package stays, so that other modules can import it."""
+        files = {'pkg/talker.py': 'node', 'test/talker.py': 'test', 'launch/talker.py': 'launch'}
+
+        assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
+
+    def test_an_entry_point_names_another_module(self):
+        """The entry point in setup.py names a module."""
+        files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
+
+        assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
+
+    def test_entry_point_comes_before_a_file_at_the_top(self):
+        """``ros2 run`` starts the entry point's module, not a forgotten file."""
+        setup = "# 'talker = pkg.old:main',\n'talker = pkg.node_one:main',"
+        files = {'setup.py': setup, 'pkg/node_one.py': 'node', 'pkg/old.py': 'old'}
+
+        found = with_node_files({**files, 'talker.py': 'forgotten'}, ['talker.py'])
+
+        assert found['talker.py'] == 'node'
+
+    def test_installed_file_comes_before_others_of_its_name(self):
+        """The file that CMake installs comes before other files of its name."""
+        files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
+        files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
+
+        assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
+
+    def test_entry_point_of_a_module_at_the_top_leaves_it_as_it_is(self):
+        """The module must not import itself."""
+        files = {'setup.py': "'talker = talker:start'", 'talker.py': 'node'}
+
+        assert with_node_files(files, ['talker.py']) == files
+
+    def test_an_entry_point_may_call_another_function(self):
+        """The file is then the one that ROS would write for the entry point."""
+        files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
+
+        text = with_node_files(files, ['talker.py'])['talker.py']
+
+        assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
+
+    def test_a_file_at_the_top_is_not_replaced(self):
+        """A file at the top is what was handed in under that name."""
+        files = {'talker.py': 'mine', 'pkg/talker.py': 'other'}
+
+        assert with_node_files(files, ['talker.py']) == files
+
+    def test_without_a_package_file_the_only_folder_is_the_package(self):
+        """Beginners hand in nodes without a package.xml."""
+        assert in_package({'my/a.py': '1', 'my/b.py': '2'}, 'x') == {'a.py': '1', 'b.py': '2'}
+        assert in_package({'my/a.py': '1', 'b.py': '2'}, 'x') == {'my/a.py': '1', 'b.py': '2'}
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):

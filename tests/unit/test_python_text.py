@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from autograder.submission.code.python_text import expression, NotPythonError, parsed
+from autograder.submission.code.program import NotPythonError, parsed
 
 WIDE = '[' + '[1, -2, a.b.c], ' * 300 + ']'
 DEEP = '-' * 900 + '1'
@@ -34,7 +34,7 @@ def crowded():
 def kind_of(text):
     """Return what became of a text."""
     try:
-        return type(expression(text)).__name__
+        return type(parsed(text, 'eval')).__name__
     except NotPythonError:
         return 'none'
 

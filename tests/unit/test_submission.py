@@ -127,18 +127,9 @@ class TestReadNotebook:
         assert cells is None
         assert 'at most' in problems[0].expected
 
-    def test_many_tiny_parts_are_refused_before_they_fill_the_memory(self):
-        """A megabyte of empty lists would take a hundred."""
-        data = b'{"cells": [' + b'[],' * 600_000 + b'[]]}'
-
-        cells, problems = read_notebook(data, 'x')
-
-        assert cells is None
-        assert 'too many' in problems[0].got
-
-    @pytest.mark.parametrize('part', ['"{}",', '"{}":0,', '"{}\\\\",'])
-    def test_many_tiny_strings_are_refused_before_they_fill_the_memory(self, part):
-        """One object with a million names would take two hundred megabytes."""
+    @pytest.mark.parametrize('part', ['[],', '"{}",', '"{}":0,', '"{}\\\\",'])
+    def test_many_tiny_parts_are_refused_before_they_fill_the_memory(self, part):
+        """A megabyte of empty lists or names would take a hundred."""
         parts = ''.join(part.format(number) for number in range(600_000))
 
         cells, problems = read_notebook(f'{{"cells": [{parts}'.encode(), 'x')
@@ -348,19 +339,3 @@ class TestRebuild:
         assert len(problems) == 22
         assert len(seen) == 100 + 22
         assert not any('\n' in source for source in seen)
-
-    def test_an_unreadable_file_misses_every_answer(self, release):
-        """The reason is kept with them."""
-        opened = open_submission(b'nonsense', release, 'x')
-
-        assert opened.missing == {'talker', 'why'}
-        assert len(opened.problems) == 1
-
-    def test_no_file_at_all_misses_every_answer_for_the_reason_given(self, release):
-        """The folder's problem is the submission's problem."""
-        why = submission.Problem('x', 'a file', 'none', 'submit')
-
-        opened = open_submission(None, release, 'x', [why])
-
-        assert opened.missing == {'talker', 'why'}
-        assert [problem.got for problem in opened.problems] == ['none']

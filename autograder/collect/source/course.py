@@ -67,13 +67,10 @@ class Course:
 
         :returns: the beginning as written, with the character after it; empty if there is none
         """
-        found = ''
-        for assignment in self.assignments:
-            for form in (assignment, _NUMBER.sub('', assignment)):
-                wanted, begins = _plain(f'{form}-'), name[: len(form) + 1]
-                if _plain(begins) == wanted and name != begins and len(begins) > len(found):
-                    found = begins
-        return found
+        forms = (form for one in self.assignments for form in (one, _NUMBER.sub('', one)))
+        fitting = (one for one in forms if _plain(name).startswith(_plain(f'{one}-')))
+        begins = (name[: len(one) + 1] for one in fitting)
+        return max((one for one in begins if one != name), key=len, default='')
 
     def shared(self, data: bytes) -> dict[str, int]:
         """Return the number of grade ids in a notebook, by assignment; zeros are left out."""

@@ -1,5 +1,5 @@
 """
-Data types that all platforms share: entries of a source, delivered files, deliveries.
+Open the source of a class, and the data types that all platforms share: entries, deliveries.
 
 The platform chose the names of the entries on one :data:`Level` of a source.  Students chose all
 names below that level, so these names do not decide who handed in a file.
@@ -7,19 +7,68 @@ names below that level, so these names do not decide who handed in a file.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
 
-from autograder.collect.source.tree import REPOSITORY
 from autograder.collect.table import Row
+from autograder.submission import tree as trees
 from autograder.submission.ids import student_id
-from autograder.submission.tree import File, Parts, Tree
+from autograder.submission.notebook import MAX_BYTES
+from autograder.submission.tree import Bounds, File, Parts, Tree
+
+REPOSITORY = '.git'
+NOISE = {'__MACOSX', '.DS_Store', '.ipynb_checkpoints', REPOSITORY, '.venv', '__pycache__'}
+"""
+Files and folders that macOS, Jupyter, git and Python generate.
+
+macOS also generates ``._NAME`` files, even for notebooks.
+"""
+BUILT = {'build', 'install', 'log'}
+"""
+Folders that colcon generates.
+
+Students may use these names too, so such a folder is skipped only if it contains colcon's marker
+file or is directly in the workspace of the lessons.
+"""
+_WORKSPACE = 'ros_ws'
 
 
-@dataclass(frozen=True)
-class Piece:
+def _is_noise(parts: Parts, marked: Collection[Parts]) -> bool:
+    *above, name = parts
+    built = name in BUILT and above and (above[-1] == _WORKSPACE or parts in marked)
+    return name in NOISE or name.startswith('._') or bool(built)
+
+
+BOUNDS = Bounds(
+    'the submissions of a class',
+    'a folder with submissions only, one assignment at a time, or part of the class',
+    _is_noise,
+    entries=50_000,
+    listed=500_000,
+    file_bytes=MAX_BYTES,
+    whole_bytes=2 << 30,  # a class has a few hundred megabytes
+    name_chars=400,
+)
+
+
+def opened(source: Path) -> AbstractContextManager[Tree]:
+    """
+    Open a source in a context, in which its files can be read.
+
+    Files that programs generate next to the work are neither listed nor counted.  Otherwise the
+    built workspace of one student could exceed the limits for the whole class.
+
+    :raises NotTakenInError: if the source is neither a folder nor a zip, is damaged or too large
+    """
+    return trees.opened(source, BOUNDS)
+
+
+class Piece(NamedTuple):
     """
     One delivered file.
 
@@ -34,7 +83,7 @@ class Piece:
     turn: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Handed:
     """
     A delivery: everything that one student handed in at one time.
@@ -81,8 +130,7 @@ class Handed:
         return tuple(dict.fromkeys(piece.place for piece in self.pieces)) or (self.place,)
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """
     One entry of a level: a file, or a folder with all files below it.
 
@@ -95,42 +143,43 @@ class Entry:
     name: str
     files: tuple[File, ...]
     folder: bool
-    repository: bool = False
-    owners: frozenset[int] = frozenset()
+    repository: bool
+    owners: frozenset[int]
 
-    def pieces(self) -> tuple[Piece, ...]:
-        """Return all files of this entry as delivered files."""
-        return tuple(Piece(file, self.name) for file in self.files)
+    @property
+    def path(self) -> str:
+        """Return the name, with a slash behind the name of a folder."""
+        return f'{self.name}/' if self.folder else self.name
 
-    def piece(self, name: str, turn: int = 0) -> Piece:
-        """Return the only file of this entry under the name that the student chose."""
-        return Piece(File((name,), self.files[0].read), self.name, turn)
+    def pieces(self, name: str = '', turn: int = 0) -> tuple[Piece, ...]:
+        """Return the delivered files; for a file, under the name that the student chose."""
+        files = (File((name,), self.files[0].read),) if name else self.files
+        return tuple(Piece(file, self.name, turn) for file in files)
 
 
 Level = Mapping[str, Entry]
 """One folder of a source: its entries by name, in order."""
 
 
-@dataclass(frozen=True)
-class System:
+class System(NamedTuple):
     """
     A platform, which is recognised by the form of the names in its exports.
 
     :param expected: a description of the form
-    :param matches: function that returns whether the name of an entry has the form
+    :param matches: function that returns a true value if :attr:`Entry.path` has the form
     :param read: function that yields the deliveries in a level, and a row for each entry without
         a known student
     :param needs: name of a file that every export contains, empty if there is none
     """
 
     expected: str
-    matches: Callable[[Entry], bool]
+    matches: Callable[[str], object]
     read: Callable[[Level], Iterator[Handed | Row]]
     needs: str = ''
 
     def claims(self, place: Level) -> int:
         """Return the number of names that have the form; 0 if the needed file is missing."""
-        found = [name for name, entry in place.items() if self.matches(entry)]
+        found = [name for name, entry in place.items() if self.matches(entry.path)]
         return len(found) if not self.needs or self.needs in found else 0
 
 

@@ -48,11 +48,6 @@ def read_time(value: object) -> tuple[datetime | None, str]:
         return None, f'time {str(value)[:40]!r} not understood: no time'
 
 
-def stamp(when: datetime) -> bytes:
-    """Return a time as the content of nbgrader's ``timestamp.txt``."""
-    return f'{when:%Y-%m-%d %H:%M:%S} UTC\n'.encode()
-
-
 def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[str, ...]:
     """
     Return notes about whether work is late.
@@ -61,19 +56,13 @@ def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[
     :param when: time of delivery, if known
     :param due: the due date, if known
     """
-    if when is None:
-        said = f'late, according to {late}; the time is unknown, so a late policy cannot apply'
-        return (said,) if late else ()
-    if due is not None and when > due:
-        return (f'late by {_duration(when - due)}',)
-    return (f'late, according to {late}',) if late else ()
-
-
-def _duration(length: timedelta) -> str:
-    """Return a duration as text, in days, hours and minutes."""
-    minutes = int(length.total_seconds()) // 60
-    parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
-    return ' '.join(f'{count} {unit}' for count, unit in parts if count) or 'less than a minute'
+    if when and due and when > due:
+        minutes = int((when - due).total_seconds()) // 60
+        parts = ((minutes // 1440, 'd'), (minutes // 60 % 24, 'h'), (minutes % 60, 'min'))
+        length = ' '.join(f'{count} {unit}' for count, unit in parts if count)
+        return (f'late by {length or "less than a minute"}',)
+    unknown = '' if when else '; the time is unknown, so a late policy cannot apply'
+    return (f'late, according to {late}{unknown}',) if late else ()
 
 
 @dataclass(frozen=True)
@@ -121,18 +110,14 @@ def due_dates(layout: Layout) -> DueDates:
     granted = text(_EXTENSIONS).columns(extension=Interval())
     given = extensions(layout)
     try:
-        return DueDates(
-            {
-                str(name): date.replace(tzinfo=timezone.utc)
-                for name, date in query(layout, dates, 'assignment')
-            },
-            given
-            if given is not None
-            else {
-                (str(one), str(name)): more
-                for one, name, more in query(layout, granted, 'assignment')
-            },
-        )
+        found = {
+            str(name): date.replace(tzinfo=timezone.utc)
+            for name, date in query(layout, dates, 'assignment')
+        }
+        if given is None:
+            rows = query(layout, granted, 'assignment')
+            given = {(str(one), str(name)): more for one, name, more in rows}
+        return DueDates(found, given)
     except (GraderError, ValueError, ImportError) as error:
         what = ' '.join(str(error).split())[:120]
         return DueDates(problem=f'due dates unknown, because the gradebook cannot be read: {what}')

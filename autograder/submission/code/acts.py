@@ -39,7 +39,6 @@ from autograder.submission.code.program import (
     FUNCTIONS,
     is_stored,
     last_name,
-    line_of,
     names_in,
     Program,
 )
@@ -100,9 +99,9 @@ def place_of(
     :param lines: of the log calls in question; they choose between several places
     :raises ExamInvalid: for an act with an unknown statement
     """
-    if len(code.trees) != 1:
+    if len(code.programs) != 1:
         return None
-    program = Program(code.trees[0], about, lines)
+    program = Program(code.programs[0].tree, about, lines)
     with suppress(RecursionError):  # hostile code: a name with thousands of dots
         return next(filter(None, (_place(program, act) for act in acts.split(' | '))), None)
     return None
@@ -114,9 +113,9 @@ def _place(program: Program, act: str) -> Place | None:
     seen = [node for node in found if _is_seen(program, node)]
     working = list(filter(program.is_working, found))
     for some in (found, seen, working):
-        if len(set(map(line_of, some))) == 1:
-            one = some[0]
-            return Place(line_of(one), one.name if isinstance(one, FUNCTIONS) else '')
+        if len({getattr(one, 'lineno', 0) for one in some}) == 1:
+            name = some[0].name if isinstance(some[0], FUNCTIONS) else ''
+            return Place(getattr(some[0], 'lineno', 0), name)
     outer = program.function_around(*(seen or working or found))
     return Place(outer.lineno, outer.name) if outer else None
 
@@ -134,7 +133,7 @@ def find(program: Program, word: str) -> list[ast.AST]:
     found = list(_find(program, word.removesuffix('+')))
     if outer:
         bodies = set(find(program, outer))
-        scopes = program.reached(bodies)
+        scopes = set(program.reached(bodies))
         found = [node for node in found if not scopes.isdisjoint(program.around(node))]
         found = _shared(program, found, bodies) or found
     if word.endswith('+') and len(found) < 2:

@@ -1,8 +1,4 @@
-"""
-Find the statements that set names and attributes: counts, flags, values that are kept or lost.
-
-They belong to :data:`.known_acts.ACTS`.
-"""
+"""Find the statements that set names and attributes: counts, flags, values kept or lost."""
 
 from __future__ import annotations
 
@@ -10,7 +6,13 @@ import ast
 from collections import Counter
 from collections.abc import Iterator
 
-from autograder.submission.code.program import assigned, last_name, names_in, Program
+from autograder.submission.code.program import (
+    all_arguments,
+    assigned,
+    last_name,
+    names_in,
+    Program,
+)
 
 _WAITS = ('create_timer', 'Timer', 'sleep')
 
@@ -20,44 +22,44 @@ def counts(program: Program) -> Iterator[ast.AST]:
     for node in program.nodes:
         if isinstance(node, ast.AugAssign) and _is_one(node.value):
             yield node
-        if isinstance(node, ast.Assign):
-            name = last_name(node.targets[0])
-            adds = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
-            if name in names_in(node.value) and any(_is_one(one.right) for one in adds):
+        if isinstance(node, ast.Assign) and last_name(node.targets[0]) in names_in(node.value):
+            sums = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
+            if any(_is_one(one.right) for one in sums):
                 yield node
+
+
+def _is_one(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and node.value == 1
+
+
+def _counted(program: Program) -> set[str]:
+    """Return the names that count something."""
+    return {last_name(target) for one in counts(program) for target, _ in assigned(one)} - {''}
 
 
 def recounts(program: Program) -> Iterator[ast.AST]:
     """Yield the statements outside ``__init__`` that set a count again."""
     counted = _counted(program)
-    yield from (one for one in resets(program) if not counted.isdisjoint(_set_by(one)))
+    return (node for node, target, _ in _fixed(program) if last_name(target) in counted)
 
 
 def compared_counts(program: Program) -> Iterator[ast.AST]:
     """Yield the comparisons of a count."""
     counted = _counted(program)
-    for node in program.nodes:
-        if isinstance(node, ast.Compare) and not counted.isdisjoint(names_in(node)):
-            yield node
+    compared = (one for one in program.nodes if isinstance(one, ast.Compare))
+    return (one for one in compared if counted & names_in(one))
 
 
 def wrapped_counts(program: Program) -> Iterator[ast.AST]:
     """Yield the remainders of a count, but not those in conditions."""
     counted = _counted(program)
-    conditions = (
-        one if isinstance(one, ast.Compare) else getattr(one, 'test', None)
-        for one in program.nodes
-    )
-    asked = {part for one in conditions if one for part in ast.walk(one)}
+    tests = {getattr(one, 'test', None) for one in program.nodes}
     for node in program.operations(ast.Mod):
+        whole = (node, *program.around(node))
+        asked = any(isinstance(one, ast.Compare) or one in tests for one in whole)
         left = getattr(node, 'left', None) or getattr(node, 'target', None)
-        if left and node not in asked and not counted.isdisjoint(names_in(left)):
+        if left and not asked and counted & names_in(left):
             yield node
-
-
-def _counted(program: Program) -> set[str]:
-    """Return the names that count something."""
-    return {name for one in counts(program) for name in _set_by(one) if name}
 
 
 def stored(program: Program) -> Iterator[ast.AST]:
@@ -70,83 +72,81 @@ def stored(program: Program) -> Iterator[ast.AST]:
 def kept_first(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that set an attribute only if it has no value yet, with ``or``."""
     for node in stored(program):
-        value = getattr(node, 'value', None)
-        if isinstance(value, ast.BoolOp) and not _set_by(node).isdisjoint(names_in(value)):
-            yield node
+        for target, value in assigned(node):
+            if isinstance(value, ast.BoolOp) and last_name(target) in names_in(value):
+                yield node
 
 
 def kept_messages(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that store a message for later, in place of the one before."""
     for body in program.reached(program.passed('create_subscription')):
         given = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
-        for node in (one for one in ast.walk(body) if isinstance(one, ast.Assign)):
-            target = node.targets[0]
-            kept = isinstance(target, ast.Attribute) and not _uses(target, given)
-            if kept and _uses(node.value, given):
-                yield node
-
-
-def _uses(node: ast.AST, names: set[str]) -> bool:
-    return any(isinstance(one, ast.Name) and one.id in names for one in ast.walk(node))
+        for node in ast.walk(body):
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
+                uses = [bool(given & names_in(one, ast.Name)) for one in (node.targets[0], node)]
+                if uses == [False, True]:
+                    yield node
 
 
 def forgotten(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that replace an attribute by None and destroy nothing."""
-    calls = [one for one in program.nodes if isinstance(one, ast.Call)]
     destroyed = {
         name
-        for one in calls
-        if last_name(one.func).startswith('destroy')
+        for one in program.nodes
+        if isinstance(one, ast.Call) and last_name(one.func).startswith('destroy')
         for given in (one.func, *one.args)
         for name in names_in(given)
     }
-    for node in resets(program):
-        nothing = getattr(getattr(node, 'value', None), 'value', 0) is None
-        if nothing and _set_by(node).isdisjoint(destroyed):
+    for node, target, value in _fixed(program):
+        if getattr(value, 'value', 0) is None and last_name(target) not in destroyed:
             yield node
 
 
 def stuck(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that set a flag which nothing outside ``__init__`` sets back."""
     later = (one for one in stored(program) if _is_later(program, one))
-    often = Counter(name for one in later for name in _set_by(one))
-    for node in resets(program):
-        flag = any(isinstance(getattr(value, 'value', 0), bool) for _, value in assigned(node))
-        if flag and any(often[name] == 1 for name in _set_by(node)):
+    often = Counter(last_name(target) for one in later for target, _ in assigned(one))
+    for node, target, value in _fixed(program):
+        if isinstance(getattr(value, 'value', 0), bool) and often[last_name(target)] == 1:
             yield node
+
+
+def resets(program: Program) -> Iterator[ast.AST]:
+    """Yield the statements outside ``__init__`` that give an attribute a value of its own."""
+    return (node for node, _, _ in _fixed(program))
+
+
+def set_back(program: Program) -> Iterator[ast.AST]:
+    """Yield the statements that give an attribute its first value again."""
+    for node, target, value in _fixed(program):
+        given = program.values.get((None, ast.unparse(target)), ())
+        first = (one for one in given if one and not _is_later(program, one))
+        if any(ast.dump(one) == ast.dump(value) for one in first):
+            yield node
+
+
+def _fixed(program: Program) -> Iterator[tuple[ast.AST, ast.AST, ast.AST]]:
+    """Yield each of :func:`resets` with an attribute and its value."""
+    for node in program.nodes:
+        for target, value in assigned(node):
+            kept = isinstance(target, ast.Attribute) and value and _is_fixed(value)
+            if kept and value and _is_later(program, node):
+                yield node, target, value
+
+
+def _is_fixed(value: ast.AST) -> bool:
+    """Return whether a value does not depend on other values."""
+    if isinstance(value, ast.Call):
+        return not all_arguments(value) and isinstance(value.func, ast.Name)
+    if isinstance(value, (ast.List, ast.Tuple, ast.Set)):
+        return not value.elts
+    return isinstance(value, ast.Constant) or (isinstance(value, ast.Dict) and not value.keys)
 
 
 def _is_later(program: Program, node: ast.AST) -> bool:
     """Return whether a statement is in a function other than ``__init__``."""
     inner = program.function_around(node)
     return inner is not None and inner.name != '__init__'
-
-
-def _set_by(node: ast.AST) -> set[str]:
-    """Return the names and attributes that a statement assigns."""
-    return {last_name(target) for target, _ in assigned(node)}
-
-
-def _is_one(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and node.value in (1, -1)
-
-
-def resets(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements outside ``__init__`` that give an attribute a value of its own."""
-    for node in program.nodes:
-        kept = (value for target, value in assigned(node) if isinstance(target, ast.Attribute))
-        if any(map(_is_fixed, kept)) and _is_later(program, node):
-            yield node
-
-
-def set_back(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that give an attribute its first value again."""
-    for node in resets(program):
-        for target, value in assigned(node):
-            given = program.values.get((None, ast.unparse(target)), ())
-            first = (one for one in given if one and not _is_later(program, one))
-            if value and any(ast.dump(one) == ast.dump(value) for one in first):
-                yield node
 
 
 def longer_pauses(program: Program) -> Iterator[ast.AST]:
@@ -157,19 +157,10 @@ def longer_pauses(program: Program) -> Iterator[ast.AST]:
             yield node
 
 
-def _is_fixed(value: ast.AST | None) -> bool:
-    """Return whether a value does not depend on other values."""
-    if isinstance(value, ast.Call):
-        return not value.args and not value.keywords and isinstance(value.func, ast.Name)
-    if isinstance(value, (ast.List, ast.Tuple, ast.Set)):
-        return not value.elts
-    return isinstance(value, ast.Constant) or (isinstance(value, ast.Dict) and not value.keys)
-
-
-def times(program: Program) -> Iterator[ast.AST]:
+def stored_times(program: Program) -> Iterator[ast.AST]:
     """Yield the statements that store the current time."""
+    times = set(program.calls('now'))
     for node in program.nodes:
-        if isinstance(node, ast.Assign) and not isinstance(node.targets[0], ast.Name):
-            made = (one for one in ast.walk(node.value) if isinstance(one, ast.Call))
-            if any(last_name(one.func) == 'now' for one in made):
-                yield node
+        kept = isinstance(node, ast.Assign) and not isinstance(node.targets[0], ast.Name)
+        if kept and not times.isdisjoint(ast.walk(node)):
+            yield node

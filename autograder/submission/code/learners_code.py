@@ -1,20 +1,34 @@
 """
 Analyse student code as a syntax tree, without running it, to choose messages but not verdicts.
 
+The functions find mistakes: log calls that skip lines, pauses, unset fields.
+
 A syntax tree has no comments, so a call in a comment is not found.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property, lru_cache
 import io
 import tokenize
+from typing import NamedTuple
 
-from autograder.submission.code.program import FUNCTIONS, is_stored, last_name, Program
-from autograder.submission.code.python_text import NotPythonError, parsed
+from autograder.submission.code.program import (
+    all_arguments,
+    FUNCTIONS,
+    is_stored,
+    last_name,
+    NotPythonError,
+    parsed,
+    Program,
+)
+
+SHORT_S = 0.1
+"""Calls of ``sleep`` for less than this time [s] are ignored."""
+_LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 
 
 @lru_cache(maxsize=64)  # tokenising a line with thousands of f-strings takes a second
@@ -42,13 +56,12 @@ class Code:
     """
 
     def __init__(self, files: Mapping[str, str]) -> None:
-        self.trees = tuple(_trees(files))
-        self.nodes = tuple(node for tree in self.trees for node in ast.walk(tree))
-
-    @cached_property
-    def programs(self) -> Sequence[Program]:
-        """Return each file with what its names mean."""
-        return tuple(map(Program, self.trees))
+        self.programs: list[Program] = []
+        for name, text in sorted(files.items()):
+            if name.endswith('.py'):
+                with suppress(NotPythonError):
+                    self.programs.append(Program(parsed(text)))
+        self.nodes = [node for one in self.programs for node in one.nodes]
 
     @cached_property
     def calls(self) -> Mapping[str, Sequence[ast.Call]]:
@@ -123,8 +136,130 @@ class Code:
         return name in self.names and not used
 
 
-def _trees(files: Mapping[str, str]) -> Iterator[ast.Module]:
-    for name, text in sorted(files.items()):
-        if name.endswith('.py'):
-            with suppress(NotPythonError):
-                yield parsed(text)
+def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()) -> str:
+    """
+    Return the argument with which all log calls in callbacks skip lines; empty if one does not.
+
+    :param level: the log calls, such as ``warning``
+    :param lines: consider only calls in these lines; empty for all calls
+    """
+    programs = Code(files).programs
+    made = (one for code in programs for one in code.calls(level) if code.is_working(one))
+    found = [_leaves_out(call) for call in made if not lines or call.lineno in lines]
+    return found[0] if found and all(found) else ''
+
+
+def _leaves_out(call: ast.Call) -> str:
+    """Return the argument with which a log call skips lines; False, 0 and None skip none."""
+    given = (one for one in call.keywords if one.arg in _LEAVE_OUT)
+    return next((one.arg or '' for one in given if getattr(one.value, 'value', True)), '')
+
+
+def logs_with_python(files: Mapping[str, str], level: str) -> bool:
+    """
+    Return whether all log calls of a level use Python's module ``logging``.
+
+    :param level: the log calls, such as ``warning``
+    """
+    found: list[bool] = []
+    for program in Code(files).programs:
+        theirs = set(_logging_names(program)) - {''}  # '' is for targets without a name: items[0]
+        for call in program.calls(level):
+            if isinstance(call.func, ast.Attribute):
+                by = call.func.value
+                made = isinstance(by, ast.Call) and last_name(by.func) == 'getLogger'
+                found.append(made or last_name(by) in theirs)
+    return bool(found) and all(found)
+
+
+def _logging_names(program: Program) -> Iterator[str]:
+    """Yield the names in a file for the module ``logging`` and for its loggers."""
+    for node in program.nodes:
+        if isinstance(node, ast.Import):
+            yield from (one.asname or one.name for one in node.names if one.name == 'logging')
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+            made = last_name(node.value.func) == 'getLogger'
+            yield from map(last_name, node.targets if made else ())
+
+
+class FieldUse(NamedTuple):
+    """
+    How code uses a field of a message.
+
+    :param given: whether the field may get a value: the code has an attribute, keyword argument
+        or string with its name
+    :param empty: whether one of the assigned values is a call of ``Time`` without arguments
+    :param local: whether a variable with the field's name is assigned
+    """
+
+    given: bool
+    empty: bool
+    local: bool
+
+
+def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
+    """
+    Return how code uses a field of a message.
+
+    :param field: name of the field, such as ``timestamp``
+    """
+    code = Code(files)
+    values = [value for one in code.programs for value in one.given(field)]
+    named = (one for one in code.nodes if last_name(one) == field)
+    kinds = {(type(one), is_stored(one)) for one in named}
+    # A name in quotes may be an argument of setattr(), or a key in a dictionary of fields.
+    given = bool(values) or field in code.texts or any(ast.Attribute in one for one in kinds)
+    return FieldUse(given, any(map(_is_empty_time, values)), (ast.Name, True) in kinds)
+
+
+def _is_empty_time(value: ast.AST) -> bool:
+    """Return whether a value contains ``Time()``, as in ``Time().to_msg()``."""
+    calls = (one for one in ast.walk(value) if isinstance(one, ast.Call))
+    return any(last_name(one.func) == 'Time' and not all_arguments(one) for one in calls)
+
+
+class Pause(NamedTuple):
+    """
+    A call of ``sleep`` that a callback reaches.
+
+    :param callback: name of the callback, empty for a lambda
+    :param line: line of the call in the file, from 1
+    """
+
+    callback: str
+    line: int
+
+
+def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
+    """
+    Return the first pause in a callback or in a function that it calls; None if there is none.
+
+    ``await asyncio.sleep()`` does not count, because it does not block.  A pause in a ``while``
+    loop does not count either, because the loop itself is the cause.
+    """
+    for program in Code(files).programs:
+        for name, body in program.callbacks():
+            if line := _pause(body):
+                return Pause(name, line)
+    return None
+
+
+def _pause(body: ast.AST) -> int | None:
+    """Return the line of the first pause in a function, None if there is none."""
+    others: set[ast.AST] = set()
+    for node in ast.walk(body):
+        if isinstance(node, ast.While):
+            others.update(ast.walk(node))
+        elif isinstance(node, ast.Await):
+            others.add(node.value)
+    sleeps = (one for one in ast.walk(body) if isinstance(one, ast.Call) and one not in others)
+    return min(
+        (one.lineno for one in sleeps if last_name(one.func) == 'sleep' and not _is_short(one)),
+        default=None,
+    )
+
+
+def _is_short(call: ast.Call) -> bool:
+    """Return whether a pause is certainly too short to matter."""
+    value = call.args[0].value if call.args and isinstance(call.args[0], ast.Constant) else None
+    return isinstance(value, (int, float)) and value < SHORT_S

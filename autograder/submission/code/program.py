@@ -1,5 +1,5 @@
 """
-Search the syntax tree of a program: calls, arguments, values of names, surrounding functions.
+Parse a program and search its syntax tree: calls, arguments, values of names, functions.
 
 The code is never run, and the results affect only messages.
 """
@@ -11,6 +11,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from functools import cached_property
 import operator
+import threading
+import warnings
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
@@ -19,9 +21,31 @@ _ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
+_ONE_AT_A_TIME = threading.Lock()
+"""Serialises calls of the parser: Python before 3.11.5 shares the recursion depth between threads,
+and warnings are switched off for all threads."""
 _MOST = 3  # names of names, or nested operations: hostile code has thousands
 Scope = tuple[ast.AST | None, str]
 """A function, None for the file, and a name in it; a dot before the names of all classes."""
+
+
+class NotPythonError(ValueError):
+    """Report that Python cannot parse a text."""
+
+
+def parsed(text: str, mode: str = 'exec') -> ast.AST:
+    """
+    Return the syntax tree of a file.
+
+    :param mode: ``'eval'`` for one expression
+    :raises NotPythonError: if Python cannot parse it
+    """
+    try:
+        with _ONE_AT_A_TIME, warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # such as invalid escape sequences in student code
+            return ast.parse(text, mode=mode)
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise NotPythonError(str(error)) from None
 
 
 class Program:
@@ -33,7 +57,7 @@ class Program:
     """
 
     def __init__(
-        self, tree: ast.Module, about: Sequence[str] = (), lines: Collection[int] = ()
+        self, tree: ast.AST, about: Sequence[str] = (), lines: Collection[int] = ()
     ) -> None:
         self.tree, self.about, self.lines = tree, about, lines
         self.nodes = tuple(ast.walk(tree))
@@ -75,27 +99,38 @@ class Program:
 
         A callback is a lambda or a function of the file that is passed to any call but ``Thread``.
         """
-        functions: dict[str, list[ast.AST]] = {}  # several classes may have a method of one name
-        for node in self.nodes:
-            if isinstance(node, FUNCTIONS):
-                functions.setdefault(node.name, []).append(node)
-        handed = (
-            given
-            for node in self.nodes
-            if isinstance(node, ast.Call) and last_name(node.func) != 'Thread'
-            for given in (*node.args, *(one.value for one in node.keywords))
-        )
         seen: set[ast.AST] = set()  # a file may have thousands of callbacks
-        for callback in handed:
-            name = last_name(callback)
-            left = [callback] if isinstance(callback, ast.Lambda) else [*functions.get(name, ())]
-            for body in left:
-                if body in seen:
-                    continue
+        for call in self.nodes:
+            if isinstance(call, ast.Call) and last_name(call.func) != 'Thread':
+                for given in all_arguments(call):
+                    for body in self.reached(self.bodies(given), seen):
+                        yield last_name(given), body
+
+    def bodies(self, *given: ast.AST) -> Iterator[ast.AST]:
+        """Yield the lambdas and functions among some arguments."""
+        for one in given:
+            yield from [one] if isinstance(one, ast.Lambda) else self.functions(last_name(one))
+
+    def passed(self, name: str) -> Iterator[ast.AST]:
+        """Yield the functions and lambdas that are passed to a call."""
+        for call in self.calls(name):
+            yield from self.bodies(*all_arguments(call))
+
+    def reached(
+        self, bodies: Iterable[ast.AST], seen: set[ast.AST] | None = None
+    ) -> Iterator[ast.AST]:
+        """
+        Yield functions and all functions that they call, directly or not.
+
+        :param seen: functions to leave out; those that are yielded are added
+        """
+        seen, left = set() if seen is None else seen, list(bodies)
+        for body in left:
+            if body not in seen:
                 seen.add(body)
-                yield name, body
+                yield body
                 calls = (one for one in ast.walk(body) if isinstance(one, ast.Call))
-                left += [one for call in calls for one in functions.get(last_name(call.func), ())]
+                left += self.functions(*dict.fromkeys(last_name(one.func) for one in calls))
 
     @cached_property
     def strings(self) -> Sequence[ast.AST]:
@@ -125,21 +160,17 @@ class Program:
         calls = (node for node in self.nodes if isinstance(node, ast.Call))
         return [node for node in calls if last_name(node.func) in names]
 
+    @cached_property
+    def _functions(self) -> Mapping[str, Sequence[ast.AST]]:
+        found: dict[str, list[ast.AST]] = {}  # several classes may have a method of one name
+        for node in self.nodes:
+            if isinstance(node, FUNCTIONS):
+                found.setdefault(node.name, []).append(node)
+        return found
+
     def functions(self, *names: str) -> list[ast.AST]:
         """Return the functions and methods with some names."""
-        return [one for one in self.nodes if isinstance(one, FUNCTIONS) and one.name in names]
-
-    def reached(self, bodies: Iterable[ast.AST]) -> set[ast.AST]:
-        """Return functions with all functions that they call, directly or not."""
-        found = set(bodies)
-        left = list(found)
-        while left:
-            inner = (one for one in ast.walk(left.pop()) if isinstance(one, ast.Call))
-            called = {last_name(one.func) for one in inner}
-            new = set(self.functions(*called)) - found
-            found |= new
-            left += new
-        return found
+        return [one for name in names for one in self._functions.get(name, ())]
 
     def arguments(self, name: str, place: int) -> Iterator[ast.AST]:
         """Yield an argument of each call of a function."""
@@ -147,20 +178,11 @@ class Program:
             if len(call.args) > place:
                 yield call.args[place]
 
-    def passed(self, name: str) -> Iterator[ast.AST]:
-        """Yield the functions and lambdas that are passed to a call."""
-        for call in self.calls(name):
-            for given in (*call.args, *(one.value for one in call.keywords)):
-                if isinstance(given, ast.Lambda):
-                    yield given
-                elif found := last_name(given):
-                    yield from self.functions(found)
-
-    def operations(self, kind: type[ast.AST]) -> Iterator[ast.AST]:
-        """Yield the operations and comparisons of a kind."""
+    def operations(self, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
+        """Yield the operations and comparisons of some kinds."""
         for node in self.nodes:
             ops = node.ops if isinstance(node, ast.Compare) else [getattr(node, 'op', None)]
-            if any(isinstance(one, kind) for one in ops) and '__name__' not in names_in(node):
+            if any(isinstance(one, kinds) for one in ops) and '__name__' not in names_in(node):
                 yield node
 
     def given(self, name: str) -> Iterator[ast.AST]:
@@ -169,10 +191,9 @@ class Program:
             if isinstance(node, ast.keyword) and node.arg == name:
                 yield node.value
             if isinstance(node, (ast.Assign, ast.AugAssign)):
-                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                for target in targets:
+                for target, value in assigned(node):
                     if isinstance(target, ast.Attribute) and name in names_in(target):
-                        yield node.value
+                        yield value or node.value
 
     def origin(self, node: ast.AST) -> ast.AST:
         """Return the value of a name that has only one, or the node itself."""
@@ -260,24 +281,19 @@ def last_name(node: ast.AST) -> str:
     return node.id if isinstance(node, ast.Name) else ''
 
 
-def line_of(node: ast.AST) -> int:
-    """Return the first line of a node, from 1."""
-    return int(getattr(node, 'lineno', 0))
-
-
-def end_of(node: ast.AST) -> int:
-    """Return the last line of a node."""
-    return int(getattr(node, 'end_lineno', 0))
-
-
 def is_stored(node: ast.AST) -> bool:
     """Return whether a name is assigned and not used."""
     return isinstance(getattr(node, 'ctx', None), ast.Store)
 
 
-def names_in(target: ast.AST) -> set[str]:
-    """Return all names of a dotted name."""
-    return {last_name(one) for one in ast.walk(target)}
+def names_in(node: ast.AST, kind: type[ast.AST] = ast.AST) -> set[str]:
+    """Return all names and attributes in an expression, or only those of one kind."""
+    return {last_name(one) for one in ast.walk(node) if isinstance(one, kind)}
+
+
+def all_arguments(call: ast.Call) -> tuple[ast.AST, ...]:
+    """Return the arguments of a call, with those that are given by name."""
+    return (*call.args, *(one.value for one in call.keywords))
 
 
 def argument(call: ast.Call, place: int, *names: str) -> ast.AST | None:

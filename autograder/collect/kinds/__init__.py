@@ -1,1 +1,0 @@
-"""The learning platforms and folder layouts that ``collect`` reads, one module each."""

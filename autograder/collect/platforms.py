@@ -1,0 +1,285 @@
+"""
+The platforms: the form of the names in their exports, and who handed in what.
+
+Canvas names files ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.  The student id is the
+user's number, which is also in Canvas's gradebook file.  With anonymous grading, the name is
+``[LATE_]anon_ID_ATTACHMENT_FILE``; text typed into Canvas is in ``NAME_[LATE_]USER_text.html`` or
+``..._link.html``.  A student's name may contain underscores and numbers, so a file name can be
+ambiguous.  Then the other files decide: each attachment number belongs to one file, the numbers of
+an export are close together, and a user has one name.  If a file name is still ambiguous, the file
+is not collected.  Source: canvas-lms, lib/content_zipper.rb, which removes numbers between
+underscores from names.
+
+Moodle names folders ``NAME_NUMBER_assignsubmission_file[_]``.  The number differs in each
+assignment, so the student id is the name; ``namesakes`` detects two people with the same name.
+With "Download submissions in folders" off, files are named
+``NAME_NUMBER_assignsubmission_file_FILE``.  For text typed into Moodle, the names contain
+``onlinetext`` instead of ``file``.  Source: moodle, mod/assign/classes/downloader.php, which
+removes underscores from names.
+
+Gradescope writes ``submission_metadata.yml`` and one folder per submission next to it.  The
+student id is ``sid`` or, if that is missing, ``email``.  A group submission is collected for each
+of its students.  Only the metadata file next to the folders is used: a file of the same name in a
+folder was uploaded by a student.
+
+nbgrader's exchange has folders ``USER+ASSIGNMENT+TIME[+RANDOM]`` in the folder ``inbound``.
+Source: nbgrader 0.9, nbgrader/exchange/default/submit.py.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+import re
+from typing import Any, NamedTuple
+
+import yaml
+
+from autograder.collect.source.deliveries import Handed, Level, Piece, System
+from autograder.collect.source.times import read_time
+from autograder.collect.table import Row, unclaimed
+from autograder.submission.tree import File, NotTakenInError, UnreadableError
+
+_AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
+_NUMBER = re.compile(r'[1-9][0-9]*')
+_NAMED = re.compile(
+    r'_(?P<user>[1-9][0-9]*)_'
+    r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
+)
+_ANONYMOUS = re.compile(
+    r'(?P<late>LATE_)?(?P<user>anon_[0-9A-Za-z]+)_(?P<later>LATE_)?'
+    r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
+)
+_TYPED_INTO_CANVAS = {
+    'text': 'the student submitted text instead of a file',
+    'link': 'the student submitted a link instead of a file',
+}
+_SPREAD = 10
+"""Maximum ratio of attachment numbers in one assignment; Canvas numbers attachments in order."""
+
+
+class Reading(NamedTuple):
+    """
+    One interpretation of a file name.
+
+    :param attachment: number of the attachment as text, empty for text or a link
+    :param file: the student's name of the file; ``text`` or ``link`` if there is no file
+    """
+
+    name: str
+    user: str
+    attachment: str
+    file: str
+    late: bool
+
+
+def readings(name: str) -> tuple[Reading, ...]:
+    """Return all interpretations of a file name; empty if it does not have Canvas's form."""
+    if '/' in name:
+        return ()  # a folder
+    found = []
+    if match := _ANONYMOUS.fullmatch(name):
+        late = bool(match['late'] or match['later'])
+        file = match['file'] or match['typed']
+        found.append(Reading('', match['user'], match['attachment'] or '', file, late))
+    for mark in re.finditer('_', name):
+        if match := _NAMED.fullmatch(name, mark.start()):
+            person = name[: mark.start()].split('_')
+            if late := person[-1] == 'LATE':
+                person.pop()
+            # Canvas does not write such a name.
+            if 'LATE' not in person and not any(map(_NUMBER.fullmatch, person[1:-1])):
+                attachment, file = match['attachment'] or '', match['file'] or match['typed']
+                found.append(Reading('_'.join(person), match['user'], attachment, file, late))
+    return tuple(found)
+
+
+def _read_canvas(level: Level) -> Iterator[Handed | Row]:
+    """Yield the deliveries of each user, and a row for each ambiguous file."""
+    ways = {name: found for name, entry in level.items() if (found := readings(entry.path))}
+    settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
+    users: dict[str, dict[str, Reading]] = {}
+    for name, found in ways.items():
+        fitting = [settled[name]] if name in settled else _fitting(found, settled, ways)
+        if len(fitting) == 1:
+            users.setdefault(fitting[0].user, {})[name] = fitting[0]
+        else:
+            whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
+            yield unclaimed(name, f'the owner is unclear: {whose}; rename the file')
+    for user, told in users.items():
+        notes = (f'user {user}, according to the other files',)
+        yield from _of_user(level, user, told, () if told.keys() <= settled.keys() else notes)
+
+
+def _fitting(
+    ways: Sequence[Reading],
+    settled: Mapping[str, Reading],
+    all_ways: Mapping[str, Sequence[Reading]],
+) -> list[Reading]:
+    """Return the interpretations of a file name that are consistent with the other files."""
+    known = settled.values()
+    names = {one.user: one.name for one in known}
+    near = [int(one.attachment) for one in known if one.attachment]
+    numbers = Counter(
+        number for found in all_ways.values() for number in {one.attachment for one in found}
+    )
+
+    def is_attachment(number: str) -> bool:
+        found = int(number)
+        among = not near or (min(near) <= found * _SPREAD and found <= max(near) * _SPREAD)
+        return among and numbers[number] == 1
+
+    def is_anonymous(one: Reading) -> bool:
+        return not one.name and one.user.startswith('anon_')
+
+    return [
+        one
+        for one in ways
+        if names.get(one.user, one.name) == one.name
+        and (not one.attachment or is_attachment(one.attachment))
+        and all(is_anonymous(one) == is_anonymous(other) for other in known)
+    ]
+
+
+def _of_user(
+    level: Level, user: str, told: Mapping[str, Reading], notes: tuple[str, ...]
+) -> Iterator[Handed]:
+    """Yield each typed answer of a user, and all files as one delivery, newest first."""
+    late = 'Canvas' if any(one.late for one in told.values()) else ''
+    person = max(told.values(), key=lambda one: int(one.attachment or 0)).name
+    pieces: list[Piece] = []
+    for name, one in told.items():
+        if one.attachment:
+            pieces += level[name].pieces(_AGAIN.sub('', one.file), int(one.attachment))
+        else:
+            what = _TYPED_INTO_CANVAS[one.file]
+            yield Handed(user, (), name, person, late=late, instead=what, notes=notes)
+    if pieces:
+        pieces.sort(key=lambda piece: piece.turn, reverse=True)
+        yield Handed(user, tuple(pieces), '', person, late=late, notes=notes)
+
+
+# A file's name ends with what the student chose, so the name and number are matched as early as
+# possible.
+_MOODLE = re.compile(
+    r'(?P<name>[^/]+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)(_?/|_(?P<file>[^/]+))'
+)
+_TYPED_INTO_MOODLE = {'file': '', 'onlinetext': 'an online text, which is not collected'}
+
+
+def _read_moodle(level: Level) -> Iterator[Handed]:
+    """Yield the deliveries of each participant."""
+    handed: dict[tuple[str, str, str], tuple[str, list[Piece]]] = {}
+    for place, entry in level.items():
+        if match := _MOODLE.fullmatch(entry.path):
+            key = match['name'], match['number'], match['kind']
+            handed.setdefault(key, (place, []))[1].extend(entry.pieces(match['file'] or ''))
+    for (name, number, kind), (place, found) in handed.items():
+        what = _TYPED_INTO_MOODLE.get(kind, f'Moodle type {kind}, not a file')
+        pieces = () if what else tuple(found)
+        yield Handed(name, pieces, place, name, instead=what, number=number)
+
+
+METADATA = 'submission_metadata.yml'
+_GRADESCOPE = re.compile(rf'submission_\d+/|{re.escape(METADATA)}')
+
+
+def _read_gradescope(level: Level) -> Iterator[Handed | Row]:
+    """
+    Yield the submissions in the metadata, and a row for each folder that is not listed there.
+
+    :raises NotTakenInError: if the metadata cannot be read
+    """
+    data = _metadata(level[METADATA].files[0])
+    described = {str(folder): facts for folder, facts in data.items()}
+    for folder, facts in described.items():
+        when, note = read_time(_field(facts, 'created_at'))
+        for student, person in _submitters(facts):
+            yield Handed(
+                student or folder,
+                level[folder].pieces() if folder in level else (),
+                folder,
+                person=person,
+                when=when,
+                notes=(note,) if note else (),
+            )
+    for name, entry in level.items():
+        if entry.folder and name not in described:
+            yield unclaimed(name, f'not in {METADATA}, so its owner is unknown')
+
+
+def _metadata(file: File) -> Mapping[Any, Any]:
+    """Parse the metadata with the safe YAML loader, which creates no Python objects."""
+    try:
+        data = yaml.safe_load(file.read())
+    except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
+        what = ' '.join(str(error).split())[:200]
+        raise NotTakenInError(f'{METADATA}: this is not valid YAML: {what}.') from error
+    if not isinstance(data, Mapping):
+        raise NotTakenInError(f'{METADATA}: this is not a table of submissions.')
+    return data
+
+
+def _submitters(facts: object) -> list[tuple[str, str]]:
+    """Return the id and the name of every student of a submission."""
+    people = _field(facts, 'submitters')
+    found = [
+        [_field(person, name) for name in ('sid', 'email', 'name')]
+        for person in (people if isinstance(people, list) else [])
+    ]
+    texts = [
+        [str(one).strip() if isinstance(one, (str, int)) else '' for one in of] for of in found
+    ]
+    return [(sid or email, name) for sid, email, name in texts] or [('', '')]
+
+
+def _field(facts: object, name: str) -> Any:
+    """Return a field; Gradescope writes field names as Ruby symbols, such as ``:email``."""
+    if not isinstance(facts, Mapping):
+        return None
+    return facts.get(f':{name}', facts.get(name))
+
+
+INBOUND = 'inbound'
+FOLDERS = frozenset({INBOUND, 'outbound', 'feedback'})
+"""Folders that an exchange has for each course."""
+_EXCHANGE = re.compile(
+    r'(?P<user>.+?)\+(?P<assignment>[^+]+)\+'
+    r'(?P<when>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: (?:[+-][\d:]+|[^\s+]+))?)(?:\+.*)?/'
+)
+
+
+def _read_exchange(level: Level) -> Iterator[Handed]:
+    """Yield each delivery, with the time in the name of its folder."""
+    for name, entry in level.items():
+        if match := _EXCHANGE.fullmatch(entry.path):
+            when, note = read_time(match['when'])
+            yield Handed(
+                match['user'],
+                entry.pieces(),
+                name,
+                when=when,
+                assignment=match['assignment'],
+                notes=(note,) if note else (),
+                owners=entry.owners,
+            )
+
+
+EXCHANGE = 'exchange'
+SYSTEMS: Mapping[str, System] = {
+    'canvas': System('files named NAME_USERID_NUMBER_FILE', readings, _read_canvas),
+    'moodle': System(
+        'folders or files named NAME_NUMBER_assignsubmission_file_',
+        _MOODLE.fullmatch,
+        _read_moodle,
+    ),
+    'gradescope': System(
+        f'the file {METADATA} and folders next to it',
+        _GRADESCOPE.fullmatch,
+        _read_gradescope,
+        needs=METADATA,
+    ),
+    EXCHANGE: System(
+        'folders named USER+ASSIGNMENT+TIME, as in inbound/', _EXCHANGE.fullmatch, _read_exchange
+    ),
+}
