@@ -1,7 +1,8 @@
 """
 Lessons, executed and measured: the sources in solutions/ and the releases in notebooks/.
 
-Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.
+Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.  A release
+whose code is that of its solved lesson is not run again.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cache
 import os
 from pathlib import Path
 import re
@@ -90,21 +92,25 @@ def executions(request: pytest.FixtureRequest) -> Iterator[None]:
         if item.path == Path(__file__) and item.get_closest_marker('notebooks')
     ]
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        for path in dict.fromkeys(wanted):
-            _begun[path] = pool.submit(execute, path)
+        for path in wanted:
+            if code_of(path) not in _begun:
+                _begun[code_of(path)] = pool.submit(execute, path)
         yield
         pool.shutdown(cancel_futures=True)
 
 
-_begun: dict[Path, Future[Run]] = {}
+_begun: dict[tuple[str, ...], Future[Run]] = {}
 
 
 def run(path: Path) -> Run:
-    """Return what came of a notebook, which is executed once."""
-    if path not in _begun:
-        _begun[path] = Future()
-        _begun[path].set_result(execute(path))
-    return _begun[path].result()
+    """Return what came of a notebook's code, which is executed once."""
+    return _begun[code_of(path)].result()
+
+
+@cache
+def code_of(path: Path) -> tuple[str, ...]:
+    """Return all that a kernel executes of a notebook."""
+    return tuple(cell.source for cell in read(path) if cell.cell_type == 'code')
 
 
 def execute(path: Path) -> Run:
