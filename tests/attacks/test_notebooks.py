@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, replace
-import importlib.util
 import json
 import os
 from pathlib import Path
@@ -17,7 +16,6 @@ import shutil
 import sqlite3
 import subprocess
 import sys
-from types import ModuleType
 
 import pytest
 
@@ -29,13 +27,14 @@ from autograder.results import SubmissionResult
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import read_release
-from tests.attacks.corpus import Attack, CANARY, notebooks
-from tests.attacks.handing_in import ASSIGNMENT, cell, lay_out, PAYLOAD
+from tests.attacks import hostile_folders, hostile_notebooks  # noqa: F401 - they fill HANDED_IN
+from tests.attacks.corpus import Attack, CANARY
+from tests.attacks.handing_in import ASSIGNMENT, cell, HANDED_IN, lay_out, PAYLOAD
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mark.nbgrader]
 
 ROOT = Path(__file__).parents[2]
-ATTACKS = notebooks()
+ATTACKS = [about for about, _ in HANDED_IN.values()]
 # One before, one between and one behind all others; the last has nothing right.
 HONEST = {'ada': 50.0, 'has_a_pen': 50.0, 'zoe': 0.0}
 HTML = ('<script>alert', '<img src=x', '<svg/', 'href="javascript:', '<iframe', '<b onmouse')
@@ -60,24 +59,14 @@ class ClassRun:
         return self.graded[self.students[attack.name]].result
 
 
-def load(attack: Attack) -> ModuleType:
-    """Import an attack's file."""
-    spec = importlib.util.spec_from_file_location(f'attack_{attack.name}', attack.path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def hand_in(attack: Attack, submitted: Path, solved, blank) -> Path:
     """Lay out what an attack hands in; return the student's folder."""
-    module = load(attack)
-    student = submitted / getattr(module, 'STUDENT', attack.name)
-    solved, blank = copy.deepcopy(solved), copy.deepcopy(blank)
-    if hasattr(module, 'hand_in'):
-        module.hand_in(student, solved, blank)
-    else:
-        lay_out(student, module.notebook(solved, blank))
-    return student
+    before, student = set(submitted.iterdir()), submitted / attack.name
+    content = HANDED_IN[attack.name][1](student, copy.deepcopy(solved), copy.deepcopy(blank))
+    if content is not None:
+        lay_out(student, content)
+    (made,) = set(submitted.iterdir()) - before
+    return made
 
 
 @pytest.fixture(scope='session')
