@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import stat
-import struct
 import zipfile
 
 import pytest
@@ -98,36 +96,17 @@ class TestWhatIsTakenIn:
             read_handed_in(tmp_path / 'b.zip2')
 
 
-def info(name, **facts):
-    """Return a zip entry with these facts."""
-    entry = zipfile.ZipInfo(name)
-    for fact, value in facts.items():
-        setattr(entry, fact, value)
-    return entry
-
-
-LINK = (stat.S_IFLNK | 0o777) << 16
-PIPE = (stat.S_IFIFO | 0o644) << 16
-
-
 class TestWhatAZipMayNotHold:
-    """All of these entries are refused, although no entry is ever written to disk."""
+    """What ``tests/attacks/archives.py`` does not try."""
 
     @pytest.mark.parametrize(
         ('entry', 'said'),
         [
-            (info('/etc/evil.py'), 'an absolute path'),
-            (info('C:/evil.py'), 'an absolute path'),
-            (info('../evil.py'), 'a path that leads out of the folder'),
-            (info('a/../../evil.py'), 'a path that leads out of the folder'),
-            (info('a//evil.py'), 'a path that leads out of the folder'),
-            (info('a\\evil.py'), 'unprintable characters'),
-            (info('a\x1b[2J.py'), 'unprintable characters'),
-            (info(f'{"a" * 300}.py'), 'a path that is far too long'),
-            (info(f'{"a/" * 20}evil.py'), 'more than 12 deep'),
-            (info('link.py', external_attr=LINK), 'a link or a special file'),
-            (info('pipe.py', external_attr=PIPE), 'a link or a special file'),
-            (info('a.py', compress_type=zipfile.ZIP_LZMA), 'an unusual compression'),
+            ('C:/evil.py', 'an absolute path'),
+            ('a//evil.py', 'a path that leads out of the folder'),
+            ('a\\evil.py', 'unprintable characters'),
+            (f'{"a" * 300}.py', 'a path that is far too long'),
+            (f'{"a/" * 20}evil.py', 'more than 12 deep'),
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
@@ -135,26 +114,6 @@ class TestWhatAZipMayNotHold:
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
         with pytest.raises(NotTakenInError, match=said):
-            read_handed_in(path)
-
-    def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
-        """The bytes are counted while a zip bomb is read, which is a thousand times smaller."""
-        monkeypatch.setattr(intake, 'LARGEST_FILE', 1 << 16)
-        path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
-
-        assert path.stat().st_size < 1 << 16
-        with pytest.raises(NotTakenInError, match='expected the files of one package'):
-            read_handed_in(path)
-
-    def test_a_size_that_lies_is_not_believed(self, tmp_path):
-        """The bytes are counted, although the table of contents states one byte."""
-        path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * 100_000)])
-        data = bytearray(path.read_bytes())
-        directory = data.index(b'PK\x01\x02')
-        data[directory + 24 : directory + 28] = struct.pack('<I', 1)
-        path.write_bytes(data)
-
-        with pytest.raises(NotTakenInError, match='a damaged entry'):
             read_handed_in(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
@@ -174,14 +133,6 @@ class TestWhatAZipMayNotHold:
         many = [(f'a{number}.png', '') for number in range(intake.MOST_ENTRIES + 1)]
         with pytest.raises(NotTakenInError, match=f'more than {intake.MOST_ENTRIES} files'):
             read_handed_in(zip_of(tmp_path / 'b.zip', many))
-
-    @pytest.mark.filterwarnings('ignore:Duplicate name')
-    def test_a_name_has_one_meaning(self, tmp_path):
-        """Two entries cannot share a name, and a file cannot also be a folder."""
-        with pytest.raises(NotTakenInError, match='twice'):
-            read_handed_in(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
-        with pytest.raises(NotTakenInError, match='both a file and a folder'):
-            read_handed_in(zip_of(tmp_path / 'b.zip', [('a.py', '1'), ('a.py/b.py', '2')]))
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
