@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from xml.etree import ElementTree
 
 import pytest
@@ -84,49 +83,6 @@ class TestFirstLines:
 
         (line,) = seen.logs()
         assert 0 <= line['clock_ns'] - SECOND < GRAIN_NS
-
-
-IN_THREE_STYLES = """
-import threading
-import time
-
-
-def make():
-    node = Node('own')
-    publisher = node.create_publisher(String, '/out', 10)
-
-    def tell(style):
-        publisher.publish(String(data=style))
-
-    def by_timer():
-        again = threading.Timer(1.0, by_timer)
-        again.daemon = True
-        again.start()
-        tell('threading.Timer')
-
-    def by_sleep():
-        while True:
-            time.sleep(1.0)
-            tell('sleep')
-
-    node.create_timer(1.0, lambda: tell('timer'))
-    by_timer()
-    threading.Thread(target=by_sleep, daemon=True).start()
-    return node
-"""
-
-
-@pytest.mark.parametrize('style', ['timer', 'threading.Timer', 'sleep'])
-def test_every_clock_of_a_program_is_exact(run, style):
-    """All time that a program can have is one."""
-    seen = run(IN_THREE_STYLES, Advance(9.0), watch={'/out': STRING})
-
-    times = [
-        event['clock_ns'] for event in seen.messages('/out') if event['data']['data'] == style
-    ]
-    gaps = {later - earlier for earlier, later in pairwise(times)}
-    assert len(times) == 9
-    assert all(abs(gap - SECOND) < GRAIN_NS for gap in gaps)
 
 
 LAST_WORDS = """

@@ -240,9 +240,8 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
 def test_autograde_leaves_a_mark_that_would_fall(course):
     """It says so in its log, which formgrader's button shows."""
-    nbgrader(course, 'generate_assignment', ASSIGNMENT, '--force')
     hand_in(course, 'ann', solved(course))
-    nbgrader(course, 'autograde', ASSIGNMENT)
+    in_process(course)
     before = grades(course)
     worse = solved(course, temperature_topic='temprature_topic')
     (course.submitted / 'ann' / ASSIGNMENT / NOTEBOOK).write_bytes(worse)
@@ -255,9 +254,8 @@ def test_autograde_leaves_a_mark_that_would_fall(course):
 
 def test_autograde_refuses_check_cells_with_other_points_than_their_exam(course):
     """A score above the cell's maximum would empty the mark."""
-    nbgrader(course, 'generate_assignment', ASSIGNMENT, '--force')
     hand_in(course, 'ann', solved(course))
-    nbgrader(course, 'autograde', ASSIGNMENT)
+    in_process(course)
     before = grades(course)
     path = course.solutions / ASSIGNMENT / NOTEBOOK
     path.write_text(path.read_text(encoding='utf-8').replace('"points": 15', '"points": 13'))
@@ -313,22 +311,6 @@ class TestRecord:
         in_process(course)
 
         assert {student for student, _ in grades(course)} == {'ann'}
-        assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
-
-    def test_a_grade_given_by_hand_survives_a_rerun(self, course):
-        """The question is read by a person only once."""
-        hand_in(course, 'ann', solved(course))
-        in_process(course)
-        with sqlite3.connect(course.work / 'gradebook.db') as database:
-            database.execute(
-                'update grade set manual_score = 4, needs_manual_grade = 0 where cell_id in '
-                "(select id from base_cell where name = 'explain_threshold')"
-            )
-        database.close()
-
-        in_process(course)
-
-        assert grades(course)['ann', 'explain_threshold'][1] == 4
         assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
 
     def test_work_that_was_for_review_gets_its_score_when_graded_again(self, course):
