@@ -14,8 +14,6 @@ A program may import ``honest``, the honest solution in ``honest/``, and bend it
 ``participants`` from that folder.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

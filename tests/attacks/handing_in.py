@@ -6,8 +6,6 @@ student's folder, the solved notebook and the released one.  It returns the cont
 notebook's file, or lays out the folder itself.  Its docstring says what it tries.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 import json
 from pathlib import Path

@@ -5,8 +5,6 @@ Write docs/attacks.md: every attack, what it tries, what stops it, and its point
 date.  The points are those the tests assert (tests/attacks), so the table cannot claim others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path

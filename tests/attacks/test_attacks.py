@@ -5,8 +5,6 @@ What each tries and deserves is in its docstring, see :mod:`tests.attacks.corpus
 once, side by side; every property is then a test of its own.
 """
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 import os

@@ -1,7 +1,5 @@
 """What the sandbox promises, tried from both sides."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import select

@@ -5,8 +5,6 @@ Modes of a plain user are tried as root by giving up root first, in a mount name
 Python can be reached by everyone.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -5,8 +5,6 @@ All of them are handed in, graded, recorded in nbgrader's gradebook and reported
 property is then a test of its own.
 """
 
-from __future__ import annotations
-
 import copy
 from dataclasses import dataclass, replace
 import json

@@ -4,8 +4,6 @@ A course in a temporary folder, a JupyterLab server that serves it, and a headle
 Playwright is imported by the fixtures only: the other tests are collected without it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager, ExitStack
 from dataclasses import dataclass

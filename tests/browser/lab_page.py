@@ -1,7 +1,5 @@
 """What the tests do on a page of JupyterLab: open a lesson, run it, find its cells."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re

@@ -1,7 +1,5 @@
 """The book in a browser: readable by everyone, on a phone too, and from no other host."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer

@@ -1,7 +1,5 @@
 """The pages of a class in a browser: readable on a telephone and on a wide screen."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

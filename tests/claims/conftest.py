@@ -5,8 +5,6 @@ What the claims are tried with: real nodes in a ROS world of their own.
 destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condition, with a bound.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 import time

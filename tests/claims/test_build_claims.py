@@ -1,7 +1,5 @@
 """What the course says about packages that define messages, tried with colcon and CMake."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import subprocess

@@ -1,7 +1,5 @@
 """What the course says about executors, timers, callbacks and clocks, tried on the real rclpy."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 import gc
 import os

@@ -1,7 +1,5 @@
 """What the course says about managed nodes, tried on the real LifecycleNode."""
 
-from __future__ import annotations
-
 from lifecycle_msgs.msg import State, Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState
 import pytest

@@ -1,7 +1,5 @@
 """What the course says about logging, parameters and testing, tried on the real rclpy."""
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the course says about messages, tried on the real parser, generators and classes."""
 
-from __future__ import annotations
-
 from array import array
 import keyword
 import subprocess

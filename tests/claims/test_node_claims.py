@@ -1,7 +1,5 @@
 """What the course says about nodes, the graph and the life of a node, tried on the real rclpy."""
 
-from __future__ import annotations
-
 import gc
 from pathlib import Path
 import signal

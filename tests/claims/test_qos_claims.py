@@ -1,7 +1,5 @@
 """What the course says about quality of service, tried with real endpoints and real events."""
 
-from __future__ import annotations
-
 import pytest
 from rclpy.duration import Duration
 from rclpy.event_handler import (

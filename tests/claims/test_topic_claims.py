@@ -1,7 +1,5 @@
 """What the course says about topics, names and discovery, tried on the real rclpy."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

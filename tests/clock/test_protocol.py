@@ -1,7 +1,5 @@
 """The driver's protocol holds in every order of steps, and each of its rules is needed."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.clock.protocol_model import explore, Model, NEVER, Operation, RULES, ViolationError

@@ -4,8 +4,6 @@ ThreadSanitizer finds no race in the library while programs of many threads use 
 The report names places such as ``clock.so+0x6858``; ``addr2line -e`` tells the line.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import socket

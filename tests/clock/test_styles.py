@@ -4,8 +4,6 @@ Programs keep time in forty ways: each message comes at its exact nanosecond.
 The programs of ``time_styles.py`` run in the grader's real sandbox, with its probe beside them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import pytest

@@ -8,8 +8,6 @@ current files, among them what runs programs.  ``make test`` relies on the table
 of the submissions only, see ``tests/pipeline/test_sample_class.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 import sys
 from typing import Any

@@ -5,8 +5,6 @@ A table is only compared in ``make check``, without a run.  So each result carri
 what it was made from; if that has changed, the table is out of date.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 import json

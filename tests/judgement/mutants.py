@@ -6,8 +6,6 @@ submissions are run, and writes the table; names of exams behind it choose other
 runs nothing: it derives the mutants again and fails if the table was made from others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import sys
 from typing import Any

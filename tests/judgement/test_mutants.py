@@ -1,7 +1,5 @@
 """Mutants of the references are found, and the tables say what really happens."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

@@ -5,8 +5,6 @@ Each notebook runs once, in a copy, because its cells write a ROS workspace besi
 whose code is that of its solved lesson is not run again.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor

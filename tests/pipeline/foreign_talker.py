@@ -5,8 +5,6 @@ Usage: foreign_talker.py DOMAIN...  Prints ``talking`` once it does, and goes on
 input ends.
 """
 
-from __future__ import annotations
-
 import select
 import sys
 

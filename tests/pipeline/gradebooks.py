@@ -1,7 +1,5 @@
 """What every gradebook has to keep, whatever database it is in; run on SQLite and PostgreSQL."""
 
-from __future__ import annotations
-
 from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
 from nbgrader.api import Gradebook

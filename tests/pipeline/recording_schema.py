@@ -1,7 +1,5 @@
 """The published schema of recordings, and what in a recording does not follow it."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """After grading: marks with manual grades, the commands of a class, Gradescope's container."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 import io

@@ -1,7 +1,5 @@
 """The same verdicts from a cluster: a scheduler and two worker processes on this machine."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import json
 import os

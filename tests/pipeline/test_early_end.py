@@ -1,7 +1,5 @@
 """A run that is broken off while its sandboxes are being set up harms nobody, leaves nothing."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import signal

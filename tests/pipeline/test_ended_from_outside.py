@@ -1,7 +1,5 @@
 """A program that somebody else ends, not the student, costs nobody a point."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A class is entered in the gradebook while the rest of it is still being run."""
 
-from __future__ import annotations
-
 import threading
 
 from conftest import ASSIGNMENT

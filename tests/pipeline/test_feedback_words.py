@@ -1,7 +1,5 @@
 """One submission, four ways to hear about it, and the same words in each of them."""
 
-from __future__ import annotations
-
 from html.parser import HTMLParser
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a run owes to no machine: first and last words are heard, at their times."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 import pytest

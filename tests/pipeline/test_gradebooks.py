@@ -1,7 +1,5 @@
 """One gradebook, one writer: reruns, grades given by hand, lateness."""
 
-from __future__ import annotations
-
 import gradebooks
 import pytest
 

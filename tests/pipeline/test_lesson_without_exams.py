@@ -1,7 +1,5 @@
 """A lesson in which nothing is graded goes through all stages like the others."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import shutil

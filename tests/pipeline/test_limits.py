@@ -1,7 +1,5 @@
 """Every limit of a run ends what passes it, and only that; the recording says which it was."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

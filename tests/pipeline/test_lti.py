@@ -5,8 +5,6 @@ The rules are those of 1EdTech's Security Framework 1.0 (a signed assertion for 
 Role Provisioning Services 2.0 (pages of members) and Assignment and Grade Services 2.0 (scores).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import json

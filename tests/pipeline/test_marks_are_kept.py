@@ -1,7 +1,5 @@
 """No mark in the gradebook is lowered, emptied or lost silently."""
 
-from __future__ import annotations
-
 from contextlib import closing, nullcontext
 from dataclasses import replace
 import json

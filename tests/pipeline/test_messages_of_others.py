@@ -1,7 +1,5 @@
 """A node with messages and services of other packages, from its exam to its verdicts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """nbgrader's own commands on a whole course: generate, autograde, feedback, export."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

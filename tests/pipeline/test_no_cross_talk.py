@@ -6,8 +6,6 @@ graders at once, several at a time, while somebody talks on those topics in ever
 machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, ExitStack
 import json

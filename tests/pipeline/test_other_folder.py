@@ -1,7 +1,5 @@
 """``grade --submitted DIR``: the class keeps its results when a different folder is graded."""
 
-from __future__ import annotations
-
 import io
 import json
 

@@ -1,7 +1,5 @@
 """The same runs one by one, in parallel and as a worker does them; and how they are stopped."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import json
 import shutil

@@ -1,7 +1,5 @@
 """The same exams on a script, a package folder, a zip of one, and a notebook."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import shutil

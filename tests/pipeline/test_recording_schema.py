@@ -1,7 +1,5 @@
 """The published format of recordings; ``test_sample_class.py`` compares real ones with it."""
 
-from __future__ import annotations
-
 import re
 
 from jsonschema import Draft202012Validator

@@ -1,7 +1,5 @@
 """After an exam edit: new verdicts from recordings, and the evidence behind one of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import json
 import shutil

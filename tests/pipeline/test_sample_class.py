@@ -5,8 +5,6 @@ If docs/agreement.md was made from the current files, each sample has been run w
 only a spread runs again here.  Otherwise, and in a course without that table, all of them run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Each step of a scenario, shown with a small program in the sandbox and the probe beside it."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.errors import ProbeFailed

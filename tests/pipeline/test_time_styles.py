@@ -6,8 +6,6 @@ style of each kind is a talker twice: with the period that the exam asks for, an
 a tenth of a second longer.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam import catalog

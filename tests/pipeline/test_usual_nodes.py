@@ -1,7 +1,5 @@
 """Exams of usual nodes take thirty lines, and tell each mistake of a real program by its name."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest

@@ -4,8 +4,6 @@ A course of one's own: made from the wheel, prepared with its own message packag
 ROS 2 and the packages of the lock come from the running environment: pip downloads nothing here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import json
 import os

@@ -1,7 +1,5 @@
 """A lean start: what is not loaded is loaded as soon as somebody uses it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys

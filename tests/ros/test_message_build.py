@@ -1,7 +1,5 @@
 """The build of a message package as the grader does it: what Python needs, and no more."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``see_it.py``: the one command for people who only want to look."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Test the launcher's fix for rclpy: an event that another thread has just destroyed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys

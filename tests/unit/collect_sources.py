@@ -1,7 +1,5 @@
 """Sources of submissions as the systems make them, and what lies in ``submitted/`` afterwards."""
 
-from __future__ import annotations
-
 from functools import partial
 import json
 from pathlib import Path

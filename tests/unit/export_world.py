@@ -1,7 +1,5 @@
 """A small class for tests of exports: passed, failed, not run, for review, and hostile words."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from autograder.classroom.results_of_class import ClassResults

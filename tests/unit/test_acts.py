@@ -1,7 +1,5 @@
 """Find the place where a program does what a cause speaks about: a line, a function or nothing."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The grader adds missing files to a Python package that was handed in as cells."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest

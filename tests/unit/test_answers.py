@@ -1,7 +1,5 @@
 """Multiple-choice questions: the letter of an ``%%answer`` cell, and the exam that reads it."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 import re
 

@@ -1,7 +1,5 @@
 """The book shows the students' text and the outputs of solved lessons, but no solution."""
 
-from __future__ import annotations
-
 import re
 
 import nbformat

@@ -1,7 +1,5 @@
 """An exam that cannot be imported or a check that raises is reported with file and line."""
 
-from __future__ import annotations
-
 import re
 import sys
 

@@ -1,7 +1,5 @@
 """Packages that colcon builds: which ones, what runs instead, and how a failure is explained."""
 
-from __future__ import annotations
-
 import importlib
 import json
 

@@ -1,7 +1,5 @@
 """The magic line of a cell: the notebook and the grader read it in the same way."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

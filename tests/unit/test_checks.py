@@ -1,7 +1,5 @@
 """The functions that checks share, tested on recordings that are made by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

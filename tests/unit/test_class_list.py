@@ -1,7 +1,5 @@
 """The class list and the extensions: missing students, more time, and refused files."""
 
-from __future__ import annotations
-
 from datetime import timedelta
 
 from collect_sources import (

@@ -1,7 +1,5 @@
 """A class in numbers: the statistics, the page, and the text on the terminal."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, replace
 from html.parser import HTMLParser
 from itertools import pairwise

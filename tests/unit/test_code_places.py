@@ -1,7 +1,5 @@
 """Find calls and names in a learner's code: in a callback, or outside any def."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.submission.code.code_places import (

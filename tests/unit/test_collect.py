@@ -1,7 +1,5 @@
 """Collect sources of each kind, right and wrong, into the folders of nbgrader and one table."""
 
-from __future__ import annotations
-
 import json
 import os
 import stat

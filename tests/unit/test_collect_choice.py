@@ -1,7 +1,5 @@
 """Which notebook is collected for an assignment, and how much is read to find out."""
 
-from __future__ import annotations
-
 import json
 import tracemalloc
 

@@ -1,7 +1,5 @@
 """Folders of students, and which names decide how the work of a class is read."""
 
-from __future__ import annotations
-
 from collect_sources import (
     CANVAS,
     collect,

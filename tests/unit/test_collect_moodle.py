@@ -1,7 +1,5 @@
 """Moodle: names become ids, and two people with one name are never confused."""
 
-from __future__ import annotations
-
 from collect_sources import (
     GOOD,
     kind,

@@ -1,7 +1,5 @@
 """nbgrader's exchange: work is taken from the student who owns it, and from no other user."""
 
-from __future__ import annotations
-
 import os
 import pwd
 

@@ -1,7 +1,5 @@
 """The names of each system, down to rare ones: each file has an owner, and none is lost."""
 
-from __future__ import annotations
-
 from collect_sources import (
     CANVAS,
     collect,

@@ -1,7 +1,5 @@
 """The times of submissions and their lateness, in the table and for a late policy."""
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta, timezone
 import json
 import os

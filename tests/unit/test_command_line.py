@@ -1,7 +1,5 @@
 """The command line: clear errors, stable exit codes."""
 
-from __future__ import annotations
-
 import argparse
 from contextlib import nullcontext
 import json

@@ -1,7 +1,5 @@
 """The files of the containers fit together and have the form that their tools read."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re

@@ -1,7 +1,5 @@
 """Find the event at which a check first deviates: the check names it, or a short run shows it."""
 
-from __future__ import annotations
-
 from autograder.exam.exam import Check, Failed, Run
 from autograder.judging.deviation import deviation
 from autograder.recording import header, Recording

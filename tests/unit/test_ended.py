@@ -1,7 +1,5 @@
 """Causes come from the recording, and no cause is named without evidence."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Message packages of environment/messages.txt: what the file may say, and what is installed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import os
 from pathlib import Path

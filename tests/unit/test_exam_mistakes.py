@@ -1,7 +1,5 @@
 """Mistakes in an exam are refused with their place before a class is graded."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Exceptions of beginners are explained with the line and the repair."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run

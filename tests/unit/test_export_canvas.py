@@ -6,8 +6,6 @@ columns there are, the line ``Points Possible`` with ``(read only)``, the line o
 ``EX`` and ``N/A``, commas or semicolons.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 

@@ -4,8 +4,6 @@ CSV by the rules of RFC 4180, section 2, and safe from formulas.
 The rules are checked by a reader of their own, letter by letter: Python's csv module forgives.
 """
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 import io

@@ -1,7 +1,5 @@
 """Exported files are written atomically and replace nothing unless forced."""
 
-from __future__ import annotations
-
 import os
 
 from hypothesis import given, settings, strategies

@@ -5,8 +5,6 @@ The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") a
 fields there are, of which types, which words they may have; a score at the top or at each test.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os

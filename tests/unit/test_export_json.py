@@ -1,7 +1,5 @@
 """The JSON export follows docs/results.schema.json."""
 
-from __future__ import annotations
-
 import copy
 import json
 from pathlib import Path

@@ -5,8 +5,6 @@ Its elements, their children and attributes, and the pattern of times; beside it
 on: numbers that add up, and a name for each case that no other has.
 """
 
-from __future__ import annotations
-
 import re
 from xml.etree import ElementTree
 

@@ -6,8 +6,6 @@ identifier with the participant's number first, the maximum right after the grad
 language.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 

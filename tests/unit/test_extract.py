@@ -1,7 +1,5 @@
 """Cells become files, and the release says which file each answer is."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import pytest

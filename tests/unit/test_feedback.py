@@ -1,7 +1,5 @@
 """The text of a check: complete, short, and the same in a terminal and in HTML."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import html
 from html.parser import HTMLParser

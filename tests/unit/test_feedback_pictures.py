@@ -1,7 +1,5 @@
 """Pictures of failed checks: what they show, what they hide, and how large they are."""
 
-from __future__ import annotations
-
 import json
 import re
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """The exams of lessons 01 and 03, asked about recordings made by hand: rhythm, count and level."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Failed, Run

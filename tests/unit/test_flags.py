@@ -1,7 +1,5 @@
 """Flags for instructors: facts about a run, and none for an honest program."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.scenario import FeedTopic, Offer, Scenario

@@ -1,7 +1,5 @@
 """Messages about a gradebook that cannot be used."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from pathlib import Path
 import sqlite3

@@ -1,7 +1,5 @@
 """Dated copies of the gradebook, and a gradebook that has lost its content."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 import subprocess

@@ -1,7 +1,5 @@
 """Imports in the grader go one way: a folder imports only from the folders below it."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """The settings of a hub, and the files that give each kernel a separate ROS world."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import subprocess

@@ -1,7 +1,5 @@
 """The folder of submitted work: only real folders and regular files are read."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

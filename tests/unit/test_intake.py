@@ -1,7 +1,5 @@
 """A script, a folder or a zip is read safely and completely, or refused."""
 
-from __future__ import annotations
-
 import zipfile
 
 import pytest

@@ -1,7 +1,5 @@
 """Changed cells are described in words, and ordinary work gives no line."""
 
-from __future__ import annotations
-
 import copy
 import json
 

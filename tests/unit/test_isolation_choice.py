@@ -1,7 +1,5 @@
 """Refusals name the repair, weak modes need their name, and results state what they lack."""
 
-from __future__ import annotations
-
 import io
 import os
 from pathlib import Path

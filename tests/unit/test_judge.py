@@ -1,7 +1,5 @@
 """The judge has no side effects, so recordings that are made by hand can test it."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.errors import ExamInvalid, GraderError

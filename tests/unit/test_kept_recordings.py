@@ -1,7 +1,5 @@
 """A recording is complete or missing, and only missing ones are run again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

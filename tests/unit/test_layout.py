@@ -1,7 +1,5 @@
 """The choice of the course, and the contents of course.toml."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What a learner's code contains: comments and strings do not count, nor does invalid Python."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.submission.code import code_places

@@ -1,7 +1,5 @@
 """The exams of lesson 02 and the one of limits, without a program: inputs, rules and causes."""
 
-from __future__ import annotations
-
 from itertools import combinations, groupby
 
 import pytest

@@ -1,7 +1,5 @@
 """Events are shown as one line each, whatever a student's code wrote into them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The files of a message package, and the causes that a learner reads about them."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Failed, Run

@@ -1,7 +1,5 @@
 """Missing log lines: the cause says where they are, and blames no correct line."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run

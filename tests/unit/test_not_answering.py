@@ -1,7 +1,5 @@
 """A running program that does not answer: its thread has ended, or a callback sleeps."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run

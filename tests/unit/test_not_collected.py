@@ -1,7 +1,5 @@
 """Work that could not be collected is in the reports until the student hands in other work."""
 
-from __future__ import annotations
-
 from collect_sources import (
     CANVAS,
     GOOD,

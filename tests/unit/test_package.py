@@ -1,7 +1,5 @@
 """A package folder as files: where nodes may lie, and what is left out."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam import catalog

@@ -1,7 +1,5 @@
 """Reports: complete, readable without colour, and inert whatever a student wrote."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from html.parser import HTMLParser
 import io

@@ -1,7 +1,5 @@
 """Causes read off the whole run: which inputs are answered, and what disturbs a rhythm."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

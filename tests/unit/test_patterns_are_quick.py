@@ -6,8 +6,6 @@ tests try each pattern that is a single string in a call of ``re`` or in the tab
 texts that make a search start again at each letter.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Display names of students whose ids are numbers."""
 
-from __future__ import annotations
-
 import json
 
 from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a fixture

@@ -1,7 +1,5 @@
 """A class in a pool: each submission gets its own result, whatever happens to others."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 import threading

@@ -1,7 +1,5 @@
 """The state of a program, observed from outside."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager, suppress
 import os
 import signal

@@ -1,7 +1,5 @@
 """Progress: totals, the slowest, one changing line on a terminal, and lines in a log."""
 
-from __future__ import annotations
-
 import io
 import sys
 import threading

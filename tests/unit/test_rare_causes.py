@@ -1,7 +1,5 @@
 """Causes that no sample submission shows, asked about recordings made by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Recordings: what they answer, and how they are kept."""
 
-from __future__ import annotations
-
 import os
 
 from hypothesis import given, settings

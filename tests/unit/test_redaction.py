@@ -5,8 +5,6 @@ A program is played, not run: for each step of the exam's scenario it does somet
 most of all it says again what it was sent.  Every check judges it, whatever it would wait for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import copy
 from dataclasses import dataclass, replace

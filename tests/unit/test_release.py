@@ -4,8 +4,6 @@ The check of a release: notebooks, exams, and what students receive fit together
 ``make check`` runs it on this course.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import pytest

@@ -1,7 +1,5 @@
 """Records survive the way through JSON, and sum up."""
 
-from __future__ import annotations
-
 import json
 
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict

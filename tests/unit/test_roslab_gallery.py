@@ -1,7 +1,5 @@
 """The gallery of errors: explain() finds its entries, and lesson 08 has a cell for each."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import json

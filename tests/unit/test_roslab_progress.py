@@ -1,7 +1,5 @@
 """What checks and quizzes found is remembered, shown and deleted."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import json
 

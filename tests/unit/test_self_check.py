@@ -1,7 +1,5 @@
 """The proof on this machine: full marks for the reference, none for the release."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import json
 from pathlib import Path

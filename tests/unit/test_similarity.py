@@ -1,7 +1,5 @@
 """Similar submissions are found in spite of other names, spacing, comments and order."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 import json
 

@@ -1,7 +1,5 @@
 """What students receive, and what stays with the instructors."""
 
-from __future__ import annotations
-
 from collections.abc import Container
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Reading what students hand in: any bytes give a notebook that can be graded, or a reason."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The exams of lesson 07, asked about recordings made by hand: clocks, stamps and log lines."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """What a recording says it was made with: versions for people, left out where they are unknown."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import platform

@@ -1,7 +1,5 @@
 """Programs that a warm process runs behave as if Python had run them."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import subprocess

@@ -1,7 +1,5 @@
 """The exam of lesson 11: made runs, and what is said about checks that judge them wrongly."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

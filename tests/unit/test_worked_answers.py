@@ -1,7 +1,5 @@
 """A worked answer opens after full points or three tries, and only if the instructor packs it."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 

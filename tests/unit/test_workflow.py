@@ -1,7 +1,5 @@
 """What GitHub reads of a student's repository: annotations, a summary, points for Classroom."""
 
-from __future__ import annotations
-
 import base64
 from dataclasses import replace
 import json
