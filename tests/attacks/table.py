@@ -37,7 +37,6 @@ does not is in `docs/threat-model.md`.
 
 
 def page() -> str:
-    """Return the whole page."""
     found = [*programs(), *(about for _, (about, _) in sorted(HANDED_IN.items()))]
     parts = [HEAD.format(count=len(found) + len(REFUSED))]
     for kind, group in groupby(found, key=lambda one: one.kind):
@@ -82,7 +81,6 @@ def _lower(tries: str) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the page, or compare it."""
     text = page()
     if '--check' not in arguments:
         PAGE.write_text(text, encoding='utf-8')

@@ -32,7 +32,6 @@ LONGEST_S = 60.0
 
 
 def names(attack: Attack) -> str:
-    """Return a test id."""
     return f'{attack.kind}-{attack.name}'
 
 
@@ -62,7 +61,6 @@ def graded(tmp_path_factory):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_attack_gains_nothing(graded, attack):
-    """The score is what the honest part of the program deserves."""
     outcome = graded[attack]
 
     assert outcome.result is not None, outcome.fault
@@ -96,7 +94,6 @@ def test_attack_finds_and_reaches_nothing(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_attack_that_names_a_flag_is_flagged(graded, attack):
-    """The instructor sees what was noticed."""
     outcome = graded[attack]
     assert outcome.result is not None, outcome.fault
     seen = outcome.result.flags
@@ -106,7 +103,6 @@ def test_attack_that_names_a_flag_is_flagged(graded, attack):
 
 
 def test_no_process_is_left_behind(graded):
-    """The daemon died with its sandbox."""
     left = []
     for folder in Path('/proc').glob('[0-9]*'):
         try:
@@ -119,7 +115,6 @@ def test_no_process_is_left_behind(graded):
 
 
 def test_report_of_all_attacks_is_harmless(graded, tmp_path):
-    """No page has markup, control characters or secrets of a program in it."""
     results = [
         SubmissionResult(attack.name, attack.kind, (outcome.result,), fault=outcome.fault)
         for attack in ATTACKS

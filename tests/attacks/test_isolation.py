@@ -44,7 +44,6 @@ def gone(pidfd: int, seconds: float) -> bool:
 
 @pytest.mark.parametrize('moment', ['held', 'running'])
 def test_nothing_outlives_a_killed_grader(moment):
-    """A grader that dies at any moment takes its sandboxes along."""
     endless = 'print("up", flush=True)\nwhile True:\n    pass\n'
     with laid_out({'x.py': endless}) as (submission, _):
         grader = subprocess.Popen(

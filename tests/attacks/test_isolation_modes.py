@@ -122,7 +122,6 @@ def kernel_scopes_signals() -> bool:
 
 
 def test_nothing_outlives_a_killed_grader(world):
-    """A grader that is killed takes the program and its daemon along."""
     mode, _, folder = world
     with started(mode, folder, 'linger') as grader:
         assert grader.stdout.readline() == b'lingers\n'
@@ -159,7 +158,6 @@ def started(mode: str, folder: Path, what: str) -> subprocess.Popen[bytes]:
 
 
 def test_nothing_outlives_the_run(world):
-    """A daemon that ignores signals has ended."""
     assert sleeping() == []
 
 
@@ -176,7 +174,6 @@ def sleeping() -> list[int]:
 
 
 def test_honest_programs_get_their_points_and_results_say_the_mode(world):
-    """Grading works, and what was not protected is written into the result."""
     mode, seen, _ = world
 
     check_honest(mode, seen['results'])
@@ -198,7 +195,6 @@ def check_honest(mode: str, results) -> None:
 
 
 def test_hidden_exams_are_never_run_without_isolation():
-    """What keeps nothing hidden gets nothing hidden."""
     exam = catalog.load('harbour', hidden=True)
 
     with pytest.raises(SandboxUnavailable, match='never runs with isolation none'):

@@ -123,13 +123,11 @@ def engine(course: Layout) -> SandboxEngine:
 
 
 def names(attack: Attack) -> str:
-    """Return a test id."""
     return attack.name
 
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_notebook_gains_nothing(graded, attack):
-    """The points are those that its answers deserve, and nothing is for review."""
     result = graded.of(attack)
 
     assert not result.fault
@@ -141,7 +139,6 @@ def test_notebook_gains_nothing(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_notebook_that_names_a_flag_is_flagged(graded, attack):
-    """The instructor reads what is wrong, on the student's page."""
     result = graded.of(attack)
     seen = [*result.flags, *(problem.line() for problem in result.problems)]
 
@@ -161,7 +158,6 @@ def test_page_of_a_notebook_is_harmless(graded, attack):
 
 
 def test_honest_students_get_what_they_got_alone(graded):
-    """Nobody's grade depends on who else is in the class."""
     alone = grade_class(
         [graded.graded[name].submission for name in HONEST],
         graded.lesson,
@@ -182,7 +178,6 @@ def untimed(result: SubmissionResult) -> dict:
 
 
 def test_honest_students_are_not_flagged(graded):
-    """An untouched release and a solved one raise no false alarm."""
     for name in HONEST:
         assert graded.graded[name].result.flags == ()
         assert graded.graded[name].result.problems == ()
@@ -220,13 +215,11 @@ def test_no_recording_has_a_secret_of_others(graded):
 
 
 def test_no_payload_was_executed(graded):
-    """Nothing that was hidden in a notebook or beside it ran anywhere on the host."""
     assert not PAYLOAD.exists()
     assert not list(Path.cwd().glob('an-attack*'))
 
 
 def test_class_list_and_results_are_harmless(graded):
-    """The index has everybody, as text."""
     folder = graded.layout.reports / ASSIGNMENT
     index = (folder / 'index.html').read_text(encoding='utf-8')
     data = json.loads((folder / 'results.json').read_text(encoding='utf-8'))

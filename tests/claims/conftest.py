@@ -21,8 +21,6 @@ DOMAIN, ANOTHER_DOMAIN = own_domain(_until), own_domain(_until)
 
 
 class World:
-    """A context, an executor and the nodes in it."""
-
     another_domain = ANOTHER_DOMAIN
 
     def __init__(self, domain: int = DOMAIN) -> None:

@@ -17,7 +17,6 @@ from std_msgs.msg import Int32, String
 
 
 def main() -> None:
-    """Talk."""
     publishers = []
     for domain in map(int, sys.argv[1:]):
         context = Context()

@@ -94,8 +94,6 @@ def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0
 
 @pytest.mark.nbgrader
 class TestMarks:
-    """The mark of a student."""
-
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
         """A written answer waits, a review stays a review, and a missing student is named."""
         found = {
@@ -107,7 +105,6 @@ class TestMarks:
         assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
 
     def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
-        """The work has no mark until a person gives one, and the next grading keeps it."""
         folder = course.submitted / 'cut' / ASSIGNMENT
         folder.mkdir(parents=True)
         (folder / NOTEBOOK).write_bytes(solved(course)[:9000])
@@ -150,7 +147,6 @@ class TestMarks:
         assert (mark.points, mark.status) == (None, NO_GRADE)
 
     def test_automatic_marks_are_those_of_the_checks(self, graded):
-        """The gradebook does not change automatic marks."""
         found = {one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], AUTOMATIC)}
 
         assert (found['ann'].points, found['ann'].max_points) == (50.0, 50.0)
@@ -159,8 +155,6 @@ class TestMarks:
 
 @pytest.mark.nbgrader
 class TestCommands:
-    """``python -m autograder export | stats | report | similar``."""
-
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
         """Exit code 1 names students without a score, and a second run needs --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
@@ -265,7 +259,6 @@ class TestCommands:
         assert first['first'] == ['ann', 'bob', 'eve'][: len(first['first'])]
 
     def test_similarity_is_in_nothing_that_is_shown(self, graded):
-        """Reports, gradebook and exports do not mention similar submissions."""
         command.main(['similar', ASSIGNMENT])
         command.main(['report'])
         command.main(['export', 'json'])
@@ -287,7 +280,6 @@ class TestCommands:
         ],
     )
     def test_mistakes_are_told_in_a_line(self, graded, capsys, arguments, said):
-        """A mistake is one line and exit code 2."""
         assert command.main(arguments) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
         assert said in line
@@ -331,8 +323,6 @@ def submit(root: Path, assignment: str, sample: str) -> None:
 
 @pytest.mark.pipeline
 class TestGradescope:
-    """The zip, unpacked and run."""
-
     @pytest.mark.slow
     def test_the_reference_gets_full_marks(self, container):
         """The unpacked course runs the hidden exams in the sandbox."""
@@ -355,7 +345,6 @@ class TestGradescope:
         assert list((root / 'results').iterdir()) == []
 
     def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
-        """A file of an earlier run is removed, and the staff sees the reason."""
         root = container(TEXT_ONLY)
         submit(root, TEXT_ONLY, 'pass__double_quotes_and_comments')
         (root / 'results' / 'results.json').write_text('{"score": 24}', encoding='utf-8')

@@ -48,14 +48,12 @@ class Killer:
     """
 
     def __init__(self, wanted: Callable[[list[str]], bool], times: int = 1) -> None:
-        """Have ended nothing yet."""
         self.wanted = wanted
         self.left = times
         self.runs = 0
         self.armed = True
 
     def __call__(self, event: Event) -> None:
-        """Look at an event."""
         if event['event'] == 'seen':  # the first of a run
             self.armed = True
         if event['event'] == 'message' and self.armed and self.left:
@@ -82,7 +80,6 @@ def launcher(words: list[str]) -> bool:
 
 @pytest.mark.parametrize('wanted', [program, launcher])
 def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
-    """It is run again, and the result says so."""
     killer = Killer(wanted)
     result = graded(ANSWER.read_text(encoding='utf-8'), killer)
 
@@ -100,7 +97,6 @@ def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
 
 
 def test_a_program_that_ends_itself_so_is_judged():
-    """What it does twice is its own doing."""
     result = graded(ENDS_ITSELF)
 
     assert result.timing['repeated'] == 1.0

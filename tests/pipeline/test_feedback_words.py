@@ -41,7 +41,6 @@ class Facts(HTMLParser):
         self.words, self.links, self.pictures, self._open = [], [], 0, ''
 
     def handle_starttag(self, tag, attrs):
-        """Note where words belong."""
         self.links += [value for name, value in attrs if name == 'href']
         self.pictures += tag == 'svg'
         if tag in ('dt', 'dd'):
@@ -49,12 +48,10 @@ class Facts(HTMLParser):
             self.words.append('')
 
     def handle_endtag(self, tag):
-        """Note where they end."""
         if tag == self._open:
             self._open = ''
 
     def handle_data(self, data):
-        """Note words."""
         if self._open:
             self.words[-1] += data
 
@@ -141,7 +138,6 @@ def test_formgrader_says_them(result, said, course):
 
 
 def test_the_report_of_the_class_says_them(result, said, course):
-    """The page of the student."""
     path = course.reports / ASSIGNMENT / page_name(SAMPLE)
     page = path.read_text(encoding='utf-8')
 
@@ -150,7 +146,6 @@ def test_the_report_of_the_class_says_them(result, said, course):
 
 
 def test_the_terminal_says_them(result, said, tmp_path, capsys):
-    """As ``python -m autograder run`` prints it."""
     notebook = tmp_path / NOTEBOOK
     folder = HERE.sample_class / ASSIGNMENT / SAMPLE
     notebook.write_bytes(sample_class.compose(HERE, ASSIGNMENT, folder))

@@ -69,7 +69,6 @@ class TestFirstLines:
     """What was logged before the probe met the node is fetched."""
 
     def test_first_lines_of_all_nodes_come_before_the_first_step(self, run):
-        """Nothing begins while one of them is on its way."""
         seen = run(MANY, Mark('steps'), Advance(0.25))
 
         assert {event['name'] for event in seen.logs()} == {f'node_{n:02}' for n in range(12)}

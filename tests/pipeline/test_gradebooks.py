@@ -7,5 +7,4 @@ import pytest
 @pytest.mark.nbgrader
 @pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
 def test_sqlite(scene, course):
-    """The database of a course that says nothing else."""
     scene(course)

@@ -153,23 +153,18 @@ def graded_by_command(released, tmp_path_factory):
 
 
 class TestCommands:
-    """What an instructor types."""
-
     def test_every_grade_is_what_the_code_deserves(self, graded_by_command):
-        """A bad file changes nobody else's grade."""
         course, _ = graded_by_command
 
         assert grades(course) == EXPECTED
 
     def test_the_log_says_in_one_line_what_is_wrong_with_a_file(self, graded_by_command):
-        """No traceback of nbgrader's."""
         _, log = graded_by_command
 
         assert f'cut: {NOTEBOOK}: expected a Jupyter notebook' in log
         assert 'Traceback' not in log
 
     def test_export_lists_the_points(self, graded_by_command):
-        """The sum over the checks."""
         course, _ = graded_by_command
         with (course.root / 'grades.csv').open(encoding='utf-8') as file:
             scores = {row['student_id']: float(row['score']) for row in csv.DictReader(file)}
@@ -209,7 +204,6 @@ class TestCommands:
         assert leaks == []
 
     def test_nothing_a_student_wrote_outside_the_answers_is_kept(self, graded_by_command):
-        """Tags, outputs and changed checks are gone."""
         course, _ = graded_by_command
         text = (course.work / 'autograded' / 'mal' / ASSIGNMENT / NOTEBOOK).read_text()
 
@@ -290,10 +284,7 @@ def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_comma
 
 
 class TestRecord:
-    """What ``python -m autograder grade`` writes."""
-
     def test_it_enters_the_same_grades_as_the_commands(self, course):
-        """Both ways go through the same steps."""
         class_of_five(course)
 
         faults = in_process(course)
@@ -312,7 +303,6 @@ class TestRecord:
         assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
 
     def test_work_that_was_for_review_gets_its_score_when_graded_again(self, course):
-        """The flag goes with the fault."""
         hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
         in_process(course)
         shutil.rmtree(course.submitted / 'fay')
@@ -339,7 +329,6 @@ class TestRecord:
         assert times['bob'] is None
 
     def test_nothing_is_left_beside_the_gradebook(self, course):
-        """Temporary folders are removed."""
         hand_in(course, 'ann', solved(course))
 
         in_process(course)

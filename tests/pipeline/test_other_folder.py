@@ -102,7 +102,6 @@ def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
 
 
 def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
-    """As with a class that lies elsewhere."""
     hand_in(course, tmp_path / 'mine', 'ann')
 
     assert 'their results are unchanged' not in grade(course, tmp_path / 'mine')
@@ -110,7 +109,6 @@ def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
 
 
 def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):
-    """And nothing is run before that is known."""
     path = results_file(graded, ASSIGNMENT)
     path.write_text(json.dumps([{'student': 'ann'}]), encoding='utf-8')
     hand_in(graded, tmp_path / 'appeal', 'bob')

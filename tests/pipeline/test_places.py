@@ -53,8 +53,6 @@ def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
 
 
 class TestTask:
-    """Bytes in, bytes out."""
-
     def test_a_task_is_json_and_says_nothing_but_what_the_probe_is_told(self):
         """No check, no secret, no object."""
         task = json.loads(task_of('talker', SCENARIO, {'talker.py': 'x'}, 'bwrap-user'))
@@ -132,7 +130,6 @@ class TestFolder:
     """Temporary files of runs."""
 
     def test_what_a_killed_grading_has_left_goes_with_the_next(self, tmp_path, monkeypatch):
-        """What lives stays."""
         monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
         left = tmp_path / 'grading-left'
         (left / 'run-x').mkdir(parents=True)

@@ -160,7 +160,6 @@ class Kernel:
         return self.collect(message_id)
 
     def empty(self, folder):
-        """Stop its nodes, forget all names and modules of its cells, and go to another folder."""
         cell = self.begin(EMPTY.format(folder=str(folder)), store_history=False)
         assert self.collect(cell).error is None
         self.other_cells, self.blocks = '', {}

@@ -319,7 +319,6 @@ def test_nothing_heard_writes_no_file(session, tmp_path):
 def test_wrong_arguments_of_record_are_named(
     session, tmp_path, monkeypatch, file, sources, seconds, why
 ):
-    """Wrong arguments are refused before anything is recorded."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(RoslabError) as raised:
         record_to(session, file, sources, seconds)
@@ -359,7 +358,6 @@ def damaged(path, good):
     ],
 )
 def test_unusable_file_is_refused_with_a_reason(everything, tmp_path, make, why):
-    """One line names the file and what is wrong with it."""
     path = tmp_path / 'run.mcap'
     make(path, everything[0])
     with pytest.raises(BagError) as raised:
@@ -470,7 +468,6 @@ def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_pat
 
 
 def test_command_refuses_what_it_cannot_use(command, tmp_path):
-    """The refusal is one line and exit code 1."""
     (tmp_path / 'there').mkdir()
     for arguments, why in (
         (['info', 'none.mcap'], 'none.mcap: there is no such file'),

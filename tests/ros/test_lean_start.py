@@ -49,7 +49,6 @@ def test_numpy_is_there_for_whoever_uses_it(use: str):
 
 
 def test_it_is_the_real_one_from_then_on():
-    """One numpy, whichever name it is reached by."""
     program = """
 import numpy as early
 early.pi
@@ -90,7 +89,6 @@ print(Float64MultiArray(data=[1.5]).data[0])
 
 
 def test_a_library_that_looks_for_numpy_finds_it():
-    """Without loading it."""
     program = """
 import importlib.util
 print(importlib.util.find_spec('numpy').name, 'numpy._core' in sys.modules)
@@ -99,7 +97,6 @@ print(importlib.util.find_spec('numpy').name, 'numpy._core' in sys.modules)
 
 
 def test_a_program_that_asks_for_something_unknown_hears_so():
-    """As always."""
     program = """
 import numpy
 try:

@@ -57,7 +57,6 @@ def test_restarts_leave_nothing_behind(tmp_path, shared_memory):
 
 
 def test_kernel_with_an_endless_callback_ends_by_itself(tmp_path, shared_memory):
-    """A callback that never returns does not keep the kernel from ending."""
     kernel = Kernel(tmp_path, shared_memory=shared_memory)
     kernel.run(TALKER)
     kernel.run(

@@ -31,7 +31,6 @@ def lab(monkeypatch):
 
 
 def test_picture_follows_the_node(lab):
-    """Each call shows the state of that moment, with the ways on."""
     node = lab.start(lambda: LifecycleNode('valve'))
     before = lifecycle(node)
     node.trigger_configure()
@@ -73,7 +72,6 @@ def test_ordinary_node_is_refused_with_what_to_do(lab):
 
 
 def test_unknown_name_is_refused(lab, monkeypatch):
-    """Nobody answers, and the message says for how long it was waited."""
     monkeypatch.setattr(lifecycle_picture, '_PATIENCE_S', 0.2)
 
     with pytest.raises(NotHereError, match=r"lifecycle\('/nobody'\) found no lifecycle node"):

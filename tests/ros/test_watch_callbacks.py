@@ -323,6 +323,5 @@ def test_long_watch_stays_small(context, monkeypatch):
 
 
 def test_something_else_than_a_node_is_refused():
-    """The message says what to write."""
     with pytest.raises(RoslabError, match=r'Try: watch_callbacks\(\) for all nodes'):
         watch_callbacks(5)

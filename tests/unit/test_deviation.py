@@ -41,8 +41,6 @@ def test_check_that_goes_through_the_events_gives_up_at_one():
 
 
 def test_a_check_may_name_the_moment():
-    """A check that computes with times can name the time of its deviation."""
-
     def named(run):
         raise Failed(expected='a', observed='b', at=2 * 10**9)
 
@@ -89,8 +87,6 @@ def test_a_check_that_passes_or_looks_at_files_has_no_moment():
 
 
 def test_a_check_that_cannot_bear_half_a_recording_is_asked_no_more():
-    """If a check raises on a shortened run, no shorter run is tried."""
-
     def brittle(run):
         found = run.recording.messages('/t')
         assert found[3]

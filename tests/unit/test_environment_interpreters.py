@@ -41,7 +41,6 @@ def test_choose_several_supported_prefers_3_12():
 
 
 def test_choose_incomplete_3_12_takes_complete_3_10():
-    """An interpreter without headers or venv is chosen only if there is no other."""
     found = [replace(GOOD, has_headers=False), replace(GOOD, release='3.10.1')]
 
     assert interpreters.choose(found).version == '3.10'
@@ -56,7 +55,6 @@ def test_choose_distributions_3_11_before_a_3_12_built_by_hand():
 
 
 def test_choose_a_tested_version_before_the_distributions():
-    """A tested version is preferred to the distribution's own Python."""
     by_hand = replace(GOOD, base_prefix='/usr/local')
     found = [replace(GOOD, release='3.13.1'), replace(GOOD, release='3.10.1'), by_hand]
 
@@ -72,7 +70,6 @@ def test_choose_only_incomplete_takes_it():
     'other', [{'release': '3.9.1'}, {'release': '3.14.0'}, {'implementation': 'pypy'}]
 )
 def test_choose_unsupported_gives_none(other):
-    """Other versions and implementations are never chosen."""
     assert interpreters.choose([replace(GOOD, **other)]) is None
 
 
@@ -96,7 +93,6 @@ def test_probe_broken_shim_gives_none(tmp_path, script):
 
 
 def test_probe_missing_file_gives_none(tmp_path):
-    """A broken link is skipped."""
     assert interpreters.probe(str(tmp_path / 'python3.12'), {}) is None
 
 
@@ -140,7 +136,6 @@ def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
 
 
 def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
-    """A Python built by hand does not hide the distribution's own Python."""
     fake_python(tmp_path, 'python3.12', base_prefix=str(tmp_path))
     expected = fake_python(tmp_path, 'python3.11', release='3.11.2')
 
@@ -178,7 +173,6 @@ def test_find_request_takes_only_that(tmp_path):
     ],
 )
 def test_wheels_refusal_names_the_reason(change, words):
-    """On a machine without ROS 2 wheels, the error gives the reason."""
     refusal = interpreters.wheels_refusal(replace(GOOD, **change))
 
     assert words in refusal

@@ -119,7 +119,6 @@ def test_command_called_beside_a_real_one_starts_that(places, sourced):
 
 
 def test_command_without_description_says_what_to_do(places):
-    """Without a description, one line says what to do."""
     done = subprocess.run(
         [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
         capture_output=True,

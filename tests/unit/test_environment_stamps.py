@@ -23,12 +23,10 @@ def write_ready(places, environ, python_version):
 
 
 def test_is_ready_nothing_prepared_is_false(places):
-    """An empty folder is not ready."""
     assert not stamps.is_ready(places, {})
 
 
 def test_is_ready_after_write_is_true(places):
-    """The environment is ready after it was prepared, if the shell asks for nothing else."""
     write_ready(places, {}, '3.12')
 
     assert stamps.is_ready(places, {})
@@ -37,7 +35,6 @@ def test_is_ready_after_write_is_true(places):
 
 @pytest.mark.parametrize('name', ['msg/Num.msg', 'msg/New.msg', 'package.xml'])
 def test_is_ready_changed_source_is_false(places, name):
-    """A changed or added file of the ROS package needs a build."""
     write_ready(places, {}, '3.12')
     (places.package / name).write_text('float64 changed\n')
 
@@ -55,7 +52,6 @@ def test_is_ready_changed_test_is_true(places):
 
 
 def test_is_ready_edited_while_preparing_is_false(places):
-    """A file that was edited during the set-up counts as changed."""
     before = stamps.whole_digest(places)
     (places.package / 'msg' / 'Num.msg').write_text('int32 num\n')
     stamps.write_ready(places, {}, '3.12', before)
@@ -74,7 +70,6 @@ def test_is_ready_moved_project_is_false(places, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '{"digest": 1}'])
 def test_is_ready_damaged_stamp_is_false(places, text):
-    """After a damaged stamp, the set-up runs again."""
     write_ready(places, {}, '3.12')
     places.ready.write_text(text)
 
@@ -91,7 +86,6 @@ def test_is_ready_other_python_asked_for_is_false(places):
 
 
 def test_is_ready_newly_sourced_ros_is_false(places):
-    """A shell with ROS 2 Jazzy sourced does not accept an environment from PyPI."""
     sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
     write_ready(places, {}, '3.12')
 
@@ -100,7 +94,6 @@ def test_is_ready_newly_sourced_ros_is_false(places):
 
 
 def test_is_ready_sourced_once_serves_later_shells(places):
-    """An environment with a sourced ROS 2 is ready in shells that do not source it."""
     sourced = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
     write_ready(places, sourced, '3.12')
 
@@ -110,5 +103,4 @@ def test_is_ready_sourced_once_serves_later_shells(places):
 
 
 def test_digest_of_borders_count():
-    """A text that moves from one part to the next changes the digest."""
     assert stamps.digest_of('ab', 'c') != stamps.digest_of('a', 'bc')

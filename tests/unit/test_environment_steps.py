@@ -61,14 +61,12 @@ def fake(tmp_path):
 
 
 def test_run_steps_all_needed_runs_in_order(fake):
-    """Every step runs once and is announced."""
     assert fake.go()
     assert fake.ran == ['one', 'two', 'three']
     assert '[2/3] Step two ...' in fake.out.getvalue()
 
 
 def test_run_steps_second_time_does_nothing(fake):
-    """If all steps are done, nothing runs and nothing is printed."""
     fake.go()
     fake.out.truncate(0)
     fake.ran.clear()
@@ -91,7 +89,6 @@ def test_run_steps_failure_explains_and_stops(fake):
 
 
 def test_run_steps_after_failure_goes_on_there(fake):
-    """The next run does only the steps that are left."""
     fake.fail_in = 'two'
     fake.go()
     fake.fail_in = None
@@ -113,7 +110,6 @@ def test_run_steps_killed_step_runs_again(fake):
 
 
 def test_run_steps_on_ci_says_one_line_a_step(fake):
-    """On CI, a step that succeeds is one line."""
     fake.go(quiet=True)
 
     lines = fake.out.getvalue().splitlines()
@@ -122,7 +118,6 @@ def test_run_steps_on_ci_says_one_line_a_step(fake):
 
 
 def test_job_run_failing_command_tells_its_code(tmp_path):
-    """The error has the exit code, and the log has the output."""
     command = [sys.executable, '-S', '-c', 'print("some words"); raise SystemExit(3)']
     step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
     out = io.StringIO()
@@ -133,7 +128,6 @@ def test_job_run_failing_command_tells_its_code(tmp_path):
 
 
 def test_job_run_missing_command_is_a_step_error(tmp_path):
-    """A command that does not exist is explained like any other failure."""
     step = Step('x', 'X', lambda: True, lambda job: job.run(['/no/such/tool'], {}))
     out = io.StringIO()
 
@@ -142,7 +136,6 @@ def test_job_run_missing_command_is_a_step_error(tmp_path):
 
 
 def test_locked_second_holder_waits(tmp_path):
-    """A second process says that it waits, and then continues."""
     lock = tmp_path / 'venv.lock'
     code = (
         'import sys, pathlib; from environment.steps import locked, Screen\n'
@@ -167,7 +160,6 @@ def test_locked_second_holder_waits(tmp_path):
 
 
 def test_clear_venv_foreign_folder_is_refused(tmp_path):
-    """A folder that is not a virtual environment is never emptied."""
     (tmp_path / '.venv').mkdir()
     (tmp_path / '.venv' / 'thesis.txt').touch()
 
@@ -208,7 +200,6 @@ def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
 
 
 def test_make_plan_existing_venv_keeps_its_python(tmp_path):
-    """An existing venv keeps its Python."""
     subprocess.run([sys.executable, '-m', 'venv', '--without-pip', tmp_path / 'v'], check=True)
     environ = {'PATH': '/nowhere', 'HOME': '/nowhere'}
 
@@ -219,7 +210,6 @@ def test_make_plan_existing_venv_keeps_its_python(tmp_path):
 
 
 def test_make_plan_unknown_source_is_refused(tmp_path):
-    """A misspelt ROS_SOURCE is an error, not a guess."""
     with pytest.raises(StepError, match='expected wheels or sourced'):
         make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'apt'})
 

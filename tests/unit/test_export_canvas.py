@@ -36,12 +36,10 @@ def marks(**points):
 
 
 def fill(given, data=None, column='Talker (102)', scale=False):
-    """Fill the column."""
     return canvas.fill(data or book(), 'grades.csv', column, given, scale)
 
 
 def cells(data, delimiter=','):
-    """Return the cells of a file."""
     return list(csv.reader(io.StringIO(data.decode('utf-8-sig'), newline=''), delimiter=delimiter))
 
 
@@ -89,7 +87,6 @@ def test_nobody_is_guessed(student):
 
 
 def test_an_id_of_two_lines_is_nobodys():
-    """An id that two lines have is not used."""
     other = '"Else, Some",99,,s11,Sec 2,,,,'
     done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
 
@@ -134,7 +131,6 @@ def test_what_is_replaced_is_told():
 
 
 def test_the_same_points_are_no_change():
-    """A mark with other digits of the same value is not changed."""
     assert fill([Mark('bob@uni.example', 3.0, 6.5)]).replaced == []
 
 
@@ -152,7 +148,6 @@ def test_only_an_assignment_can_be_filled(column):
 
 
 def test_two_columns_of_one_title_need_the_id():
-    """If two columns have the same title, the id is needed."""
     twice = book().replace(b'Quiz 1 (101)', b'Talker (101)')
 
     with pytest.raises(
@@ -162,7 +157,6 @@ def test_two_columns_of_one_title_need_the_id():
 
 
 def test_other_points_possible_are_refused_or_scaled():
-    """With other possible points, the marks are refused or scaled."""
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible .* got 10'):
         fill(marks(ada=3.25), column='101')
 
@@ -171,7 +165,6 @@ def test_other_points_possible_are_refused_or_scaled():
 
 
 def test_semicolons_commas_a_mark_and_line_ends_stay():
-    """A file with semicolons and decimal commas keeps its form."""
     text = book(ADA, end='\r\n').decode().replace(',', ';').replace('"Lovelace; Ada"', 'Ada')
     data = ('\ufeff' + text.replace('6.50', '6,50')).encode()
     done = fill(marks(ada=1.5), data)
@@ -182,7 +175,6 @@ def test_semicolons_commas_a_mark_and_line_ends_stay():
 
 
 def test_first_and_last_name_may_have_columns_of_their_own():
-    """Canvas can write first and last names in separate columns."""
     data = book().decode().replace('Student,', 'LastName,FirstName,', 1)
     data = data.replace('\n,', '\n,,').replace('Possible,', 'Possible,,').replace('"L', 'A,"L')
     lines = [line for line in data.splitlines() if not line.startswith(('"', '\n'))]
@@ -211,7 +203,6 @@ def test_another_file_is_refused(data, got):
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path):
-    """The error names the missing file and says how to get it."""
     with pytest.raises(GraderError, match=r'none\.csv: the gradebook from Canvas cannot be read'):
         canvas.read_file(tmp_path / 'none.csv')
 

@@ -71,7 +71,6 @@ def test_verdicts_become_passed_failure_and_skipped():
 
 
 def test_for_review_is_an_error_of_its_own():
-    """A submission for review is an error and not a failure."""
     _, suite = read(REVIEW)
 
     assert (suite.get('errors'), suite.get('failures')) == ('1', '0')
@@ -98,7 +97,6 @@ def test_what_xml_does_not_have_is_replaced(character):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(strategies.characters()))
 def test_any_words_give_a_document(words):
-    """Any words of a program give a valid document."""
     read(submission(student=words, fault=words), submission('other'))
 
 

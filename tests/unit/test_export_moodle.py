@@ -30,7 +30,6 @@ def sheet(*lines, header=HEADER):
 
 
 def fill(marks, data=None, numbers=(), **more):
-    """Fill the worksheet."""
     given = [Mark(student, points, 6.5) for student, points in marks.items()]
     return moodle.fill(data or sheet(), 'grades.csv', given, dict(numbers), **more)
 
@@ -63,7 +62,6 @@ def test_numbers_of_collect_tell_people_with_one_name_apart():
 
 
 def test_a_number_that_is_not_in_the_worksheet_matches_no_name():
-    """A number from the worksheet of a different assignment matches no name."""
     done = fill({'Bo Berg': 5.0}, numbers={'Bo Berg': '999'})
 
     assert done.left_out[0][0] == 'Bo Berg'

@@ -63,7 +63,6 @@ def test_the_release_says_which_file_each_answer_is():
 
 
 def test_answers_become_files_without_their_magic_line():
-    """Each exam gets only its own files."""
     found = files_of(msg='%%rosmsg Num\nint64 num', talker='%%node talker\nimport rclpy')
 
     assert found['message'].files['msg/Num.msg'] == 'int64 num\n'
@@ -109,7 +108,6 @@ def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
 
 
 def test_blank_lines_above_the_magic_line_are_fine():
-    """Blank lines above the magic line are ignored."""
     assert files_of(talker='\n\n%%node talker\nx = 1')['talker'].files == {'talker.py': 'x = 1\n'}
 
 

@@ -38,7 +38,6 @@ class Facts(HTMLParser):
         self.facts, self.tags, self.links, self._open = [], [], [], ''
 
     def handle_starttag(self, tag, attrs):
-        """Note where the next words belong."""
         self.tags.append(tag)
         self.links += [value for name, value in attrs if name in ('href', 'src')]
         if tag in ('dt', 'dd'):
@@ -46,12 +45,10 @@ class Facts(HTMLParser):
             self.facts.append('')
 
     def handle_endtag(self, tag):
-        """Note where they end."""
         if tag == self._open:
             self._open = ''
 
     def handle_data(self, data):
-        """Note words."""
         if self._open:
             self.facts[-1] += data
 
@@ -78,7 +75,6 @@ def test_a_failed_check_says_five_things_in_order():
 
 
 def test_what_is_not_known_is_not_said():
-    """A check without a known cause has no line for it."""
     assert [name for name, _ in told(failing(cause='', try_this=' '), {})] == [
         'expected',
         'observed',
@@ -141,7 +137,6 @@ def test_points_stay_together():
 
 @pytest.mark.parametrize('text', ['short', LONG, EVIL])
 def test_html_says_the_same_words(text):
-    """HTML shortens the same words."""
     check = failing(observed=text)
     page = exam_html(ExamResult('talker', (check,)))
 
@@ -172,7 +167,6 @@ def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
 
 
 def test_no_colour_says_anything_alone():
-    """The verdict is a word and a sign, and does not need the colour."""
     page = exam_html(ExamResult('talker', (failing(),)))
 
     assert '\N{BALLOT X} Failed:' in html.unescape(re.sub('<[^>]+>', '', page))

@@ -107,7 +107,6 @@ class TestGraph:
         assert '/chatter' not in {topic for _, topic, _, _ in shown}
 
     def test_another_type_names_both(self):
-        """The picture names the expected and the observed type."""
         picture = drawn(
             recorded(ends=[end(type_name='std_msgs/msg/Int32')]),
             WRONG,
@@ -118,7 +117,6 @@ class TestGraph:
         )
 
     def test_a_quality_of_service_is_that_of_the_check(self):
-        """The picture repeats the check's words about quality of service."""
         failure = Failed(
             expected='reliability RELIABLE',
             observed='reliability BEST_EFFORT',
@@ -179,13 +177,11 @@ class TestGraph:
         assert any('does not fit' in arrow['remark'] for arrow in arrows) is not matched
 
     def test_a_value_in_a_message_needs_no_picture(self):
-        """If all is connected and in time, there is no picture."""
         failure = Failed(expected="unit 'Celsius' in every message", observed='others')
 
         assert drawn(recorded(said(1.0)), failure) is None
 
     def test_a_program_that_made_no_node_has_no_picture(self):
-        """Without a node, there is no picture."""
         assert drawn(recorded(ends=[], nodes=[]), Failed(**RATE)) is None
 
 
@@ -229,7 +225,6 @@ class TestTimeline:
         assert [row['count'] for row in picture['rows']] == [10, 0]
 
     def test_inputs_and_log_lines_are_numbered_by_message(self):
-        """Inputs and log lines have the number of their message."""
         log = {'event': 'log', 'level': 30, 'text': 'SECRET', 'after_input': 1, 'clock_ns': None}
         failure = Failed(
             expected='one WARN line after a reading above 30', observed='no WARN line'
@@ -277,13 +272,11 @@ class TestSecrets:
     """A picture of a hidden exam shows names and times, and nothing else."""
 
     def test_no_value_is_in_any_picture(self):
-        """Values of messages and of log lines are not shown."""
         picture = drawn(recorded(said(1.0)), Failed(**RATE, at=SECOND, every_s=1.0))
 
         assert 'SECRET' not in json.dumps(picture)
 
     def test_a_hidden_namespace_and_moment_stay_hidden(self):
-        """The picture needs only the name of the node and the topic."""
         graph = drawn(recorded(ends=[end('/lab/x')]), WRONG, hidden=True)
         line = drawn(recorded(said(1.137)), Failed(**RATE, at=SECOND), hidden=True)
 
@@ -300,8 +293,6 @@ class TestSecrets:
 
 
 class TestDrawing:
-    """The pictures are SVG with a description."""
-
     @pytest.fixture(params=['graph', 'timeline'])
     def picture(self, request):
         """Return a picture of each kind that contains a hostile name."""

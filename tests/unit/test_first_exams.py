@@ -105,7 +105,6 @@ class TestNightWatch:
         ],
     )
     def test_wrong_number_is_explained(self, lines, cause_id):
-        """Each way to count wrongly has a name of its own."""
         assert cause_of(night_watch.lines_are_numbered, night(*lines)) == cause_id
 
     @pytest.mark.parametrize(
@@ -123,7 +122,6 @@ class TestNightWatch:
         ],
     )
     def test_wrong_level_is_explained(self, level, cause_id):
-        """Each kind of wrong warning has its own cause."""
         run = night(*watches(level))
 
         assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
@@ -250,7 +248,6 @@ class TestTalker:
         ],
     )
     def test_wrong_text_is_explained(self, texts, cause_id):
-        """Each way to count wrongly has a name of its own."""
         assert cause_of(talker.counts_its_greetings, self.run_of(texts)) == cause_id
 
     def test_greeting_that_nobody_could_hear_counts(self):

@@ -25,7 +25,6 @@ def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete
 
 
 def test_honest_run_has_no_flag():
-    """A node with its two topics and a publisher has no flag."""
     assert flags_of(recording(endpoints=[end('/chatter')]), Scenario()) == ()
 
 
@@ -49,7 +48,6 @@ def test_honest_run_has_no_flag():
     ],
 )
 def test_what_is_odd_is_said(run, flag):
-    """Each oddity is one line."""
     scenario = Scenario(
         feed={'/input': FeedTopic('x/msg/X')}, steps=(Offer('late', '/offered', 'x/msg/X'),)
     )

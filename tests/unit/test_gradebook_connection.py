@@ -21,7 +21,6 @@ def course(folder, url):
 
 
 def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
-    """Reading does not create a gradebook."""
     with connected(course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')) as gradebook:
         assert gradebook is None
 
@@ -67,7 +66,6 @@ def execute(layout, *statements):
     ],
 )
 def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advice):
-    """The message about a file does not mention a server."""
     with pytest.raises(GraderError) as caught:
         execute(filled, *statements)
 

@@ -171,7 +171,6 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
 
 
 def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
-    """The earlier copy stays the newest if only a full read finds the damage."""
     copy = keep_copy(course)
     data = bytearray(gradebook(course).read_bytes())
     page = 4096 * 3

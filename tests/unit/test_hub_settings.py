@@ -50,7 +50,6 @@ def test_the_settings_of_the_course_can_be_read() -> None:
 def test_a_value_that_cannot_be_used_is_named(
     tmp_path: Path, changed: dict[str, str | None], said: str
 ) -> None:
-    """The error names the line and what it expects."""
     with pytest.raises(SettingsError, match=said):
         read(written(tmp_path, **changed))
 

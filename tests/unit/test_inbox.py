@@ -38,7 +38,6 @@ def test_students_come_in_the_order_of_their_names(tmp_path, hand_in):
 
 
 def test_a_regular_notebook_is_read(tmp_path, hand_in):
-    """A regular notebook is read unchanged."""
     hand_in('ann', data=b'\xff')
 
     found = look(tmp_path)['ann']
@@ -48,7 +47,6 @@ def test_a_regular_notebook_is_read(tmp_path, hand_in):
 
 
 def test_files_beside_the_student_folders_are_no_students(tmp_path, hand_in):
-    """Files of the instructor next to the students' folders are ignored."""
     hand_in('ann')
     (tmp_path / 'notes.txt').write_text('x')
     (tmp_path / '.DS_Store').write_text('x')
@@ -77,7 +75,6 @@ def test_a_folder_without_a_notebook_of_the_course_is_no_student(tmp_path, hand_
 
 
 def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
-    """A student with work for another assignment only gets no zero for this one."""
     hand_in('ann', assignment='02_other')
 
     assert look(tmp_path) == {}
@@ -107,7 +104,6 @@ def test_a_single_notebook_under_another_name_counts(tmp_path, hand_in, name):
 
 
 def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
-    """If there are several other notebooks, none is chosen."""
     hand_in('ann', name='a.ipynb')
     hand_in('ann', name='b.ipynb')
 
@@ -118,7 +114,6 @@ def test_of_several_other_notebooks_none_is_chosen(tmp_path, hand_in):
 
 
 def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
-    """The problem names the missing file."""
     hand_in('ann', name='readme.txt')
     hand_in('ann', assignment='02_other')
 
@@ -157,7 +152,6 @@ def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
 
 
 def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
-    """Only the student with the unreadable folder has a problem."""
     hand_in('ann')
     hand_in('bob')
     listdir = os.listdir
@@ -219,7 +213,6 @@ def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
 
 
 def test_a_file_that_is_gone_when_it_is_read_is_a_problem_of_one_student(tmp_path, hand_in):
-    """A file that disappears after the listing is a problem of its student only."""
     folder = hand_in('ann')
     found = look(tmp_path)['ann']
     (folder / FILE).unlink()

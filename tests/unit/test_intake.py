@@ -49,13 +49,11 @@ class TestWhatIsTakenIn:
         ]
 
     def test_a_script_is_one_file(self, tmp_path):
-        """A script is one file and keeps its name."""
         (tmp_path / 'talker.py').write_text('x = 1')
 
         assert read_handed_in(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
-        """Builds, caches, version control and files of macOS are left out."""
         extra = [
             ('my_pkg/build/a.py', 'x'),
             ('my_pkg/.git/config.txt', 'x'),
@@ -85,7 +83,6 @@ class TestWhatIsTakenIn:
             read_handed_in(zip_of(tmp_path / 'a.zip', both))
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
-        """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
         with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got another file'):
@@ -115,7 +112,6 @@ class TestWhatAZipMayNotHold:
             read_handed_in(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
-        """Many files of a permitted size are refused too."""
         monkeypatch.setattr(intake, 'LARGEST_WHOLE', 1000)
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
@@ -123,7 +119,6 @@ class TestWhatAZipMayNotHold:
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
-        """The number of entries is limited, and the number of files in a package."""
         many = [(f'a{number}.py', '') for number in range(intake.MOST_FILES + 1)]
         with pytest.raises(NotTakenInError, match=f'more than {intake.MOST_FILES}'):
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
@@ -141,7 +136,6 @@ class TestWhatAZipMayNotHold:
             read_handed_in(tmp_path / 'a.zip')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
-        """A link to a zip is refused, like any link in a submission."""
         zip_of(tmp_path / 'a.zip', PACKAGE)
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
@@ -159,7 +153,6 @@ class TestNodeFiles:
         assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
 
     def test_an_entry_point_names_another_module(self):
-        """The entry point in setup.py names a module."""
         files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
@@ -174,7 +167,6 @@ class TestNodeFiles:
         assert found['talker.py'] == 'node'
 
     def test_installed_file_comes_before_others_of_its_name(self):
-        """The file that CMake installs comes before other files of its name."""
         files = {'talker.py': 'old', 'a/talker.py': 'old', 'scripts/talker.py': 'node'}
         files['CMakeLists.txt'] = '# a/talker.py\ninstall(PROGRAMS scripts/talker.py DESTINATION'
 

@@ -106,7 +106,6 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
     ],
 )
 def test_change_is_one_line(student, change, line):
-    """Each change is one line with the cell's name."""
     change(student['cells'])
 
     assert flags(student) == (line,)

@@ -23,12 +23,10 @@ def passes(run):
 
 
 def fails(run):
-    """It fails."""
     raise Failed(expected='1', observed='2', why=Cause('because', 'why', 'this'))
 
 
 def breaks(run):
-    """It breaks."""
     raise KeyError('ours')
 
 
@@ -76,10 +74,7 @@ def test_more_precise_cause_is_given_if_the_program_does_its_act():
 
 
 class TestJudge:
-    """The verdicts, and the points of each check."""
-
     def test_passed_check_earns_its_points(self):
-        """A check that returns has passed."""
         exam = make_exam()
         exam.check(points=3)(passes)
 
@@ -145,7 +140,6 @@ class TestJudge:
         assert 'It fails.' in result.observed
 
     def test_share_gives_part_of_the_points(self):
-        """A share is a part of the check's points."""
         exam = make_exam()
 
         @exam.check(points=4)
@@ -165,8 +159,6 @@ class TestJudge:
 
 
 class TestWorthRunning:
-    """If the files alone decide every verdict, nothing is run."""
-
     def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
         """The only dynamic check needs a static one that fails."""
         exam = make_exam()
@@ -184,7 +176,6 @@ class TestWorthRunning:
         assert worth_running(exam, {})
 
     def test_blocking_passes_on(self):
-        """A check that needs a blocked one is blocked too."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -197,8 +188,6 @@ class TestWorthRunning:
 
 
 class TestExam:
-    """Mistakes in an exam are refused with their place."""
-
     def test_unknown_need_is_refused_with_the_earlier_names(self):
         """The message lists the names of earlier checks."""
         exam = make_exam()

@@ -22,7 +22,6 @@ def beat(at_s):
 
 
 def result(at_s, text='CAT'):
-    """Return a result."""
     return {**beat(at_s), 'topic': '/results', 'data': {'data': text}}
 
 
@@ -38,7 +37,6 @@ class TestJoining:
     rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
 
     def test_nothing_is_due_before_all_have_come(self):
-        """One topic is not enough."""
         assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):

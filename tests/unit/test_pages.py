@@ -49,12 +49,10 @@ class Reader(HTMLParser):
         self.tags, self.links, self.text = [], [], ''
 
     def handle_starttag(self, tag, attrs):
-        """Note a tag and where it leads."""
         self.tags.append(tag)
         self.links += [value for name, value in attrs if name in ('href', 'src')]
 
     def handle_data(self, data):
-        """Note text."""
         self.text += data
 
 
@@ -66,8 +64,6 @@ def read(path):
 
 
 class TestPages:
-    """HTML."""
-
     def test_a_failed_check_says_all_five_things(self, tmp_path):
         """Expected, observed, cause, what to try, where to read."""
         write_reports(tmp_path, '01_talker', [submission()])
@@ -87,7 +83,6 @@ class TestPages:
         assert 'waits forIt warns.' in text
 
     def test_mode_timing_and_flags_stand_apart(self, tmp_path):
-        """They are not part of the verdict."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -138,7 +133,6 @@ class TestPages:
         assert '2 of 6' not in page
 
     def test_a_new_report_replaces_the_old_one(self, tmp_path):
-        """Nobody finds last week's page."""
         write_reports(tmp_path, '01_talker', [submission('old')])
         index = write_reports(tmp_path, '01_talker', [submission('new')])
 
@@ -211,8 +205,6 @@ class TestPages:
 
 
 class TestTable:
-    """The terminal."""
-
     def printed(self, *results):
         """Return what a wide terminal shows."""
         console = Console(file=io.StringIO(), width=150)
@@ -220,7 +212,6 @@ class TestTable:
         return console.file.getvalue()
 
     def test_it_shows_student_points_and_first_cause(self):
-        """One line each."""
         line = next(line for line in self.printed(submission()).splitlines() if 'ann' in line)
 
         assert '2 of 6' in line
@@ -246,8 +237,6 @@ class TestTable:
 
 
 class TestWords:
-    """Feedback and headlines."""
-
     def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
         """It goes into the notebook's check cell."""
         lines = exam_text(submission().exams[0]).splitlines()

@@ -111,7 +111,6 @@ def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
 
 @pytest.mark.slow
 def test_every_pattern_is_done_in_one_pass():
-    """However a text is made up, it is read once."""
     slow = {
         place: (pattern.pattern, text[:30])
         for place, pattern, method in written_patterns()

@@ -116,7 +116,6 @@ def test_progress_is_told_for_each_exam_of_each_student():
 
 
 def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
-    """The results are reported in their order, and only if they exist."""
     told, where = [], set()
     hold = threading.Event()
 

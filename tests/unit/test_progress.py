@@ -33,7 +33,6 @@ class TestTotals:
         assert totals.text() == '2 full marks, 1 less, 1 for review'
 
     def test_the_slowest_is_who_took_longest_over_all_exams(self):
-        """The times of all exams are added."""
         totals = Totals()
         for one in (done('ann', 2, 1.5), done('bob', 2, 2.0), done('ann', 2, 1.0)):
             totals.add(one)
@@ -78,7 +77,6 @@ def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monke
 
 
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
-    """A short grading ends before the first line."""
     with progress(2, 'x') as tell:
         tell(done('ann', 2, 1.0))
 
@@ -97,8 +95,6 @@ def test_a_line_in_a_log_has_counts_and_the_time_left():
 
 
 def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
-    """A log gets lines even if the first run takes long."""
-
     class Log(io.StringIO):
         """Notices the second line."""
 

@@ -93,7 +93,6 @@ class TestFile:
     """A file is whole, ours and of this version, or it is refused."""
 
     def test_saved_recording_loads_equal(self, tmp_path):
-        """Saving and loading changes nothing."""
         path = tmp_path / 'deep' / 'r.jsonl'
         SAMPLE.save(path)
 

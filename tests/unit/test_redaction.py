@@ -98,7 +98,6 @@ class Played:
     """The recording of a program that follows a scenario in its own way."""
 
     def __init__(self, exam: Exam, program: Program) -> None:
-        """Play all of it."""
         self.exam, self.program = exam, program
         self.space = namespace_of(exam.scenario)
         names = NODES.get(exam.name, (exam.name,)) if program.nodes else ()

@@ -45,7 +45,6 @@ class TestCheckCells:
     """Each exam has one cell, below its answers, with its points."""
 
     def test_a_fitting_pair_is_fine(self):
-        """Nothing is said."""
         assert unfit(ANSWER, CHECK) == []
 
     @pytest.mark.parametrize(
@@ -60,7 +59,6 @@ class TestCheckCells:
         ],
     )
     def test_a_misfit_is_one_line(self, cells, said):
-        """It names the cell."""
         (line,) = [line for line in unfit(*cells) if said in line]
 
         assert line.startswith('x.ipynb')
@@ -115,7 +113,6 @@ class TestRelease:
         assert captured.err == 'course: nothing was packed. Try: fix this, then make release\n'
 
     def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
-        """In the end it says where."""
         monkeypatch.setattr(course, 'check', lambda layout: [])
         monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
 

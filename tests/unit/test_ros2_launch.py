@@ -66,7 +66,6 @@ def test_bare_node_starts_without_arguments(installed):
     ],
 )
 def test_launch_file_refused_says_why(installed, inside, said):
-    """In one line, without a traceback."""
     with pytest.raises(RuntimeError, match=said):
         read(installed, inside)
 

@@ -118,7 +118,6 @@ def test_explain_looks_at_the_last_error(
 
 
 def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If nothing went wrong yet, explain() says how to give it a text."""
     monkeypatch.delattr(sys, 'last_value', raising=False)
 
     with pytest.raises(RoslabError, match='there was none'):

@@ -65,7 +65,6 @@ def words(page):
 
 
 def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
-    """A talker and a listener that fit are joined by plain arrows."""
     graph = Graph(chatter([end('/talker')], [end('/listener')]))
 
     assert str(graph).splitlines()[0] == f'/talker --> /chatter [{STRING}] --> /listener'
@@ -168,7 +167,6 @@ def test_two_nodes_of_one_name_and_an_idle_one_are_told():
 
 
 def test_empty_graph_says_that_nothing_is_seen():
-    """A picture of nothing is a sentence."""
     assert str(Graph(Facts((), ()))) == 'No nodes are seen now.'
     assert words(Graph(Facts((), ()))._repr_html_())[-1] == 'No nodes are seen now.'
 
@@ -200,7 +198,6 @@ def table(page):
 
 
 def test_picture_has_its_data_in_a_table():
-    """Each row of it can be read without seeing the picture."""
     seen = Graph(chatter([end('/talker')], [end('/ear', 'std_msgs/msg/Int32')], ['/idle']))
     head, *rows = table(seen._repr_html_())
     names, *values = table(curve_html(Curve('/t value', ((0.5, 1.0), (1.0, 3.0)), 2.0, 2.0)))
