@@ -7,7 +7,6 @@ import pytest
 from autograder.exam import catalog
 from autograder.exam.exam import Run
 from autograder.grading.examine import judged
-from autograder.judging.causes.builds import diagnose
 from autograder.judging.causes.ended import why_it_ended, why_late
 from autograder.recording import header, Recording
 from autograder.submission.intake import with_node_files
@@ -42,15 +41,6 @@ def test_a_constant_in_another_unit_is_still_found():
     """A period of 500 is read as milliseconds."""
     run = Run({'x.py': 'class A:\n    PERIOD = 500\n\n    create_timer(PERIOD, f)\n'}, ENDED)
     assert why_late(run).cause_id == 'period_unit'
-
-
-def test_a_setup_file_of_one_word_is_searched_once():
-    files = {'setup.py': 'a' * 1_000_000, 'x/talker.py': ''}
-    assert seconds_of(lambda: with_node_files(files, ['talker.py'])) < BOUND_S
-
-
-def test_a_line_of_one_word_in_the_output_of_a_build_is_searched_once():
-    assert seconds_of(lambda: diagnose('_' * 130_000, {})) < BOUND_S
 
 
 def test_no_node_file_is_put_where_a_folder_is():

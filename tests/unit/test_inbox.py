@@ -1,7 +1,6 @@
 """The folder of submitted work: only real folders and regular files are read."""
 
 import os
-from pathlib import Path
 
 import pytest
 
@@ -120,37 +119,6 @@ def test_a_folder_without_a_notebook_is_a_problem(tmp_path, hand_in):
     assert 'got no notebook' in look(tmp_path)['ann'].problems[0].line()
 
 
-def test_links_are_refused_at_every_level(tmp_path, hand_in):
-    """A link could lead to another student's work or to the gradebook."""
-    secret = tmp_path.parent / 'secret.ipynb'
-    secret.write_text('secret')
-    folder = hand_in('file_link', name='x')
-    (folder / 'x').unlink()
-    (folder / FILE).symlink_to(secret)
-    (tmp_path / 'lesson_link').mkdir()
-    (tmp_path / 'lesson_link' / LESSON).symlink_to(folder)
-    (tmp_path / 'student_link').symlink_to(tmp_path / 'file_link')
-
-    found = {student: one.read(FILE) for student, one in look(tmp_path).items()}
-
-    assert [data for data, _ in found.values()] == [None, None]
-    got = {student: problems[0].got for student, (_, problems) in found.items()}
-    assert 'symbolic link' in got['file_link']
-    assert 'a link or a file' in got['lesson_link']
-    assert inbox.without_notebooks(tmp_path, [LESSON]) == ['student_link']
-
-
-def test_a_pipe_does_not_stop_the_batch(tmp_path, hand_in):
-    """A pipe is not read, because reading would never end."""
-    folder = hand_in('ann', name='x')
-    (folder / 'x').unlink()
-    os.mkfifo(folder / FILE)
-
-    _, problems = look(tmp_path)['ann'].read(FILE)
-
-    assert 'a regular file' in problems[0].expected
-
-
 def test_an_unreadable_folder_is_a_problem_of_one_student(tmp_path, hand_in, monkeypatch):
     hand_in('ann')
     hand_in('bob')
@@ -177,18 +145,6 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
     assert not found.recordable
     assert '\n' not in found.problems[0].line()
-
-
-def test_a_name_that_is_not_utf_8_is_not_recorded(tmp_path):
-    """The gradebook cannot store a name that is not UTF-8."""
-    folder = os.path.join(os.fsencode(tmp_path), b'\xff\xfe', LESSON.encode())
-    os.makedirs(folder)
-    Path(os.fsdecode(folder), FILE).write_bytes(b'{}')
-
-    (found,) = look(tmp_path).values()
-
-    assert not found.recordable
-    found.student.encode('utf-8')
 
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
