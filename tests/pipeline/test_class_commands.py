@@ -12,6 +12,7 @@ import zipfile
 
 from conftest import ASSIGNMENT, copied
 from fake_engine import CANARY, FakeEngine
+from gradebooks import hand_in, NOTEBOOK, solved
 import pytest
 
 from autograder import __main__ as command
@@ -36,38 +37,30 @@ from autograder.layout import Layout
 from autograder.results import ExamResult, SubmissionResult
 from autograder.submission.inbox import discover
 
-NOTEBOOK = 'temperature_monitor.ipynb'
 TEXT_ONLY = '09_check_your_understanding'
 WITH_RUNS = '01_node_life'
-
-
-def solved(course: Layout, **changes: str) -> bytes:
-    """Return the solution as a student's file, with some words replaced."""
-    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
-    for old, new in changes.items():
-        text = text.replace(old, new)
-    return text.encode()
 
 
 @pytest.fixture(scope='module')
 def graded_class(released, tmp_path_factory):
     """Return a course in which four students were graded, two of them for review."""
     course = copied(released, tmp_path_factory.mktemp('graded'))
-    for student, data in {
-        'ann': solved(course),
-        'bob': solved(course, temperature_topic='temprature_topic'),
-        'eve': solved(course, sensor_id='GRADER_FAULT'),
-        'bad name ': solved(course),
-    }.items():
-        folder = course.submitted / student / ASSIGNMENT
-        folder.mkdir(parents=True)
-        (folder / NOTEBOOK).write_bytes(data)
+    hand_in(course, 'ann')
+    hand_in(course, 'bob', temperature_topic='temprature_topic')
+    hand_in(course, 'eve', sensor_id='GRADER_FAULT')
+    hand_in(course, 'bad name ')
+    grade(course)
+    return course
+
+
+def grade(course: Layout) -> None:
+    """Grade the class, enter it and write its reports."""
     lesson = load_lesson(course, ASSIGNMENT, FakeEngine())
-    there = discover(course.submitted, ASSIGNMENT, NOTEBOOK)
-    done = grade_class(there, lesson, FakeEngine(), 2)
+    done = grade_class(
+        discover(course.submitted, ASSIGNMENT, NOTEBOOK), lesson, FakeEngine(), jobs=2
+    )
     record(course, lesson, done)
     write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
-    return course
 
 
 @pytest.fixture
@@ -105,16 +98,10 @@ class TestMarks:
         assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
 
     def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
-        folder = course.submitted / 'cut' / ASSIGNMENT
-        folder.mkdir(parents=True)
-        (folder / NOTEBOOK).write_bytes(solved(course)[:9000])
-        lesson = load_lesson(course, ASSIGNMENT, FakeEngine())
+        hand_in(course, 'cut', data=solved(course)[:9000])
 
         def mark():
-            there = discover(course.submitted, ASSIGNMENT, NOTEBOOK)
-            done = grade_class(there, lesson, FakeEngine(), 2)
-            record(course, lesson, done)
-            write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
+            grade(course)
             (found,) = marks(course, last(course, ASSIGNMENT)[0], 'gradebook')
             return found
 
@@ -169,23 +156,41 @@ class TestCommands:
             assert command.main(['export', name, '--force']) == FOR_REVIEW
             capsys.readouterr()
 
-    def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
+    @pytest.mark.parametrize(
+        ('platform', 'options', 'sheet', 'place', 'filled'),
+        [
+            (
+                'canvas',
+                ['--column', '7', '--gradebook'],
+                'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
+                '    Points Possible,,,,55,(read only)\n'
+                '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
+                4,
+                ['Monitor (7)', '55', '53', ''],
+            ),
+            (
+                'moodle',
+                ['--worksheet'],
+                'Identifier,"Full name",Grade,"Maximum Grade","Last modified (grade)"\n'
+                '"Participant 1",ann,,55.00,-\n"Participant 2",eve,,55.00,-\n',
+                2,
+                ['Grade', '53', ''],
+            ),
+        ],
+    )
+    def test_platform_gets_marks_and_its_file_stays(
+        self, graded, tmp_path, capsys, platform, options, sheet, place, filled
+    ):
         """Students without a mark keep their cells, and penalties for lateness are named."""
         grade_by_hand(graded, 'ann', 5.0, late=2.0)
-        mine = tmp_path / 'canvas.csv'
-        mine.write_text(
-            'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
-            '    Points Possible,,,,55,(read only)\n'
-            '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
-            encoding='utf-8',
-        )
+        mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
+        mine.write_text(sheet, encoding='utf-8')
         before = mine.read_bytes()
-        to = tmp_path / 'filled.csv'
-        arguments = ['export', 'canvas', ASSIGNMENT, '--gradebook', str(mine), '--column', '7']
+        arguments = ['export', platform, ASSIGNMENT, *options, str(mine)]
 
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[4] for row in rows] == ['Monitor (7)', '55', '53', '']
+        assert [row[place] for row in rows] == filled
         assert mine.read_bytes() == before
         said = capsys.readouterr()
         assert 'not entered: eve: for review' in said.out
@@ -209,27 +214,6 @@ class TestCommands:
         assert f'no mark: {ASSIGNMENT}: zoe: nothing handed in' in said
         assert f'late: {ASSIGNMENT}: ann: 10 points less, to 44' in said
         assert not list(graded.work.glob('feedback_*'))
-
-    def test_moodle_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Students without a mark keep their cells, and penalties for lateness are named."""
-        grade_by_hand(graded, 'ann', 5.0, late=2.0)
-        mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
-        mine.write_text(
-            'Identifier,"Full name",Grade,"Maximum Grade","Last modified (grade)"\n'
-            '"Participant 1",ann,,55.00,-\n"Participant 2",eve,,55.00,-\n',
-            encoding='utf-8',
-        )
-        before = mine.read_bytes()
-        arguments = ['export', 'moodle', ASSIGNMENT, '--worksheet', str(mine)]
-
-        assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
-        rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[2] for row in rows] == ['Grade', '53', '']
-        assert mine.read_bytes() == before
-        said = capsys.readouterr()
-        assert 'not entered: eve: for review' in said.out
-        assert said.err == f'late: {ASSIGNMENT}: ann: 2 points less, to 53\n'
-        assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_gradescope_has_a_file_for_each_but_the_review(self, graded, tmp_path, capsys):
         """Files of an earlier grading are removed, also of a student who has left; no others."""
@@ -303,7 +287,6 @@ def container(tmp_path):
 
 
 def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run the autograder as Gradescope does."""
     return subprocess.run(
         ['/bin/bash', root / 'source' / 'run_autograder'],
         env={**os.environ, 'GRADESCOPE_ROOT': str(root), **environment},

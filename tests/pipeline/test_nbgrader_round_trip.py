@@ -11,6 +11,7 @@ import sys
 
 from conftest import ASSIGNMENT, copied
 from fake_engine import CANARY, FakeEngine
+from gradebooks import hand_in, NOTEBOOK, solved
 import pytest
 
 from autograder.gradebook.record import record
@@ -20,7 +21,6 @@ from autograder.submission.inbox import discover
 
 pytestmark = pytest.mark.nbgrader
 
-NOTEBOOK = 'temperature_monitor.ipynb'
 SCRIPT = '<script>alert(1)</script>'
 
 
@@ -36,22 +36,6 @@ def nbgrader(course: Layout, *arguments: str, code: int = 0) -> str:
     )
     assert done.returncode == code, done.stdout + done.stderr
     return done.stdout + done.stderr
-
-
-def hand_in(course: Layout, student: str, data: bytes, name: str = NOTEBOOK) -> None:
-    """Lay a file where nbgrader's collect would."""
-    folder = course.submitted / student / ASSIGNMENT
-    folder.mkdir(parents=True)
-    (folder / name).write_bytes(data)
-
-
-def solved(course: Layout, **changes: str) -> bytes:
-    """Return the solution as a student's file, with some words replaced."""
-    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
-    for old, new in changes.items():
-        assert old in text
-        text = text.replace(old, new)
-    return text.encode()
 
 
 def hostile(course: Layout) -> bytes:
@@ -78,11 +62,11 @@ def hostile(course: Layout) -> bytes:
 
 def class_of_five(course: Layout) -> None:
     """Hand in good, bad, broken and hostile work."""
-    hand_in(course, 'ann', solved(course))
-    hand_in(course, 'bob', (course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
-    hand_in(course, 'cut', solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
-    hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
-    hand_in(course, 'mal', hostile(course))
+    hand_in(course, 'ann')
+    hand_in(course, 'bob', data=(course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
+    hand_in(course, 'cut', data=solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
+    hand_in(course, 'fay', sensor_id='GRADER_FAULT')
+    hand_in(course, 'mal', data=hostile(course))
 
 
 def grades(course: Layout) -> dict[tuple[str, str], tuple[float | None, float | None, int]]:
@@ -219,7 +203,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
     from autograder.gradebook.settings import load_config
 
-    hand_in(course, 'mal', hostile(course))
+    hand_in(course, 'mal', data=hostile(course))
     config = load_config(course)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
 
@@ -232,7 +216,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
 def test_autograde_leaves_a_mark_that_would_fall(course):
     """It says so in its log, which formgrader's button shows."""
-    hand_in(course, 'ann', solved(course))
+    hand_in(course, 'ann')
     in_process(course)
     before = grades(course)
     worse = solved(course, temperature_topic='temprature_topic')
@@ -246,7 +230,7 @@ def test_autograde_leaves_a_mark_that_would_fall(course):
 
 def test_autograde_refuses_check_cells_with_other_points_than_their_exam(course):
     """A score above the cell's maximum would empty the mark."""
-    hand_in(course, 'ann', solved(course))
+    hand_in(course, 'ann')
     in_process(course)
     before = grades(course)
     path = course.solutions / ASSIGNMENT / NOTEBOOK
@@ -294,8 +278,8 @@ class TestRecord:
 
     def test_names_that_glob_acts_on_do_not_mix_students(self, course):
         """The folder is graded; the gradebook does not get it."""
-        hand_in(course, 'ann', solved(course))
-        hand_in(course, '[a]*', solved(course)[:9000])
+        hand_in(course, 'ann')
+        hand_in(course, '[a]*', data=solved(course)[:9000])
 
         in_process(course)
 
@@ -303,10 +287,10 @@ class TestRecord:
         assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
 
     def test_work_that_was_for_review_gets_its_score_when_graded_again(self, course):
-        hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
+        hand_in(course, 'fay', sensor_id='GRADER_FAULT')
         in_process(course)
         shutil.rmtree(course.submitted / 'fay')
-        hand_in(course, 'fay', solved(course))
+        hand_in(course, 'fay')
 
         in_process(course)
 
@@ -314,8 +298,8 @@ class TestRecord:
 
     def test_timestamps_are_recorded_and_broken_ones_do_no_harm(self, course):
         """Nbgrader alone stops at a malformed one."""
-        hand_in(course, 'ann', solved(course))
-        hand_in(course, 'bob', solved(course))
+        hand_in(course, 'ann')
+        hand_in(course, 'bob')
         stamp = course.submitted / 'ann' / ASSIGNMENT / 'timestamp.txt'
         stamp.write_text('2026-03-01 12:00:00 UTC')
         (course.submitted / 'bob' / ASSIGNMENT / 'timestamp.txt').write_text('yesterday')
@@ -329,7 +313,7 @@ class TestRecord:
         assert times['bob'] is None
 
     def test_nothing_is_left_beside_the_gradebook(self, course):
-        hand_in(course, 'ann', solved(course))
+        hand_in(course, 'ann')
 
         in_process(course)
 
