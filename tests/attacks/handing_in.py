@@ -44,7 +44,6 @@ def attack(stopped_by: str, points: float, *flags: str) -> Callable[[HandIn], Ha
 
 
 def cell(notebook: Notebook, grade_id: str) -> dict[str, Any]:
-    """Return the cell of a grade id."""
     return next(one for one in marked(notebook) if grade_id_of(one) == grade_id)
 
 
@@ -54,12 +53,10 @@ def marked(notebook: Notebook) -> Iterator[dict[str, Any]]:
 
 
 def checks(notebook: Notebook) -> Iterator[dict[str, Any]]:
-    """Yield the cells of automatic checks."""
     yield from (one for one in marked(notebook) if grade_id_of(one).startswith('check_'))
 
 
 def grade_id_of(one: dict[str, Any]) -> str:
-    """Return the grade id of a cell that nbgrader knows."""
     return str(one['metadata']['nbgrader']['grade_id'])
 
 

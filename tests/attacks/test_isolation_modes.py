@@ -88,7 +88,6 @@ def world(request, planted):
 
 
 def run_world(mode: str, folder: Path):
-    """Run both programs in a mode and return what they report."""
     done = subprocess.run(
         [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
         + ['-m', 'tests.attacks.mode_world', mode, str(folder)],

@@ -53,7 +53,6 @@ class ClassRun:
     students: dict[str, str]
 
     def of(self, attack: Attack) -> SubmissionResult:
-        """Return what an attack got."""
         return self.graded[self.students[attack.name]].result
 
 
@@ -69,7 +68,6 @@ def hand_in(attack: Attack, submitted: Path, solved, blank) -> Path:
 
 @pytest.fixture(scope='session')
 def course(tmp_path_factory) -> Layout:
-    """Return a course with one lesson, released and entered in a gradebook."""
     from autograder.gradebook import converters
 
     layout = Layout(tmp_path_factory.mktemp('course'))
@@ -118,7 +116,6 @@ def _student(folder: Path, names: dict[str, str]) -> str:
 
 
 def engine(course: Layout) -> SandboxEngine:
-    """Return the engine that grades a class, with its recordings kept."""
     return SandboxEngine(strongest(), course.recordings)
 
 
@@ -172,7 +169,6 @@ def test_honest_students_get_what_they_got_alone(graded):
 
 
 def untimed(result: SubmissionResult) -> dict:
-    """Return a result without its wall-clock facts."""
     plain = replace(result, exams=tuple(replace(exam, timing={}) for exam in result.exams))
     return plain.to_json()
 

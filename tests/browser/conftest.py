@@ -196,7 +196,6 @@ def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
 
 @pytest.fixture(scope='session')
 def browser() -> Iterator[Any]:
-    """Return a headless Chromium of the system."""
     found = next(filter(None, map(shutil.which, BROWSERS)), None)
     assert found, f'No browser ({", ".join(BROWSERS)}). Try: sudo apt-get install -y chromium'
     from playwright.sync_api import sync_playwright

@@ -46,8 +46,6 @@ def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def address(book: Path) -> Iterator[str]:
-    """Return the address of a server with the book."""
-
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_: Any) -> None:
             """Print nothing."""

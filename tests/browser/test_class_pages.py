@@ -50,7 +50,6 @@ def check(name: str) -> CheckResult:
 
 @pytest.fixture(scope='module')
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder with the pages of a class."""
     layout = Layout(tmp_path_factory.mktemp('course'))
     released = layout.notebooks / ASSIGNMENT / 'lesson.ipynb'
     released.parent.mkdir(parents=True)

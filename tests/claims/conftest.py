@@ -51,7 +51,6 @@ class World:
             self.executor.spin_once(timeout_sec=0)
 
     def close(self) -> None:
-        """Destroy everything."""
         self.executor.shutdown()
         for node in self.nodes:
             node.destroy_node()
@@ -60,7 +59,6 @@ class World:
 
 @pytest.fixture
 def world() -> Iterator[World]:
-    """Return a ROS world of this test alone."""
     made = World()
     yield made
     made.close()

@@ -38,8 +38,6 @@ def in_thread(work):
 
 
 def to_the_end(executor):
-    """Return what spins until the executor is shut down."""
-
     def spin():
         # rclpy 7.1.6 takes the guard condition away while the next wait may just be set up.
         with suppress(AttributeError, rclpy_implementation.InvalidHandle):
@@ -195,7 +193,6 @@ class Meeting:
         self.barrier = threading.Barrier(count)
 
     def wait(self, seconds):
-        """Wait for the others, at most so long."""
         try:
             self.barrier.wait(seconds)
         except threading.BrokenBarrierError:

@@ -20,7 +20,6 @@ class Managed(LifecycleNode):
     error: Exception | None = None
 
     def on_configure(self, state):
-        """Make the publisher."""
         self.out = self.create_lifecycle_publisher(Int32, 'numbers', 10)
         return TransitionCallbackReturn.SUCCESS
 
@@ -34,7 +33,6 @@ class Managed(LifecycleNode):
 
 
 def state_of(node) -> str:
-    """Return the name of the state a node is in."""
     return node._state_machine.current_state[1]
 
 

@@ -40,12 +40,10 @@ REFUSALS = (
 
 
 def parse(text):
-    """Parse the text of a message file of the package lab."""
     return parse_message_string('lab', 'Sample', text)
 
 
 def through_the_wire(message):
-    """Return what arrives when this is published."""
     return deserialize_message(serialize_message(message), type(message))
 
 

@@ -35,7 +35,6 @@ LATCHED = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def numbers(publisher, upto):
-    """Publish 0, 1, ... below a number."""
     for number in range(upto):
         publisher.publish(Int32(data=number))
 

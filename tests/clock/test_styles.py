@@ -32,7 +32,6 @@ ASKED = Scenario(
 
 
 def recording(body: str, scenario: Scenario, sandbox: Sandbox) -> Recording:
-    """Run a program of a style."""
     inside = ''.join(f'    {line}\n' for line in body.splitlines())
     return observe('style', scenario.to_json(), {'style.py': BEGIN + inside}, sandbox)[0]
 

@@ -134,7 +134,6 @@ def execute(path: Path) -> Run:
 
 
 def read(path: Path) -> list[nbformat.NotebookNode]:
-    """Return the cells of a valid notebook."""
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     return notebook.cells

@@ -35,7 +35,6 @@ rclpy.spin(node)
 
 
 def graded(text: str, told: Callable[[Event], None] | None = None) -> ExamResult:
-    """Return the result of the publisher's exam."""
     return examine(catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), told=told)
 
 

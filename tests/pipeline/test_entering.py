@@ -42,7 +42,6 @@ def class_(course):
 
 
 def run(course, engine, on_graded):
-    """Run the class, one after the other."""
     lesson = load_lesson(course, ASSIGNMENT, engine)
     there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     book = Entering(course, lesson, Guard(course))

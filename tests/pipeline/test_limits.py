@@ -22,7 +22,6 @@ LIMITS = Limits()
 
 
 def recorded(monkeypatch, text: str, limits: Limits, sandbox: Sandbox | None = None):
-    """Return the recording of a program that runs under some limits."""
     whole = observe.program_for
     monkeypatch.setattr(observe, 'program_for', lambda *facts: (whole(*facts)[0], limits))
     scenario = Scenario(file='x.py', appear_s=30.0, steps=(Advance(60.0),))

@@ -72,7 +72,6 @@ def edit(monkeypatch):
 
 
 def grade(*arguments: str) -> int:
-    """Grade the class."""
     return command.main(['grade', *arguments])
 
 

@@ -28,7 +28,6 @@ class Worker:
     width = 1
 
     def run(self, task: bytes) -> bytes:
-        """Run a task as a worker does."""
         return run_task(task)
 
 

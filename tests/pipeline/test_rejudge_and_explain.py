@@ -82,7 +82,6 @@ def graded(released, tmp_path_factory):
 
 @pytest.fixture
 def layout(graded, tmp_path):
-    """Return such a course for each test."""
     return copied(graded.root, tmp_path)
 
 
@@ -99,7 +98,6 @@ def now(monkeypatch, layout):
 
 
 def by_student(accounts):
-    """Return what happened to each student."""
     (account,) = accounts
     return {one.before.student: one for one in account.rejudged}
 

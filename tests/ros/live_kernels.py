@@ -149,7 +149,6 @@ class Kernel:
                 return outputs
 
     def run(self, code, cell_id=None):
-        """Execute a cell and return what it produced."""
         return self.collect(self.begin(code, cell_id))
 
     def interrupt_at(self, code, marker):

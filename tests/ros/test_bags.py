@@ -163,7 +163,6 @@ def domain():
 
 @pytest.fixture
 def session(domain):
-    """Return a session in the domain of the test."""
     made = Session(Context(), domain)
     yield made
     made.close()
@@ -189,7 +188,6 @@ def talk(session, qos=KEPT, period_s=0.02, then=lambda count: None):
 
 
 def texts_of(file):
-    """Return the strings in a bag."""
     return [deserialize_message(one.data, String).data for one in messages_of(open_bag(file))]
 
 

@@ -77,7 +77,6 @@ class Endless(Node):
 
 @pytest.fixture
 def session():
-    """Return a session that shares nothing with other tests."""
     with ExitStack() as until:
         session = Session(Context(), domain_id=own_domain(until))
         yield session

@@ -36,7 +36,6 @@ rclpy.shutdown()
 
 
 def said(*command: str) -> str:
-    """Return what a program prints."""
     ran = subprocess.run(
         [sys.executable, *command], capture_output=True, text=True, check=True, timeout=60
     )
@@ -45,7 +44,6 @@ def said(*command: str) -> str:
 
 @pytest.fixture
 def program(tmp_path: Path) -> str:
-    """Return the path of the program."""
     file = tmp_path / 'shaky.py'
     file.write_text(PROGRAM)
     return str(file)

@@ -38,13 +38,11 @@ def context():
 
 
 def spin(executor, condition):
-    """Spin until a condition holds."""
     while not condition():
         executor.spin_once(timeout_sec=SOON_S)
 
 
 def executor_of(*nodes, threads=1):
-    """Return an executor that serves nodes."""
     context = nodes[0].context
     made = (
         SingleThreadedExecutor(context=context)

@@ -98,7 +98,6 @@ class TestMagic:
         return tmp_path
 
     def saved(self, folder):
-        """Return the texts that were saved."""
         return [path.read_text() for path in folder.rglob('answers/q07.txt')]
 
     def test_answer_is_saved_and_said(self, folder, capsys):

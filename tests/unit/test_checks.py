@@ -16,18 +16,15 @@ GRAPH = {'event': 'graph', 'when': 'end', 'nodes': ['/lab/a'], 'endpoints': [END
 
 
 def run_of(*events, **process):
-    """Return a run with these events."""
     ends = [{'event': 'end', 'reason': 'complete'}, {'event': 'process', **process}]
     return Run({}, Recording({}, (*events, *ends)))
 
 
 def message(clock_s, **data):
-    """Return a message that came at a virtual time."""
     return {'event': 'message', 'topic': TOPIC, 'clock_ns': round(clock_s * 1e9), 'data': data}
 
 
 def log(text, level=WARN, name='lab.a'):
-    """Return a log entry."""
     return {'event': 'log', 'name': name, 'level': level, 'text': text, 'after_input': 0}
 
 

@@ -24,7 +24,6 @@ ASSIGNMENT = '01_talker'
 
 
 def numbers_of(*results, root='/nowhere'):
-    """Return the numbers of a class."""
     return class_numbers(Layout(Path(root)), ClassResults(ASSIGNMENT, results))
 
 

@@ -310,7 +310,6 @@ def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
 class TestCommand:
     @pytest.fixture(autouse=True)
     def here(self, layout, monkeypatch):
-        """Let the course be the small one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_it_prints_a_table_and_tells_by_its_exit_code(self, tmp_path, layout, capsys):

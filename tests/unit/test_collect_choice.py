@@ -30,7 +30,6 @@ STRANGE = 'it contains no cell of the assignment'
 
 
 def done(rows) -> list[tuple[str, str, str]]:
-    """Return what happened to each assignment of each student."""
     return sorted((row.student, row.assignment, row.done) for row in rows)
 
 

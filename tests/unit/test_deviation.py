@@ -6,7 +6,6 @@ from autograder.recording import header, Recording
 
 
 def message(second, value):
-    """Return a message at a virtual second."""
     facts = {'topic': '/t', 'data': {'value': value}}
     return {'event': 'message', 'clock_ns': second * 10**9, 'after_input': None, **facts}
 

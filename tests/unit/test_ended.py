@@ -16,14 +16,12 @@ TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 
 
 def run(*events, nodes=('/n',), endpoints=(), **process):
-    """Return a run with these events."""
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
     last = {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process}
     return Run({'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
 
 
 def end(topic=TOPIC, kind='publisher', type_name=TYPE):
-    """Return an endpoint."""
     return {'topic': topic, 'kind': kind, 'node': '/n', 'type': type_name, 'qos': {}}
 
 

@@ -15,7 +15,6 @@ from environment.ros import RosEnvironment
 
 @pytest.fixture
 def places(tmp_path):
-    """Provide a place whose name has a blank."""
     places = Places(venv=tmp_path / 'a venv', project=tmp_path)
     (places.venv / 'bin').mkdir(parents=True)
     return places

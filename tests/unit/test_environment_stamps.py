@@ -8,7 +8,6 @@ from environment.places import Places
 
 @pytest.fixture
 def places(tmp_path):
-    """Return the places of a small project."""
     package = tmp_path / 'temp_monitor_pkg'
     (package / 'msg').mkdir(parents=True)
     (package / 'test').mkdir()

@@ -42,7 +42,6 @@ class FakeSetUp:
         ]
 
     def run(self, name, job):
-        """Do one step, or fail if the test wants it."""
         self.ran.append(name)
         print(f'working on {name}', file=job.log, flush=True)
         if self.fail_in == name:
@@ -50,13 +49,11 @@ class FakeSetUp:
         (self.folder / name).touch()
 
     def go(self, **screen):
-        """Run the steps and return whether all succeeded."""
         return run_steps(self.steps(), self.folder / 'logs', Screen(self.out, **screen))
 
 
 @pytest.fixture
 def fake(tmp_path):
-    """Return a fake set-up."""
     return FakeSetUp(tmp_path)
 
 

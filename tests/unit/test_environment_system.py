@@ -40,7 +40,6 @@ def add_apt(folder, update_code=0):
 
 
 def install(python=None):
-    """Run the step with the current PATH."""
     with open(os.devnull, 'w') as log:
         system.install_missing(Job(log), os.environ, python)
 

@@ -35,7 +35,6 @@ def exam(**scenario) -> Exam:
 
 
 def feed(topic, *messages, **facts):
-    """Return a step that sends a message."""
     return Feed(topic, messages or [{'data': 'x'}], **facts)
 
 

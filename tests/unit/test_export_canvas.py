@@ -26,12 +26,10 @@ TEST = '"Student, Test",14,,f00d,Sec 2,,,,'
 
 
 def book(*lines, end='\n'):
-    """Return a file of Canvas."""
     return end.join([HEADER, POLICY, POSSIBLE, *(lines or (ADA, BOB, EVE, TEST))] + ['']).encode()
 
 
 def marks(**points):
-    """Return marks by student, of 6.5 points."""
     return [Mark(student, value, 6.5) for student, value in points.items()]
 
 

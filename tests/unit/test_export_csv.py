@@ -48,7 +48,6 @@ def rfc4180(data):
 
 
 def marks_of(graded):
-    """Return the table of marks as dictionaries."""
     given_marks = [automatic(result) for result in graded.results]
     rows = rfc4180(marks_csv([(graded, given_marks)], {}))
     return [dict(zip(rows[0], row)) for row in rows[1:]]

@@ -204,7 +204,6 @@ class TestZip:
             }
 
     def test_no_isolation_at_all_is_refused(self):
-        """Without isolation, only visible checks would run, so it is refused."""
         with pytest.raises(GraderError, match='hidden exams never run'):
             autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
 

@@ -25,7 +25,6 @@ BO2 = '"Participant 313","Bo Berg",c@x.example,Submitted,,6.50,Yes,-,-,'
 
 
 def sheet(*lines, header=HEADER):
-    """Return a worksheet."""
     return '\n'.join([header, *(lines or (ANN, BO)), '']).encode()
 
 
@@ -35,7 +34,6 @@ def fill(marks, data=None, numbers=(), **more):
 
 
 def grades(data):
-    """Return the grades by the identifier."""
     rows = list(csv.reader(io.StringIO(data.decode('utf-8'), newline='')))
     return {row[0]: row[4] for row in rows[1:]}
 

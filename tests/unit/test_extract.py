@@ -43,7 +43,6 @@ RELEASE = {
 
 
 def files_of(**answers):
-    """Return the files of each exam for these answers; None removes a cell."""
     sources = {
         cell['metadata']['nbgrader']['grade_id']: cell['source'] for cell in RELEASE['cells']
     }

@@ -22,7 +22,6 @@ EVIL = '/<script>alert(1)</script>"\'&\x1b'
 
 
 def end(topic=TOPIC, type_name=TYPE, kind='publisher', node='/lab/talker', **qos):
-    """Return an endpoint as it is recorded."""
     whole = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', **qos}
     return {'topic': topic, 'kind': kind, 'node': node, 'type': type_name, 'qos': whole}
 

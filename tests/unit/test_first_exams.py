@@ -19,7 +19,6 @@ def judge_of(module, check):
 
 
 def log(clock_s, text, level=INFO, name='n.night_watch'):
-    """Return a log line."""
     clock_ns = round(clock_s * 1e9)
     return {'event': 'log', 'clock_ns': clock_ns, 'name': name, 'level': level, 'text': text}
 
@@ -38,7 +37,6 @@ def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
 
 
 def watches(level=lambda number: INFO if number % 5 else WARN, text='watch {}', first=1, step=1):
-    """Return the lines of a night."""
     numbers = [first + step * place for place in range(SECONDS)]
     return [(text.format(one), level(place)) for place, one in enumerate(numbers, 1)]
 

@@ -16,7 +16,6 @@ def end(topic, node=NODE, kind='publisher'):
 
 
 def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete', **process):
-    """Return a recording with this graph."""
     ends = [end('/rosout'), end('/parameter_events'), *endpoints]
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': ends}
     graph['count'] = count or len(ends)

@@ -14,7 +14,6 @@ from autograder.layout import Layout
 
 
 def course(folder, url):
-    """Return a course with this gradebook."""
     text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
     (folder / 'nbgrader_config.py').write_text(text, encoding='utf-8')
     return Layout(folder)
@@ -48,7 +47,6 @@ def filled(tmp_path):
 
 
 def execute(layout, *statements):
-    """Execute statements on the gradebook of a course."""
     with connected(layout) as gradebook:
         for statement in statements:
             gradebook.exec_driver_sql(statement)

@@ -31,12 +31,10 @@ def course(tmp_path):
 
 
 def gradebook(layout):
-    """Return the file of the gradebook."""
     return layout.work / 'gradebook.db'
 
 
 def submit(layout, *students, fill=''):
-    """Enter submissions."""
     book = sqlite3.connect(gradebook(layout))
     book.execute('create table if not exists submitted_assignment (student text, fill text)')
     for student in students:
@@ -46,7 +44,6 @@ def submit(layout, *students, fill=''):
 
 
 def students(path):
-    """Return the students of a gradebook."""
     book = sqlite3.connect(path)
     found = [name for (name,) in book.execute('select student from submitted_assignment')]
     book.close()

@@ -12,8 +12,6 @@ FILE = 'talker.ipynb'
 
 @pytest.fixture
 def hand_in(tmp_path):
-    """Return a function that writes a file for a student."""
-
     def write(student, name=FILE, data=b'{}', assignment=LESSON):
         folder = tmp_path / student / assignment
         folder.mkdir(parents=True, exist_ok=True)
@@ -24,7 +22,6 @@ def hand_in(tmp_path):
 
 
 def look(tmp_path, known=(LESSON, '02_other')):
-    """Return the submissions by student."""
     return {one.student: one for one in inbox.discover(tmp_path, LESSON, FILE, known)}
 
 

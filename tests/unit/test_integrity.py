@@ -11,7 +11,6 @@ from autograder.submission.submission import open_submission
 
 
 def cell(grade_id, source, kind='code', **marks):
-    """Return a cell as it is in a release."""
     marks = {'grade_id': grade_id, 'grade': False, 'solution': False, 'locked': True, **marks}
     return {'cell_type': kind, 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -32,12 +31,10 @@ TITLE, SPEC, ANSWER, CHECK = range(4)
 
 @pytest.fixture
 def student():
-    """Return a copy of the release with a student's changes."""
     return copy.deepcopy(RELEASE)
 
 
 def flags(notebook):
-    """Return the flags of a notebook."""
     text = notebook if isinstance(notebook, str) else json.dumps(notebook)
     release = copy.deepcopy(RELEASE)
     for one in release['cells']:

@@ -12,7 +12,6 @@ NOTHING = Recording({}, ())
 
 
 def make_exam(**options):
-    """Return an exam without checks."""
     facts = {'title': 'T', 'assignment': '01_x', 'part': 1, 'cells': ('a',), 'requires': ()}
     facts['scenario'] = Scenario()
     return Exam('sample', **{**facts, **options})

@@ -24,8 +24,6 @@ WHOLE = Recording(
 
 
 class Runs:
-    """Returns a recording, and counts its calls."""
-
     def __init__(self):
         self.count = 0
 

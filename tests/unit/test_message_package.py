@@ -159,7 +159,6 @@ class TestBuild:
 
     @staticmethod
     def built(**process):
-        """Return the cause for a build that ended like this."""
         event = {
             'event': 'process',
             'exit': 1,

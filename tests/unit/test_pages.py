@@ -19,7 +19,6 @@ EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
 
 
 def failing(**changes):
-    """Return a check that failed."""
     facts = {
         'expected': 'one warning',
         'observed': 'none',
@@ -35,7 +34,6 @@ WAITING = CheckResult('stops', 'It stops.', Verdict.NOT_RUN, 0, 1, waits_for='wa
 
 
 def submission(student='ann', checks=None, **more):
-    """Return a result with one exam."""
     checks = checks or (PASSED, failing(), WAITING)
     exam = ExamResult('talker', tuple(checks), 'watched', 'bwrap-user', ('odd',), {'run_s': 0.5})
     return SubmissionResult(student, '01_talker', (exam,), **more)
@@ -193,7 +191,6 @@ class TestPages:
 
 class TestTable:
     def printed(self, *results):
-        """Return what a wide terminal shows."""
         console = Console(file=io.StringIO(), width=150)
         print_table(console, '01_talker', results)
         return console.file.getvalue()

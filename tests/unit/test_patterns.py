@@ -36,17 +36,14 @@ def run_of(*events, facts=None, code=''):
 
 
 def at(clock_s, kind='message', **fields):
-    """Return an event at a virtual time."""
     return {'event': kind, 'clock_ns': round(clock_s * 1e9), **fields}
 
 
 def message(clock_s, topic='/alive', **fields):
-    """Return a message of the node."""
     return at(clock_s, topic=topic, data={}, **fields)
 
 
 def why(check, *given):
-    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(*given)
     return failed.value.why
@@ -339,7 +336,6 @@ def watched(*events):
 
 
 def logged(clock_s, level=WARN, line=30, after_input=None):
-    """Return a log line of the sensor's listener."""
     fields = {'name': 'sensor_watch', 'level': level, 'line': line, 'text': 'DEADLINE'}
     return at(clock_s, 'log', after_input=after_input, **fields)
 
@@ -385,7 +381,6 @@ class TestManaged:
     """What goes wrong between the states of a node."""
 
     def graph(self, when, *endpoints):
-        """Return what is in the graph at some moment."""
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 
     def test_second_configuration_that_creates_nothing_is_told(self):

@@ -67,7 +67,6 @@ def handed_in(student, word):
 
 
 def points(graded):
-    """Return the points by student, None for review."""
     return {one.result.student: None if one.result.fault else one.result.points for one in graded}
 
 

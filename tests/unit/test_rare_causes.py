@@ -34,12 +34,10 @@ WATCHED = {
 
 
 def graph(nodes, endpoints=()):
-    """Return what was seen in the graph."""
     return {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
 
 
 def why(check, run):
-    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why

@@ -11,7 +11,6 @@ from autograder.recording import header, Recording
 
 
 def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):
-    """Return an endpoint as the probe writes it."""
     return {'topic': topic, 'kind': kind, 'node': node, 'type': kind_of, 'qos': {}}
 
 

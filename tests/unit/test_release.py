@@ -22,7 +22,6 @@ class FakeExam:
 
 
 def cell(grade_id, source, **marks):
-    """Return a code cell with nbgrader's marks."""
     return {
         'cell_type': 'code',
         'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},

@@ -11,7 +11,6 @@ PACKAGE = 'my_robot_pkg'
 
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
-    """Return the folder of an installed package with one program."""
     marker = tmp_path / 'share' / 'ament_index' / 'resource_index' / 'packages' / PACKAGE
     program = tmp_path / 'lib' / PACKAGE / 'talker'
     for path in (marker, program):

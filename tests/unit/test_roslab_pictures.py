@@ -41,7 +41,6 @@ LASTING = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def end(node, kind=STRING, qos=RELIABLE):
-    """Return an endpoint."""
     return Endpoint(node, kind, qos)
 
 
@@ -192,7 +191,6 @@ def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
 
 
 def table(page):
-    """Return the rows of the table below a picture."""
     found = ElementTree.fromstring(re.search(r'<table.*</table>', page, re.DOTALL)[0])
     return [[cell.text or '' for cell in row] for row in found.iter('tr')]
 
@@ -370,7 +368,6 @@ def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
 
 
 def curve(*values, threshold=None):
-    """Return a curve with a value each second."""
     return Curve('/t data', tuple(enumerate(map(float, values))), 20.0, threshold)
 
 

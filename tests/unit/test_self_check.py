@@ -38,7 +38,6 @@ class FakeEngine:
 
 
 def cell(source: str, **marks: object) -> dict[str, object]:
-    """Return a code cell as nbgrader marks it."""
     metadata = {'nbgrader': marks} if marks else {}
     return {'cell_type': 'code', 'metadata': metadata, 'source': source, 'id': 'x', 'outputs': []}
 

@@ -82,14 +82,12 @@ def main():
 
 
 def found(at_least=0.85, given_text='', **texts):
-    """Compare one file per student."""
     answers = {student: {'talker.py': text} for student, text in texts.items()}
     given_away = frozenset(line.raw for line in lines_of('given.py', given_text))
     return compare('01_talker', answers, given_away, at_least)
 
 
 def score(one, two):
-    """Return how alike two texts are."""
     (pair,) = found(0.0, one=one, two=two).pairs
     return pair.score
 

@@ -55,7 +55,6 @@ class TestPacking:
 
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
-        """Return the course."""
         for name in (
             'README.md',
             'course.toml',

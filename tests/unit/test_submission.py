@@ -11,7 +11,6 @@ from autograder.submission.submission import open_submission, rebuild
 
 
 def cell(grade_id='', source='', kind='code', **marks):
-    """Return a cell as it is in a file."""
     metadata = {'nbgrader': {'grade_id': grade_id, **marks}} if grade_id else {}
     more = {'outputs': [], 'execution_count': None} if kind == 'code' else {}
     return {'cell_type': kind, 'metadata': metadata, 'source': source, **more}
@@ -44,7 +43,6 @@ def student_file(release, **changes):
 
 
 def source_of(notebook, grade_id):
-    """Return the text of one cell."""
     return next(
         one['source']
         for one in notebook['cells']

@@ -19,7 +19,6 @@ TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
 
 
 def why(check, run):
-    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why
