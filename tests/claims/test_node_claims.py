@@ -92,27 +92,6 @@ def test_graph_tells_endpoints_and_their_qos(world):
     assert node.count_publishers('/chatter') == 1
 
 
-@claim('N10')
-def test_questions_have_twins_on_the_command_line():
-    for command in (
-        'node list',
-        'node info',
-        'topic list',
-        'topic info',
-        'topic echo',
-        'topic hz',
-    ):
-        said = subprocess.run(
-            [sys.executable, '-m', 'roslab.ros2', *command.split(), '--help'],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-
-        assert said.returncode == 0, said.stderr
-        assert 'usage: ros2' in said.stdout
-
-
 @claim('E1')
 def test_node_before_init_is_refused():
     with pytest.raises(NotInitializedException):

@@ -97,7 +97,7 @@ def make():
 """
 
 
-@pytest.mark.parametrize('number', range(6))
+@pytest.mark.parametrize('number', range(3))
 def test_last_message_of_a_program_that_ends_is_heard(run, number):
     """The news that its publisher is gone must not overtake it."""
     seen = run(LAST_WORDS, Advance(3.0), watch={'/out': INT})
@@ -132,7 +132,7 @@ def make():
 def test_a_queue_of_one_keeps_the_newest_of_a_burst(run):
     """All of a burst has come before the program's executor takes a message."""
     burst = Feed('/numbers', [{'data': number} for number in range(5)], burst=True)
-    for _ in range(5):
+    for _ in range(3):
         seen = run(SHORT_QUEUE, burst, feed={'/numbers': INT}, watch={'/heard': INT})
 
         assert [event['data'] for event in seen.messages('/heard')] == [{'data': 4}]
