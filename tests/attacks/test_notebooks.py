@@ -145,7 +145,6 @@ def test_notebook_that_names_a_flag_is_flagged(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_page_of_a_notebook_is_harmless(graded, attack):
-    """The page shows text as text, without control characters and without secrets."""
     path = graded.layout.reports / ASSIGNMENT / page_name(graded.students[attack.name])
     page = path.read_text(encoding='utf-8')
 
@@ -180,7 +179,6 @@ def test_honest_students_are_not_flagged(graded):
 
 
 def test_gradebook_has_everybody_once_with_their_own_points(graded):
-    """What nbgrader stores is what was given, also for those beside an attack."""
     query = """
         select submitted_assignment.student_id, sum(grade.auto_score)
         from grade
@@ -200,7 +198,6 @@ def test_gradebook_has_everybody_once_with_their_own_points(graded):
 
 
 def test_no_recording_has_a_secret_of_others(graded):
-    """What a program printed or sent holds nothing of the exams, the grader or the class."""
     recordings = list(graded.layout.recordings.rglob('*.jsonl'))
 
     assert len(recordings) > len(HONEST)

@@ -89,8 +89,6 @@ def test_code_in_an_answer_is_never_executed(tmp_path):
 
 
 class TestMagic:
-    """The output of an ``%%answer`` cell in a notebook."""
-
     @pytest.fixture(autouse=True)
     def folder(self, tmp_path, monkeypatch):
         """Work in an empty folder and return it."""

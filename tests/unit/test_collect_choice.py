@@ -258,8 +258,6 @@ class TestTheRightOne:
 
 
 class TestBounds:
-    """A student with very many or very large files does not stop the class."""
-
     @pytest.mark.slow
     def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
         """The memory does not grow with the class: each notebook is read when it is written."""

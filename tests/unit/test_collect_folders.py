@@ -24,8 +24,6 @@ from autograder.submission.tree import NotTakenInError
 
 
 class TestFolders:
-    """Collect one folder or one notebook per student."""
-
     @pytest.mark.parametrize('how', [packed, laid])
     def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
         """The assignment's name is removed, and git's own files are not collected."""

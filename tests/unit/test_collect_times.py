@@ -123,8 +123,6 @@ class TestReading:
 
 
 class TestExchange:
-    """In an exchange, the name of the folder has the time."""
-
     def test_the_time_is_kept_and_shown(self, tmp_path, layout):
         """The time is saved in UTC and shown to the minute."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
@@ -206,8 +204,6 @@ class TestStampBesideANotebook:
 
 
 class TestOlderWork:
-    """Older work never replaces newer work."""
-
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):

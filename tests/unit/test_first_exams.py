@@ -177,8 +177,6 @@ class TestNightWatch:
 
 
 class TestHarbour:
-    """Reports of one node, once a period."""
-
     @staticmethod
     def keeper(*moments, code='create_timer(2.0, self.report)'):
         """Return a run in which the keeper reports at these moments [s]."""
@@ -212,8 +210,6 @@ class TestHarbour:
 
 
 class TestTalker:
-    """When greetings come, and what they say."""
-
     @staticmethod
     def run_of(texts, lost=0, period_s=0.5, code=''):
         """Return a run in which these greetings are heard, and some before them are not."""
@@ -277,8 +273,6 @@ class TestTalker:
 
 
 class TestCourier:
-    """When the parcel comes, and to whom."""
-
     @staticmethod
     def run_of(
         *heard, code='', lost=0, lives=('delivered', 'end'), durability='VOLATILE', exit=None
@@ -397,8 +391,6 @@ class TestCourier:
 
 
 class TestRunningMean:
-    """Which mean it is instead."""
-
     @pytest.mark.parametrize(
         ('answers', 'cause_id'),
         [

@@ -32,8 +32,6 @@ def run_of(exam, *events):
 
 
 class TestJoining:
-    """The latest of several topics."""
-
     rule = staticmethod(joining(2, old=lambda ages: max(ages) > 2.0))
 
     def test_nothing_is_due_before_all_have_come(self):
@@ -106,8 +104,6 @@ def test_command_before_both_have_come_is_told():
 
 
 class TestHeartbeat:
-    """Why heartbeats are missing."""
-
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
     def test_timer_that_waits_for_each_picture_is_told(self):
@@ -131,8 +127,6 @@ class TestHeartbeat:
 
 
 class TestLimits:
-    """What is in force after changes."""
-
     def test_node_is_judged_by_the_limits_that_it_accepts(self):
         """A node that accepts NaN warns of nothing after that, and loses those points once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]

@@ -134,8 +134,6 @@ class TestDeclarations:
 
 
 class TestStation:
-    """The constants and the default of the weather station."""
-
     @pytest.mark.parametrize('cause', CONSTANTS)
     def test_each_mistake_in_a_constant_has_a_name(self, cause):
         text = STATES.replace(*CONSTANTS[cause])
@@ -155,8 +153,6 @@ class TestStation:
 
 
 class TestBuild:
-    """The ends of a build have different causes."""
-
     @staticmethod
     def built(**process):
         event = {

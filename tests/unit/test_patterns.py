@@ -294,8 +294,6 @@ def test_warning_from_another_line_is_not_called_a_repetition():
 
 
 class TestHeartbeat:
-    """Why a heartbeat waits for pictures."""
-
     quiet = tuple(message(half / 2) for half in range(1, 7))
 
     def test_lock_that_both_callbacks_take_is_named(self):
@@ -341,8 +339,6 @@ def logged(clock_s, level=WARN, line=30, after_input=None):
 
 
 class TestSensor:
-    """Warnings and errors that come too often."""
-
     @pytest.mark.parametrize(
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
@@ -378,8 +374,6 @@ BEACON = {
 
 
 class TestManaged:
-    """What goes wrong between the states of a node."""
-
     def graph(self, when, *endpoints):
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 

@@ -20,8 +20,6 @@ def done(student: str, points: float, run_s: float = 0.0) -> Done:
 
 
 class TestTotals:
-    """The totals of a class so far."""
-
     def test_full_marks_less_and_reviews_are_counted(self):
         """A submission for review counts as neither."""
         totals = Totals()

@@ -35,8 +35,6 @@ SAMPLE = Recording(
 
 
 class TestAnswers:
-    """The questions checks ask."""
-
     def test_nodes_are_those_of_every_graph(self):
         """A node that came or went in between is still known."""
         assert SAMPLE.nodes == ('/a', '/b')

@@ -298,8 +298,6 @@ def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
 
 
 class TestWords:
-    """What takes the place of a secret."""
-
     @pytest.mark.parametrize(
         ('exam', 'program', 'check', 'words'),
         [

@@ -91,8 +91,6 @@ def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
 
 
 class TestRelease:
-    """``make release`` packs a course that fits together."""
-
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
         """Return a course whose notebooks need no generating."""

@@ -47,8 +47,6 @@ def check(monkeypatch, points, **facts):
 
 
 class TestOpening:
-    """After full points or three tries."""
-
     def test_third_try_opens_it(self, copy, monkeypatch, capsys):
         """The line below a check counts down, and then leads to the answer."""
         said = [str(check(monkeypatch, 0)).splitlines()[-1] for _ in range(TRIES)]
@@ -100,8 +98,6 @@ class TestOpening:
 
 
 class TestCopies:
-    """What an instructor packs."""
-
     def test_copy_without_answers_does_not_mention_them(self, copy, monkeypatch):
         """The default."""
         (copy / FOLDER / '03_topics.txt').unlink()
