@@ -25,7 +25,7 @@ from tests.judgement import agreement
 from tests.judgement.properties import moved_by_text, telling, unreadable
 from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, UNTOUCHED, verdicts_of
-from tests.pipeline.recording_schema import invalid_lines
+from tests.pipeline.test_recording_schema import invalid_lines
 
 LAYOUT = Layout.here()
 _FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python ends
