@@ -256,4 +256,5 @@ def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
 
 
 def _asks_for_another_topic(run: Run) -> None:
+    """It asks."""
     require_messages(run, topic='/nothing')

@@ -22,10 +22,12 @@ def passes(run):
 
 
 def fails(run):
+    """It fails."""
     raise Failed(expected='1', observed='2', why=Cause('because', 'why', 'this'))
 
 
 def breaks(run):
+    """It breaks."""
     raise KeyError('ours')
 
 
