@@ -1,7 +1,5 @@
 """For all tests: repeatable points, and programs that can be interrupted."""
 
-from __future__ import annotations
-
 import os
 import signal
 

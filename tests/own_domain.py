@@ -5,8 +5,6 @@ Two kinds of claims keep them apart, also between two checkouts: the course's ow
 respect, and the TCP port of ROS's ``domain_coordinator``, which the tests of the ROS package use.
 """
 
-from __future__ import annotations
-
 from contextlib import closing, ExitStack, suppress
 import random
 

@@ -5,8 +5,6 @@ What it tries is in its docstring, and what is said about it in :data:`REFUSED`.
 hold is in :mod:`autograder.submission.package`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 import stat

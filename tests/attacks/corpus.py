@@ -1,9 +1,8 @@
 """
-The attacks: what each file says about itself, and how programs among them are graded.
+The attacks: what is known about each, and how programs among them are graded.
 
-A folder named like an exam holds programs that are handed in for it; ``notebooks/`` holds small
-files that make what is handed in.  Each begins with a docstring of these fields, a field a line or
-a paragraph::
+A folder named like an exam holds programs that are handed in for it.  Each begins with a docstring
+of these fields, a field a line or a paragraph::
 
     Tries: what it is after.
     Stopped by: what keeps it from getting it
@@ -11,10 +10,9 @@ a paragraph::
     Flag: same name         words that the instructor must see; several lines, or none
     Ends: cpu_limit         the reason for which its run must end, or none
 
-A program may import ``honest``, the honest solution in ``honest/``, and bend it.
+A program may import ``honest``, the honest solution in ``honest/``, and bend it, and
+``participants`` from that folder.
 """
-
-from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping
@@ -49,28 +47,25 @@ POINTS = re.compile(r'(\d+)( at most)?')
 @dataclass(frozen=True)
 class Attack:
     """
-    One file of the corpus.
+    What is handed in to do harm.
 
-    :param kind: name of the folder: an exam, or ``notebooks``
+    :param kind: an exam, or ``notebooks``
     :param points: what its honest part deserves, and it gets
     :param at_most: whether the points are an upper bound
     :param flags: words that the instructor must see
     :param ends: the reason for which its run ends, if it is stated
+    :param path: file of a program
     """
 
-    path: Path
+    name: str
     kind: str
     tries: str
     stopped_by: str
     points: float
-    at_most: bool
-    flags: tuple[str, ...]
-    ends: str
-
-    @property
-    def name(self) -> str:
-        """Return what it is called in tests."""
-        return self.path.stem
+    at_most: bool = False
+    flags: tuple[str, ...] = ()
+    ends: str = ''
+    path: Path = FOLDER
 
 
 def read(path: Path) -> Attack:
@@ -92,7 +87,7 @@ def read(path: Path) -> Attack:
     if missing or not points:
         raise ValueError(f'{path}: expected Tries, Stopped by and Deserves, lacks {missing}')
     return Attack(
-        path,
+        path.stem,
         path.parent.name,
         fields['Tries'][0],
         fields['Stopped by'][0],
@@ -100,18 +95,14 @@ def read(path: Path) -> Attack:
         bool(points[2]),
         tuple(fields.get('Flag', ())),
         fields.get('Ends', [''])[0],
+        path,
     )
 
 
 def programs() -> list[Attack]:
     """Return all attacks that are programs, in the order of their folders and names."""
     paths = [path for path in sorted(FOLDER.glob('*/*')) if path.suffix in ('.py', '.cmake')]
-    return [read(path) for path in paths if path.parent.name not in (NOTEBOOKS, 'honest')]
-
-
-def notebooks() -> list[Attack]:
-    """Return all attacks that make a notebook or a folder."""
-    return [read(path) for path in sorted(FOLDER.glob(f'{NOTEBOOKS}/*.py'))]
+    return [read(path) for path in paths if path.parent.name != 'honest']
 
 
 @dataclass(frozen=True)
@@ -152,10 +143,10 @@ def files_of(attack: Attack) -> dict[str, str]:
     if attack.path.suffix == '.cmake':
         assignment = catalog.load(attack.kind).assignment
         return {**reference(assignment), 'CMakeLists.txt': text}
-    honest = FOLDER / 'honest' / f'{attack.kind}.py'
     files = {catalog.load(attack.kind).requires[0]: text}
-    if honest.exists():
-        files['honest.py'] = honest.read_text(encoding='utf-8')
+    for module, name in (('honest', attack.kind), ('participants', 'participants')):
+        if f'import {module}\n' in text:
+            files[f'{module}.py'] = (FOLDER / 'honest' / f'{name}.py').read_text(encoding='utf-8')
     return files
 
 

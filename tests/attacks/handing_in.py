@@ -1,11 +1,17 @@
-"""What the files in ``notebooks/`` have in common: cells, and laying out what is handed in."""
+"""
+What is handed in to do harm: the table of it, and how cells and folders are made.
 
-from __future__ import annotations
+``hostile_notebooks.py`` and ``hostile_folders.py`` fill the table with functions.  Each gets the
+student's folder, the solved notebook and the released one.  It returns the content of the
+notebook's file, or lays out the folder itself.  Its docstring says what it tries.
+"""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import json
 from pathlib import Path
 from typing import Any
+
+from tests.attacks.corpus import Attack, NOTEBOOKS
 
 ASSIGNMENT = '07_temperature_monitor'
 NOTEBOOK = 'temperature_monitor.ipynb'
@@ -13,10 +19,31 @@ PAYLOAD = Path('/tmp/an-attack-of-the-corpus-ran')
 """What a payload makes where it is executed; nobody else does."""
 
 Notebook = dict[str, Any]
+Content = Notebook | str | bytes
+HandIn = Callable[[Path, Notebook, Notebook], Content | None]
+
+HANDED_IN: dict[str, tuple[Attack, HandIn]] = {}
+"""By name: what is said about each attack, and what makes it."""
+
+
+def attack(stopped_by: str, points: float, *flags: str) -> Callable[[HandIn], HandIn]:
+    """
+    Enter a function into the table.
+
+    :param points: what it deserves of the points of lesson 07
+    :param flags: words that the instructor must see
+    """
+
+    def enter(function: HandIn) -> HandIn:
+        tries = ' '.join((function.__doc__ or '').split())
+        about = Attack(function.__name__, NOTEBOOKS, tries, stopped_by, points, flags=flags)
+        HANDED_IN[about.name] = about, function
+        return function
+
+    return enter
 
 
 def cell(notebook: Notebook, grade_id: str) -> dict[str, Any]:
-    """Return the cell of a grade id."""
     return next(one for one in marked(notebook) if grade_id_of(one) == grade_id)
 
 
@@ -26,12 +53,10 @@ def marked(notebook: Notebook) -> Iterator[dict[str, Any]]:
 
 
 def checks(notebook: Notebook) -> Iterator[dict[str, Any]]:
-    """Yield the cells of automatic checks."""
     yield from (one for one in marked(notebook) if grade_id_of(one).startswith('check_'))
 
 
 def grade_id_of(one: dict[str, Any]) -> str:
-    """Return the grade id of a cell that nbgrader knows."""
     return str(one['metadata']['nbgrader']['grade_id'])
 
 
@@ -47,7 +72,7 @@ def code(source: str) -> dict[str, Any]:
     }
 
 
-def lay_out(student: Path, content: Notebook | str | bytes, name: str = NOTEBOOK) -> Path:
+def lay_out(student: Path, content: Content, name: str = NOTEBOOK) -> Path:
     """
     Write what is handed in where nbgrader's collect would.
 

@@ -7,8 +7,6 @@ It is a program of its own because some modes are for a plain user and some for 
 ``run`` it says so while a probe watches a program that computes forever.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -5,16 +5,16 @@ Write docs/attacks.md: every attack, what it tries, what stops it, and its point
 date.  The points are those the tests assert (tests/attacks), so the table cannot claim others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
 import sys
 
 from autograder.exam import catalog
+from tests.attacks import hostile_folders, hostile_notebooks  # noqa: F401 - they fill HANDED_IN
 from tests.attacks.archives import REFUSED
-from tests.attacks.corpus import Attack, NOTEBOOKS, notebooks, programs
+from tests.attacks.corpus import Attack, NOTEBOOKS, programs
+from tests.attacks.handing_in import HANDED_IN
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'attacks.md'
 HEAD = """# Attacks
@@ -37,8 +37,7 @@ does not is in `docs/threat-model.md`.
 
 
 def page() -> str:
-    """Return the whole page."""
-    found = [*programs(), *notebooks()]
+    found = [*programs(), *(about for _, (about, _) in sorted(HANDED_IN.items()))]
     parts = [HEAD.format(count=len(found) + len(REFUSED))]
     for kind, group in groupby(found, key=lambda one: one.kind):
         parts.append('\n'.join(_section(kind, list(group))))
@@ -50,8 +49,8 @@ def _archives() -> Iterator[str]:
     yield '| Attack | Tries to | What is said |'
     yield '|---|---|---|'
     for trick, said in REFUSED.items():
-        tries = (trick.__doc__ or '').strip().rstrip('.')
-        yield f'| {trick.__name__.replace("_", " ")} | {tries[0].lower()}{tries[1:]} | “{said}” |'
+        tries = _lower(trick.__doc__ or '')
+        yield f'| {trick.__name__.replace("_", " ")} | {tries} | “{said}” |'
     yield ''
 
 
@@ -72,12 +71,16 @@ def _row(attack: Attack) -> str:
     flags = ', '.join(f'“{flag}”' for flag in attack.flags)
     name = attack.name.replace('_', ' ')
     ends = f'`{attack.ends}`' if attack.ends else ''
-    cells = (name, attack.tries.rstrip('.'), attack.stopped_by, points, ends, flags)
+    cells = (name, _lower(attack.tries), attack.stopped_by, points, ends, flags)
     return f'| {" | ".join(cell.replace("|", "&#124;") for cell in cells)} |'
 
 
+def _lower(tries: str) -> str:
+    tries = tries.strip().rstrip('.')
+    return tries[0].lower() + tries[1:]
+
+
 def main(arguments: Sequence[str]) -> int:
-    """Write the page, or compare it."""
     text = page()
     if '--check' not in arguments:
         PAGE.write_text(text, encoding='utf-8')

@@ -5,8 +5,6 @@ Each trick of :mod:`tests.attacks.archives` is packed beside a file that it woul
 read, and an honest archive is taken in after it.
 """
 
-from __future__ import annotations
-
 import io
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the sandbox promises, tried from both sides."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import select
@@ -12,10 +10,8 @@ import sys
 import pytest
 
 import autograder
-from autograder.exam import catalog
-from autograder.grading.examine import examine
 from autograder.runs.observe import INSIDE, laid_out
-from autograder.sandboxes.choose import strongest, usable
+from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Limits, Program
 from autograder.sandboxes.processes import usage
 
@@ -48,7 +44,6 @@ def gone(pidfd: int, seconds: float) -> bool:
 
 @pytest.mark.parametrize('moment', ['held', 'running'])
 def test_nothing_outlives_a_killed_grader(moment):
-    """A grader that dies at any moment takes its sandboxes along."""
     endless = 'print("up", flush=True)\nwhile True:\n    pass\n'
     with laid_out({'x.py': endless}) as (submission, _):
         grader = subprocess.Popen(
@@ -97,13 +92,3 @@ def test_usage_counts_the_memory_of_children():
 
     assert resident > 64 << 20
     assert seconds >= 0
-
-
-def test_visible_checks_run_without_a_sandbox_and_say_so():
-    """On a laptop without bubblewrap a plain child process does it."""
-    code = "import rclpy\nrclpy.init()\nrclpy.spin(rclpy.create_node('temperature_publisher'))\n"
-    exam = catalog.load('temperature_publisher', hidden=False)
-    result = examine(exam, {'temp_publisher.py': code}, sandbox=usable('none'))
-
-    assert result.mode == 'none'
-    assert [check.check for check in result.checks if check.points] == ['starts_its_node']

@@ -5,8 +5,6 @@ Modes of a plain user are tried as root by giving up root first, in a mount name
 Python can be reached by everyone.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path
@@ -90,7 +88,6 @@ def world(request, planted):
 
 
 def run_world(mode: str, folder: Path):
-    """Run both programs in a mode and return what they report."""
     done = subprocess.run(
         [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
         + ['-m', 'tests.attacks.mode_world', mode, str(folder)],
@@ -124,7 +121,6 @@ def kernel_scopes_signals() -> bool:
 
 
 def test_nothing_outlives_a_killed_grader(world):
-    """A grader that is killed takes the program and its daemon along."""
     mode, _, folder = world
     with started(mode, folder, 'linger') as grader:
         assert grader.stdout.readline() == b'lingers\n'
@@ -161,7 +157,6 @@ def started(mode: str, folder: Path, what: str) -> subprocess.Popen[bytes]:
 
 
 def test_nothing_outlives_the_run(world):
-    """A daemon that ignores signals has ended."""
     assert sleeping() == []
 
 
@@ -178,7 +173,6 @@ def sleeping() -> list[int]:
 
 
 def test_honest_programs_get_their_points_and_results_say_the_mode(world):
-    """Grading works, and what was not protected is written into the result."""
     mode, seen, _ = world
 
     check_honest(mode, seen['results'])
@@ -200,7 +194,6 @@ def check_honest(mode: str, results) -> None:
 
 
 def test_hidden_exams_are_never_run_without_isolation():
-    """What keeps nothing hidden gets nothing hidden."""
     exam = catalog.load('harbour', hidden=True)
 
     with pytest.raises(SandboxUnavailable, match='never runs with isolation none'):

@@ -5,11 +5,8 @@ All of them are handed in, graded, recorded in nbgrader's gradebook and reported
 property is then a test of its own.
 """
 
-from __future__ import annotations
-
 import copy
 from dataclasses import dataclass, replace
-import importlib.util
 import json
 import os
 from pathlib import Path
@@ -17,7 +14,6 @@ import shutil
 import sqlite3
 import subprocess
 import sys
-from types import ModuleType
 
 import pytest
 
@@ -29,13 +25,14 @@ from autograder.results import SubmissionResult
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
 from autograder.submission.notebook import read_release
-from tests.attacks.corpus import Attack, CANARY, notebooks
-from tests.attacks.handing_in import ASSIGNMENT, cell, lay_out, PAYLOAD
+from tests.attacks import hostile_folders, hostile_notebooks  # noqa: F401 - they fill HANDED_IN
+from tests.attacks.corpus import Attack, CANARY
+from tests.attacks.handing_in import ASSIGNMENT, cell, HANDED_IN, lay_out, PAYLOAD
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mark.nbgrader]
 
 ROOT = Path(__file__).parents[2]
-ATTACKS = notebooks()
+ATTACKS = [about for about, _ in HANDED_IN.values()]
 # One before, one between and one behind all others; the last has nothing right.
 HONEST = {'ada': 50.0, 'has_a_pen': 50.0, 'zoe': 0.0}
 HTML = ('<script>alert', '<img src=x', '<svg/', 'href="javascript:', '<iframe', '<b onmouse')
@@ -56,33 +53,21 @@ class ClassRun:
     students: dict[str, str]
 
     def of(self, attack: Attack) -> SubmissionResult:
-        """Return what an attack got."""
         return self.graded[self.students[attack.name]].result
-
-
-def load(attack: Attack) -> ModuleType:
-    """Import an attack's file."""
-    spec = importlib.util.spec_from_file_location(f'attack_{attack.name}', attack.path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def hand_in(attack: Attack, submitted: Path, solved, blank) -> Path:
     """Lay out what an attack hands in; return the student's folder."""
-    module = load(attack)
-    student = submitted / getattr(module, 'STUDENT', attack.name)
-    solved, blank = copy.deepcopy(solved), copy.deepcopy(blank)
-    if hasattr(module, 'hand_in'):
-        module.hand_in(student, solved, blank)
-    else:
-        lay_out(student, module.notebook(solved, blank))
-    return student
+    before, student = set(submitted.iterdir()), submitted / attack.name
+    content = HANDED_IN[attack.name][1](student, copy.deepcopy(solved), copy.deepcopy(blank))
+    if content is not None:
+        lay_out(student, content)
+    (made,) = set(submitted.iterdir()) - before
+    return made
 
 
 @pytest.fixture(scope='session')
 def course(tmp_path_factory) -> Layout:
-    """Return a course with one lesson, released and entered in a gradebook."""
     from autograder.gradebook import converters
 
     layout = Layout(tmp_path_factory.mktemp('course'))
@@ -131,18 +116,15 @@ def _student(folder: Path, names: dict[str, str]) -> str:
 
 
 def engine(course: Layout) -> SandboxEngine:
-    """Return the engine that grades a class, with its recordings kept."""
     return SandboxEngine(strongest(), course.recordings)
 
 
 def names(attack: Attack) -> str:
-    """Return a test id."""
     return attack.name
 
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_notebook_gains_nothing(graded, attack):
-    """The points are those that its answers deserve, and nothing is for review."""
     result = graded.of(attack)
 
     assert not result.fault
@@ -154,7 +136,6 @@ def test_notebook_gains_nothing(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_notebook_that_names_a_flag_is_flagged(graded, attack):
-    """The instructor reads what is wrong, on the student's page."""
     result = graded.of(attack)
     seen = [*result.flags, *(problem.line() for problem in result.problems)]
 
@@ -164,7 +145,6 @@ def test_notebook_that_names_a_flag_is_flagged(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_page_of_a_notebook_is_harmless(graded, attack):
-    """The page shows text as text, without control characters and without secrets."""
     path = graded.layout.reports / ASSIGNMENT / page_name(graded.students[attack.name])
     page = path.read_text(encoding='utf-8')
 
@@ -174,7 +154,6 @@ def test_page_of_a_notebook_is_harmless(graded, attack):
 
 
 def test_honest_students_get_what_they_got_alone(graded):
-    """Nobody's grade depends on who else is in the class."""
     alone = grade_class(
         [graded.graded[name].submission for name in HONEST],
         graded.lesson,
@@ -189,20 +168,17 @@ def test_honest_students_get_what_they_got_alone(graded):
 
 
 def untimed(result: SubmissionResult) -> dict:
-    """Return a result without its wall-clock facts."""
     plain = replace(result, exams=tuple(replace(exam, timing={}) for exam in result.exams))
     return plain.to_json()
 
 
 def test_honest_students_are_not_flagged(graded):
-    """An untouched release and a solved one raise no false alarm."""
     for name in HONEST:
         assert graded.graded[name].result.flags == ()
         assert graded.graded[name].result.problems == ()
 
 
 def test_gradebook_has_everybody_once_with_their_own_points(graded):
-    """What nbgrader stores is what was given, also for those beside an attack."""
     query = """
         select submitted_assignment.student_id, sum(grade.auto_score)
         from grade
@@ -222,7 +198,6 @@ def test_gradebook_has_everybody_once_with_their_own_points(graded):
 
 
 def test_no_recording_has_a_secret_of_others(graded):
-    """What a program printed or sent holds nothing of the exams, the grader or the class."""
     recordings = list(graded.layout.recordings.rglob('*.jsonl'))
 
     assert len(recordings) > len(HONEST)
@@ -233,13 +208,11 @@ def test_no_recording_has_a_secret_of_others(graded):
 
 
 def test_no_payload_was_executed(graded):
-    """Nothing that was hidden in a notebook or beside it ran anywhere on the host."""
     assert not PAYLOAD.exists()
     assert not list(Path.cwd().glob('an-attack*'))
 
 
 def test_class_list_and_results_are_harmless(graded):
-    """The index has everybody, as text."""
     folder = graded.layout.reports / ASSIGNMENT
     index = (folder / 'index.html').read_text(encoding='utf-8')
     data = json.loads((folder / 'results.json').read_text(encoding='utf-8'))

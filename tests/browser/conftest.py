@@ -4,8 +4,6 @@ A course in a temporary folder, a JupyterLab server that serves it, and a headle
 Playwright is imported by the fixtures only: the other tests are collected without it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager, ExitStack
 from dataclasses import dataclass
@@ -198,7 +196,6 @@ def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
 
 @pytest.fixture(scope='session')
 def browser() -> Iterator[Any]:
-    """Return a headless Chromium of the system."""
     found = next(filter(None, map(shutil.which, BROWSERS)), None)
     assert found, f'No browser ({", ".join(BROWSERS)}). Try: sudo apt-get install -y chromium'
     from playwright.sync_api import sync_playwright

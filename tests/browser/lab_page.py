@@ -1,7 +1,5 @@
 """What the tests do on a page of JupyterLab: open a lesson, run it, find its cells."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re
@@ -58,14 +56,12 @@ def solved(lab: Lab, assignment: str) -> str:
 
 
 def choose(page: Any, *labels: str) -> None:
-    """Choose an entry of the menu bar."""
     page.locator(f'.lm-MenuBar-itemLabel:text-is("{labels[0]}")').click()
     for label in labels[1:]:
         page.locator(f'.lm-Menu-itemLabel:text-is("{label}")').click()
 
 
 def cell_with(page: Any, *words: str) -> Any:
-    """Return the code cell whose source has these words."""
     found = page.locator('.jp-CodeCell')
     for word in words:
         found = found.filter(has=page.locator('.jp-InputArea', has_text=word))
@@ -74,7 +70,6 @@ def cell_with(page: Any, *words: str) -> Any:
 
 
 def wait_until_run(cell: Any) -> None:
-    """Wait until a cell has come to its end."""
     from playwright.sync_api import expect
 
     expect(cell.locator('.jp-InputPrompt')).to_have_text(HAS_RUN, timeout=CELL_MS)

@@ -1,7 +1,5 @@
 """The book in a browser: readable by everyone, on a phone too, and from no other host."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -48,8 +46,6 @@ def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def address(book: Path) -> Iterator[str]:
-    """Return the address of a server with the book."""
-
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_: Any) -> None:
             """Print nothing."""

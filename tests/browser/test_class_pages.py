@@ -1,7 +1,5 @@
 """The pages of a class in a browser: readable on a telephone and on a wide screen."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +49,6 @@ def check(name: str) -> CheckResult:
 
 @pytest.fixture(scope='module')
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder with the pages of a class."""
     layout = Layout(tmp_path_factory.mktemp('course'))
     released = layout.notebooks / ASSIGNMENT / 'lesson.ipynb'
     released.parent.mkdir(parents=True)

@@ -1,7 +1,5 @@
 """The page that students get back, in a browser: readable, complete for everybody, and quiet."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -7,8 +7,6 @@ The lesson and the grader as people meet them: JupyterLab in a headless Chromium
 Screenshots are kept in pytest's temporary folder; a failed test says where.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -4,8 +4,6 @@ Lessons worked through as a student does, in JupyterLab in a headless Chromium.
     make test-browser ARGS='-k lessons_live'
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What cells show in JupyterLab can be read by everyone, on a light and on a dark page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

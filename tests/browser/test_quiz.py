@@ -4,8 +4,6 @@ A practice question in JupyterLab, answered by keyboard alone.
     make test-browser ARGS='-k quiz'
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

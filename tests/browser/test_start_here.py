@@ -4,8 +4,6 @@ The page that `make lab` opens, and the links of a lesson.
     make test-browser ARGS='-k start_here'
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What JupyterLab offers to students and to instructors, and its terminals."""
 
-from __future__ import annotations
-
 from conftest import ASSIGNMENT
 from lab_page import CELL_MS, choose, OPEN_MS, open_notebook
 import pytest

@@ -5,8 +5,6 @@ What the claims are tried with: real nodes in a ROS world of their own.
 destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condition, with a bound.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 import time
@@ -23,8 +21,6 @@ DOMAIN, ANOTHER_DOMAIN = own_domain(_until), own_domain(_until)
 
 
 class World:
-    """A context, an executor and the nodes in it."""
-
     another_domain = ANOTHER_DOMAIN
 
     def __init__(self, domain: int = DOMAIN) -> None:
@@ -55,7 +51,6 @@ class World:
             self.executor.spin_once(timeout_sec=0)
 
     def close(self) -> None:
-        """Destroy everything."""
         self.executor.shutdown()
         for node in self.nodes:
             node.destroy_node()
@@ -64,7 +59,6 @@ class World:
 
 @pytest.fixture
 def world() -> Iterator[World]:
-    """Return a ROS world of this test alone."""
     made = World()
     yield made
     made.close()

@@ -9,8 +9,6 @@ that are marked ``@pytest.mark.claim('N1')``.  Nothing is imported or executed, 
     python -m tests.claims.coverage --check    say what is missing, or out of date
 """
 
-from __future__ import annotations
-
 import ast
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence

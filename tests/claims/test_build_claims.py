@@ -1,7 +1,5 @@
 """What the course says about packages that define messages, tried with colcon and CMake."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import subprocess
@@ -99,7 +97,6 @@ def test_python_package_builds_and_has_no_messages(tmp_path):
 
 @claim('M4', 'C4')
 def test_without_the_group_cmake_stops(tmp_path):
-    """The message of CMake names the line that is missing from package.xml."""
     assert 'member_of_group' in configure(tmp_path, GENERATE, group='')
 
 

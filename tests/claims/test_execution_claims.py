@@ -1,7 +1,5 @@
 """What the course says about executors, timers, callbacks and clocks, tried on the real rclpy."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 import gc
 import os
@@ -40,8 +38,6 @@ def in_thread(work):
 
 
 def to_the_end(executor):
-    """Return what spins until the executor is shut down."""
-
     def spin():
         # rclpy 7.1.6 takes the guard condition away while the next wait may just be set up.
         with suppress(AttributeError, rclpy_implementation.InvalidHandle):
@@ -52,7 +48,6 @@ def to_the_end(executor):
 
 @claim('X1', 'X8')
 def test_spin_blocks_until_its_executor_is_shut_down(world):
-    """The thread that spins is busy with it until somebody ends it."""
     executor = SingleThreadedExecutor(context=world.context)
     ticked = threading.Event()
     world.executor.remove_node(node := world.node())
@@ -69,7 +64,6 @@ def test_spin_blocks_until_its_executor_is_shut_down(world):
 
 @claim('X8')
 def test_shutdown_of_the_context_raises_where_somebody_spins(world):
-    """The exception has a name that a program can expect."""
     raised = []
     spinning = threading.Event()
     node = world.node()
@@ -97,7 +91,6 @@ def test_shutdown_of_the_context_raises_where_somebody_spins(world):
 
 @claim('X2')
 def test_spin_once_without_time_does_not_wait(world):
-    """With nothing to do it returns at once, and with something it does one thing."""
     node, ticks = world.node(), []
     timer = node.create_timer(3600.0, lambda: ticks.append(1))
     world.drain()
@@ -120,7 +113,6 @@ def test_waiting_for_one_message_is_bounded(world):
 
 @claim('X3')
 def test_spinning_until_a_future_is_done(world):
-    """It returns when the answer is there."""
     node = world.node()
     node.create_service(GetParameters, 'ping', lambda _, response: response)
     future = node.create_client(GetParameters, 'ping').call_async(GetParameters.Request())
@@ -131,7 +123,6 @@ def test_spinning_until_a_future_is_done(world):
 
 @claim('X4')
 def test_messages_wait_until_somebody_spins(world):
-    """Connected and sent is not yet received."""
     node, heard = world.node(), []
     publisher = node.create_publisher(String, 'chatter', 10)
     node.create_subscription(String, 'chatter', heard.append, 10)
@@ -157,8 +148,6 @@ def test_spin_once_takes_the_node_away_from_its_executor(world):
 
 @claim('X7')
 def test_exception_in_a_callback_leaves_spin(world):
-    """``spin()`` raises the exception in its caller, and a spinning thread ends with it."""
-
     def fail():
         raise ZeroDivisionError('in a callback')
 
@@ -204,7 +193,6 @@ class Meeting:
         self.barrier = threading.Barrier(count)
 
     def wait(self, seconds):
-        """Wait for the others, at most so long."""
         try:
             self.barrier.wait(seconds)
         except threading.BrokenBarrierError:
@@ -224,7 +212,6 @@ def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
 
 @claim('X22')
 def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
-    """One group lets one call run at a time, and does not wait for another group."""
     one, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
     assert most_at_once(world, one, other) == 2
 
@@ -235,7 +222,6 @@ def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
 
 @claim('X22')
 def test_callback_overlaps_with_itself_in_a_reentrant_group_only(world):
-    """A timer that ticks faster than its callback ends meets itself."""
     assert most_at_once(world, ReentrantCallbackGroup()) >= 2
     assert most_at_once(world, MutuallyExclusiveCallbackGroup()) == 1
 
@@ -251,7 +237,6 @@ def test_executor_has_as_many_threads_as_there_are_processors(world):
 
 @claim('X10')
 def test_entity_keeps_its_callback_group_alive(world):
-    """Nobody else has to; and the group does not keep the entity."""
     node, group = world.node(), ReentrantCallbackGroup()
     timer = node.create_timer(60.0, lambda: None, callback_group=group)
     kept, members = weakref.ref(group), group.entities
@@ -289,7 +274,6 @@ def test_synchronous_call_in_a_callback_never_returns(world):
 
 @claim('X12')
 def test_one_callback_stops_all_others(world):
-    """While one is at work nothing else happens in its executor."""
     node, ticks, seen = world.node(), [], []
     node.create_timer(0.01, lambda: ticks.append(1))
 
@@ -340,7 +324,6 @@ def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
 
 @claim('X16')
 def test_without_a_clock_simulated_time_stands_at_zero(simulated):
-    """No /clock, no time, and a timer of a hundredth of a second stands still."""
     ticks = []
     simulated.subject.create_timer(0.01, lambda: ticks.append(1))
     witness = []
@@ -353,7 +336,6 @@ def test_without_a_clock_simulated_time_stands_at_zero(simulated):
 
 @claim('X17')
 def test_timers_are_stopped_and_started(world):
-    """Created stopped, started, cancelled and reset."""
     node, ticks = world.node(), []
     timer = node.create_timer(0.01, lambda: ticks.append(1), autostart=False)
     assert timer.is_canceled()
@@ -371,7 +353,6 @@ def test_timers_are_stopped_and_started(world):
 
 @claim('Q24')
 def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
-    """Messages keep it quiet for longer than its period; afterwards it ticks once."""
     stops = []
 
     def stop():
@@ -437,7 +418,6 @@ def test_time_of_the_clock_becomes_a_stamp_and_back(world):
 
 @claim('X21')
 def test_callbacks_run_where_somebody_spins(world):
-    """The thread of a callback is the thread of the executor."""
     where = []
     world.node().create_timer(0.01, lambda: where.append(threading.get_ident()))
     thread = in_thread(lambda: world.spin_until(lambda: where, what='a tick'))
@@ -449,7 +429,6 @@ def test_callbacks_run_where_somebody_spins(world):
 
 @claim('J8')
 def test_variables_of_a_child_shell_end_with_it():
-    """What a line after ! sets is gone when its shell has ended."""
     said = subprocess.run(
         ['sh', '-c', 'export TASTE=sweet; echo $TASTE'], capture_output=True, text=True, check=True
     )

@@ -1,7 +1,5 @@
 """What the course says about managed nodes, tried on the real LifecycleNode."""
 
-from __future__ import annotations
-
 from lifecycle_msgs.msg import State, Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState
 import pytest
@@ -22,7 +20,6 @@ class Managed(LifecycleNode):
     error: Exception | None = None
 
     def on_configure(self, state):
-        """Make the publisher."""
         self.out = self.create_lifecycle_publisher(Int32, 'numbers', 10)
         return TransitionCallbackReturn.SUCCESS
 
@@ -36,13 +33,11 @@ class Managed(LifecycleNode):
 
 
 def state_of(node) -> str:
-    """Return the name of the state a node is in."""
     return node._state_machine.current_state[1]
 
 
 @claim('L1')
 def test_way_through_the_primary_states(world):
-    """Four primary states, one after the other."""
     node, seen = world.node(cls=Managed), []
     for trigger in ('configure', 'activate', 'deactivate', 'cleanup', 'shutdown'):
         seen.append(state_of(node))
@@ -57,14 +52,12 @@ def test_way_through_the_primary_states(world):
 
 @claim('L2', 'C6')
 def test_plain_node_has_no_managed_states():
-    """Only the LifecycleNode can be configured."""
     assert not hasattr(Node, 'trigger_configure')
     assert hasattr(LifecycleNode, 'trigger_configure')
 
 
 @claim('L3', 'L4')
 def test_inactive_publisher_drops_in_silence(world):
-    """Before activation nothing arrives and nothing is said; after it, everything."""
     node, heard = world.node(cls=Managed), []
     node.trigger_configure()
     node.create_subscription(Int32, 'numbers', lambda m: heard.append(m.data), 10)
@@ -78,7 +71,6 @@ def test_inactive_publisher_drops_in_silence(world):
 
 @claim('L3')
 def test_without_super_the_publisher_stays_off(world):
-    """The node is active, and what it publishes is dropped."""
     node = world.node(cls=Managed)
     node.supers = False
     node.trigger_configure()
@@ -104,7 +96,6 @@ def test_only_deactivate_switches_a_publisher_off(world):
 
 @claim('L4')
 def test_timers_go_on_while_inactive(world):
-    """A timer is not managed."""
     node, ticks = world.node(cls=Managed), []
     node.trigger_configure()
     node.create_timer(0.01, lambda: ticks.append(1))
@@ -160,7 +151,6 @@ def test_transition_asked_for_by_label_is_refused_in_the_answer(world):
 
 @claim('L7')
 def test_transitions_are_announced_and_services_are_there(world):
-    """Anybody can watch and drive it."""
     node, events = world.node('managed', Managed), []
     node.create_subscription(TransitionEvent, 'managed/transition_event', events.append, 10)
     node.trigger_configure()
@@ -173,7 +163,6 @@ def test_transitions_are_announced_and_services_are_there(world):
 
 @claim('L8')
 def test_subscriptions_of_an_inactive_node_hear(world):
-    """Only publishers are switched."""
     node, heard = world.node(cls=Managed), []
     node.create_subscription(Int32, 'orders', heard.append, 10)
     world.node('boss').create_publisher(Int32, 'orders', 10).publish(Int32(data=1))

@@ -1,7 +1,5 @@
 """What the course says about logging, parameters and testing, tried on the real rclpy."""
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path
@@ -50,7 +48,6 @@ def test_severities_and_the_default(world):
 
 @claim('P2', 'P6')
 def test_what_is_logged_is_published_and_debug_is_not(world, rosout):
-    """The line after the silent one arrives."""
     log = world.node('talker').get_logger()
     log.debug('not even sent')
     log.info('sent')
@@ -75,7 +72,6 @@ def test_what_is_logged_is_kept_in_a_file(tmp_path):
 
 @claim('P3', 'C20')
 def test_warning_is_the_method(world, rosout):
-    """It has the level WARN."""
     world.node('talker').get_logger().warning('hot')
     world.spin_until(lambda: any(e.msg == 'hot' for e in rosout), what='the warning')
 
@@ -295,7 +291,6 @@ def warned(world, rosout):
 
 @claim('P14')
 def test_right_and_wrong_node_differ_at_the_limit_only(warned):
-    """One that compares with >= does everything else as it should."""
     right, wrong = (lambda value: value > 30.0), (lambda value: value >= 30.0)
 
     assert warned([29.9, 30.1, -40.0], right) == warned([29.9, 30.1, -40.0], wrong)

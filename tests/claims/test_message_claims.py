@@ -1,7 +1,5 @@
 """What the course says about messages, tried on the real parser, generators and classes."""
 
-from __future__ import annotations
-
 from array import array
 import keyword
 import subprocess
@@ -42,12 +40,10 @@ REFUSALS = (
 
 
 def parse(text):
-    """Parse the text of a message file of the package lab."""
     return parse_message_string('lab', 'Sample', text)
 
 
 def through_the_wire(message):
-    """Return what arrives when this is published."""
     return deserialize_message(serialize_message(message), type(message))
 
 
@@ -72,7 +68,6 @@ def test_names_without_a_size_are_refused(name):
 @claim('M9')
 @pytest.mark.parametrize('name', ['float32', 'float64', 'int8', 'uint64', 'bool', 'byte', 'char'])
 def test_names_with_a_size_are_primitive(name):
-    """And so are string and wstring."""
     assert parse(f'{name} value').fields[0].type.is_primitive_type()
     assert parse('string a\nwstring b').fields[1].type.is_primitive_type()
 
@@ -126,7 +121,6 @@ def test_arrays_and_strings_have_bounds():
 
 @claim('M14')
 def test_comments_are_kept_with_their_field():
-    """The comment after a field is its documentation."""
     (field,) = parse('float64 value  # in degrees Celsius').fields
 
     assert 'in degrees Celsius' in field.annotations['comment']
@@ -168,7 +162,6 @@ def test_checks_are_off_unless_they_are_asked_for():
 
 @claim('M16')
 def test_of_numpy_only_float64_is_a_float():
-    """The other kinds of numbers are refused when checks are on."""
     message = Float64(check_fields=True)
     message.data = numpy.float64(21.5)
     assert through_the_wire(message).data == 21.5
@@ -179,7 +172,6 @@ def test_of_numpy_only_float64_is_a_float():
 
 @claim('M17')
 def test_unknown_attributes_are_refused_and_unknown_keywords_only_with_checks():
-    """A typo in a keyword is silent where checks are off."""
     with pytest.raises(AttributeError):
         String().date = 'typo'
     with pytest.raises(AssertionError):
@@ -196,7 +188,6 @@ def test_classes_describe_themselves():
 
 @claim('M19')
 def test_message_may_change_after_it_was_published(world):
-    """What was sent is a copy; a list of one object has one value."""
     node, heard = world.node(), []
     node.create_subscription(Int32, 'numbers', heard.append, 10)
     publisher, message = node.create_publisher(Int32, 'numbers', 10), Int32(data=1)

@@ -1,7 +1,5 @@
 """What the course says about quality of service, tried with real endpoints and real events."""
 
-from __future__ import annotations
-
 import pytest
 from rclpy.duration import Duration
 from rclpy.event_handler import (
@@ -37,7 +35,6 @@ LATCHED = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def numbers(publisher, upto):
-    """Publish 0, 1, ... below a number."""
     for number in range(upto):
         publisher.publish(Int32(data=number))
 
@@ -87,7 +84,6 @@ def test_offer_must_be_as_strong_as_the_request():
 
 @claim('Q5', 'C13')
 def test_depth_history_and_lifespan_do_not_matter_for_matching(world):
-    """Profiles that differ in these three match."""
     node = world.node()
     publisher = node.create_publisher(
         String, 'a', QoSProfile(depth=1, lifespan=Duration(seconds=1))
@@ -155,7 +151,6 @@ def test_reliable_burst_into_a_full_queue(world):
 
 @claim('Q10')
 def test_depth_three_keeps_three(world):
-    """7, 8 and 9 of ten."""
     node, heard = world.node(), []
     publisher = node.create_publisher(Int32, 'a', 10)
     node.create_subscription(Int32, 'a', lambda m: heard.append(m.data), 3)
@@ -182,7 +177,6 @@ def test_late_joiners_need_transient_local_on_both_sides(world):
 
 @claim('Q11', 'C12')
 def test_past_ends_with_its_publisher(world):
-    """A second publisher's message is all that a later subscription gets."""
     node, heard = world.node(), []
     first = node.create_publisher(Int32, 'map', LATCHED)
     first.publish(Int32(data=1))
@@ -196,7 +190,6 @@ def test_past_ends_with_its_publisher(world):
 
 @claim('Q12')
 def test_missed_deadline_is_reported_on_both_sides(world):
-    """Nothing is published, and each side counts the periods."""
     node, offered, requested = world.node(), [], []
     profile = QoSProfile(depth=1, deadline=Duration(seconds=0.05))
     publisher = node.create_publisher(
@@ -220,7 +213,6 @@ def test_missed_deadline_is_reported_on_both_sides(world):
 
 @claim('Q13')
 def test_manual_liveliness_is_lost_and_regained(world):
-    """Who does not assert itself counts as gone, until it does."""
     node, changes = world.node(), []
     profile = QoSProfile(
         depth=1,
@@ -248,7 +240,6 @@ def test_manual_liveliness_is_lost_and_regained(world):
 
 @claim('Q14')
 def test_old_messages_expire(world):
-    """A late joiner gets what is within the lifespan, and not what is older."""
     node, heard, ticks = world.node(), [], []
     mortal = QoSProfile(
         depth=10,

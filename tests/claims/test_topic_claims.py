@@ -1,7 +1,5 @@
 """What the course says about topics, names and discovery, tried on the real rclpy."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -20,7 +18,6 @@ pytestmark = pytest.mark.ros
 
 @claim('T1', 'C10')
 def test_publishers_and_subscriptions_are_no_nodes(world):
-    """A node with three entities is one node."""
     node = world.node('owner')
     node.create_publisher(String, 'a', 10)
     node.create_publisher(String, 'b', 10)
@@ -59,14 +56,12 @@ def test_names_are_expanded(world):
 @claim('T4')
 @pytest.mark.parametrize('name', ['', '1st', 'two words', 'a//b', 'a/', 'a-b'])
 def test_bad_topic_names_are_refused(world, name):
-    """Each breaks one rule."""
     with pytest.raises((InvalidTopicNameException, ValueError)):
         world.node().create_publisher(String, name, 10)
 
 
 @claim('T6')
 def test_what_is_sent_before_the_match_is_lost(world, other_world):
-    """A reliable publisher keeps nothing for a subscription it does not know yet."""
     talker, heard = world.node('talker'), []
     publisher = talker.create_publisher(String, 'chatter', 10)
     publisher.publish(String(data='too early'))
@@ -80,7 +75,6 @@ def test_what_is_sent_before_the_match_is_lost(world, other_world):
 
 @claim('T7')
 def test_endpoints_of_one_context_match_at_once(world):
-    """Nothing is waited for."""
     publisher = world.node('talker').create_publisher(String, 'chatter', 10)
     world.node('listener').create_subscription(String, 'chatter', lambda _: None, 10)
 
@@ -89,7 +83,6 @@ def test_endpoints_of_one_context_match_at_once(world):
 
 @claim('T8')
 def test_node_hears_itself(world):
-    """Its own subscription is one like any other."""
     node, heard = world.node(), []
     node.create_subscription(String, 'chatter', heard.append, 10)
     node.create_publisher(String, 'chatter', 10).publish(String(data='me'))

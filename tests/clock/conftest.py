@@ -1,7 +1,5 @@
 """Programs on a virtual clock, without a sandbox."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -116,7 +116,6 @@ class Model:
         self.first = State(tuple(processes), (0,) * mailboxes, frozenset(), ('listen',))
 
     def _program(self, place: int, script: Sequence[Operation]) -> list[Operation]:
-        """Return the atomic steps of a script."""
         steps: list[Operation] = [('hello',)]
         for kind, *rest in script:
             if kind in ('wait', 'sleep'):

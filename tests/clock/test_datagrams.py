@@ -1,7 +1,5 @@
 """Datagrams leave when everything waits: none is lost, and no two programs race."""
 
-from __future__ import annotations
-
 import socket
 
 import pytest

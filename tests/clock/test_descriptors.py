@@ -1,7 +1,5 @@
 """Descriptors that several threads or processes use, and what could hide a message in flight."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 import os

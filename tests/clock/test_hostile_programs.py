@@ -5,8 +5,6 @@ Time goes on, or it stands still until the hostile program is killed. The honest
 are exact in both cases.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 import json
 import os

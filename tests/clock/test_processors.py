@@ -1,7 +1,5 @@
 """A program sees the same number of processors on every machine."""
 
-from __future__ import annotations
-
 SEEN = """
 import json, multiprocessing, os
 print(json.dumps([os.cpu_count(), multiprocessing.cpu_count(), sorted(os.sched_getaffinity(0))]))

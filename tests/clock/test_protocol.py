@@ -1,7 +1,5 @@
 """The driver's protocol holds in every order of steps, and each of its rules is needed."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.clock.protocol_model import explore, Model, NEVER, Operation, RULES, ViolationError
@@ -50,7 +48,6 @@ SCENARIOS: dict[str, tuple[list[list[Operation]], int]] = {
 
 @pytest.mark.parametrize('name', SCENARIOS)
 def test_time_moves_only_while_everything_waits_and_every_run_ends(name):
-    """The driver never moves the time too early, and every run reaches its end."""
     scripts, begin = SCENARIOS[name]
 
     assert explore(Model(scripts, begin)) > 100
@@ -58,8 +55,6 @@ def test_time_moves_only_while_everything_waits_and_every_run_ends(name):
 
 @pytest.mark.parametrize('rule', RULES)
 def test_protocol_without_one_rule_is_refuted(rule):
-    """The search finds a violation as soon as one rule is broken."""
-
     def is_refuted(name: str) -> bool:
         scripts, begin = SCENARIOS[name]
         try:

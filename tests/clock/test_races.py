@@ -4,8 +4,6 @@ ThreadSanitizer finds no race in the library while programs of many threads use 
 The report names places such as ``clock.so+0x6858``; ``addr2line -e`` tells the line.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import socket
@@ -57,7 +55,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize('style', STYLES)
 def test_two_processes_of_many_threads_show_no_race(style, folder, monkeypatch):
-    """All times are exact as well."""
     monkeypatch.setattr(clocks, 'FOLDER', folder)
     sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
     for each in sockets:

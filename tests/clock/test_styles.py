@@ -4,8 +4,6 @@ Programs keep time in forty ways: each message comes at its exact nanosecond.
 The programs of ``time_styles.py`` run in the grader's real sandbox, with its probe beside them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import pytest
@@ -34,7 +32,6 @@ ASKED = Scenario(
 
 
 def recording(body: str, scenario: Scenario, sandbox: Sandbox) -> Recording:
-    """Run a program of a style."""
     inside = ''.join(f'    {line}\n' for line in body.splitlines())
     return observe('style', scenario.to_json(), {'style.py': BEGIN + inside}, sandbox)[0]
 

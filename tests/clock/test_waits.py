@@ -1,7 +1,5 @@
 """Waits, sleeps and polls of plain Python programs take exactly the time that they name."""
 
-from __future__ import annotations
-
 import pytest
 
 BEGIN = """

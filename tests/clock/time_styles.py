@@ -6,8 +6,6 @@ Forty ways in which ROS programs keep time.
 what they hear.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 BEGIN = """

@@ -5,8 +5,6 @@ The accounts are made for it and removed after it.  ``HUB_TEST_FOLDER`` names a 
 with its accounts, so that preparing it takes seconds the next time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A real hub with one instructor and two students, prepared and run as ``make hub`` does."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

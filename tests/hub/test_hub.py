@@ -1,7 +1,5 @@
 """A class on one machine: nbgrader's loop by its buttons, and what a student is refused."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import shutil

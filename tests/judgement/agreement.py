@@ -8,16 +8,16 @@ current files, among them what runs programs.  ``make test`` relies on the table
 of the submissions only, see ``tests/pipeline/test_sample_class.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 import sys
 from typing import Any
 
 from autograder.recording import Recording
 from autograder.results import ExamResult, Verdict
 from autograder.runs.version import version
-from tests.judgement.kept import load, run_all, save, table, write_or_compare
+from tests.judgement import kept
+from tests.judgement.kept import run_all, table, write_or_compare
 from tests.judgement.properties import moved_by_text, telling, unreadable
 from tests.judgement.references import digest, Exercise, exercises, LAYOUT
 from tests.judgement.samples import (
@@ -53,26 +53,18 @@ def digest_of(exercise: Exercise) -> str:
     return digest(exercise, version()['grader'], *texts)
 
 
-def run(chosen: Sequence[str]) -> None:
-    """
-    Grade submissions and keep what came of them.
-
-    :param chosen: names of exams
-    """
-    for exercise in exercises():
-        if exercise.name not in chosen:
-            continue
-        theirs = [one for one in samples() if one.exercise is exercise and _is_run(one)]
-        done = run_all([(exercise.exam, one.files) for one in theirs])
-        kept = load(NAME)
-        kept[exercise.name] = {'digest': digest_of(exercise), **_compared(exercise, theirs, done)}
-        save(NAME, {one.name: kept[one.name] for one in exercises() if one.name in kept})
-        for line in kept[exercise.name]['differences']:
-            print(f'{exercise.name}: {line}', flush=True)
-
-
-def _is_run(sample: Sample) -> bool:
-    return sample.counts or sample.name == UNTOUCHED
+def _graded(exercise: Exercise) -> dict[str, Any]:
+    """Grade the submissions of an exercise."""
+    theirs = [
+        one
+        for one in samples()
+        if one.exercise is exercise and (one.counts or one.name == UNTOUCHED)
+    ]
+    done = run_all([(exercise.exam, one.files) for one in theirs])
+    found = {'digest': digest_of(exercise), **_compared(exercise, theirs, done)}
+    for line in found['differences']:
+        print(f'{exercise.name}: {line}', flush=True)
+    return found
 
 
 def _compared(
@@ -107,13 +99,13 @@ def _improper(sample: Sample, result: ExamResult) -> Iterator[str]:
         yield from moved_by_text(exam, sample.files, Recording.load(path))
 
 
-def page(kept: Mapping[str, Any]) -> str:
+def page(results: Mapping[str, Any]) -> str:
     """Return the whole page."""
     rows, totals = [], [0] * 6
     for exercise in exercises():
-        if exercise.name not in kept:
+        if exercise.name not in results:
             continue
-        one = kept[exercise.name]
+        one = results[exercise.name]
         numbers = [
             len(counted(samples(), exercise, right=True)),
             len(counted(samples(), exercise, right=False)),
@@ -125,8 +117,8 @@ def page(kept: Mapping[str, Any]) -> str:
     head = ['Exercise', 'Correct', 'Wrong', 'Verdicts', 'that agree', 'Causes', 'that agree']
     parts = [HEAD, *table(head, rows)]
     for exercise in exercises():
-        if exercise.name in kept:
-            parts += ['', f'## {exercise.name}', '', *_list(exercise, kept[exercise.name])]
+        if exercise.name in results:
+            parts += ['', f'## {exercise.name}', '', *_list(exercise, results[exercise.name])]
     return '\n'.join(parts) + '\n'
 
 
@@ -145,7 +137,7 @@ def _percent(part: int, whole: int) -> str:
     return f'{int(1000 * part / whole) / 10:g} %' if whole else ''
 
 
-def _list(exercise: Exercise, kept: Mapping[str, Any]) -> list[str]:
+def _list(exercise: Exercise, result: Mapping[str, Any]) -> list[str]:
     """Return the submissions of an exercise, and where the grader says something else."""
     rows = []
     for right in (True, False):
@@ -153,25 +145,21 @@ def _list(exercise: Exercise, kept: Mapping[str, Any]) -> list[str]:
             fails = ', '.join(f'{check} ({cause})' for check, cause in sample.failed.items())
             rows.append([sample.name.replace('_', ' '), sample.about, fails or 'nothing'])
     lines = table(['Submission', 'What it tries', 'What fails, and why'], rows)
-    differ = [f'* {line}' for line in kept['differences']]
+    differ = [f'* {line}' for line in result['differences']]
     return [*lines, '', 'The grader says something else:', '', *differ] if differ else lines
 
 
-def late(kept: Mapping[str, Any]) -> list[str]:
+@cache
+def late() -> list[str]:
     """Return the exams whose results were not made from the current files."""
-    return [
-        one.name
-        for one in exercises()
-        if one.name not in kept or kept[one.name]['digest'] != digest_of(one)
-    ]
+    return kept.late(NAME, digest_of)
 
 
 def main(arguments: Sequence[str]) -> int:
     """Grade and write, or compare."""
     if '--check' not in arguments:
-        run(arguments or late(load(NAME)))
-    kept = load(NAME)
-    return write_or_compare(NAME, page(kept), late(kept), arguments)
+        kept.renew(NAME, arguments or late(), _graded)
+    return write_or_compare(NAME, page(kept.load(NAME)), late(), arguments)
 
 
 if __name__ == '__main__':

@@ -5,8 +5,6 @@ Write docs/causes.md: the mistakes that the grader recognises, what it says, and
 results of samples and mutants and off the unit tests; it runs nothing.  ``--check`` compares.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ an operator, and says why a mutant may survive.  Everything is derived in a fixe
 of this repository, so the same mutants have the same names everywhere.
 """
 
-from __future__ import annotations
-
 import ast
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """What the hidden exams have drawn, and whether a text tells any of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import json
 import re

@@ -5,9 +5,7 @@ A table is only compared in ``make check``, without a run.  So each result carri
 what it was made from; if that has changed, the table is out of date.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 import json
 from pathlib import Path
@@ -17,7 +15,7 @@ from autograder.exam.exam import Exam
 from autograder.grading.examine import examine
 from autograder.results import ExamResult
 from autograder.sandboxes.choose import strongest
-from tests.judgement.references import LAYOUT
+from tests.judgement.references import Exercise, exercises, LAYOUT
 
 FOLDER = Path(__file__).parent
 DOCS = LAYOUT.root / 'docs'
@@ -51,10 +49,31 @@ def load(name: str) -> dict[str, Any]:
     return dict(json.loads(path.read_text(encoding='utf-8'))) if path.is_file() else {}
 
 
-def save(name: str, data: Mapping[str, Any]) -> None:
-    """Keep a result."""
-    text = json.dumps(data, indent=1, ensure_ascii=False)
-    (FOLDER / f'{name}.json').write_text(f'{text}\n', encoding='utf-8')
+def renew(name: str, chosen: Sequence[str], made: Callable[[Exercise], dict[str, Any]]) -> None:
+    """
+    Make results of exercises, and keep each as soon as it is there.
+
+    :param chosen: names of exams
+    :param made: returns the result of an exercise, with the digest of what it is made from
+    """
+    for exercise in exercises():
+        if exercise.name in chosen:
+            result = made(exercise)
+            kept = {**load(name), exercise.name: result}
+            data = {one.name: kept[one.name] for one in exercises() if one.name in kept}
+            text = json.dumps(data, indent=1, ensure_ascii=False)
+            (FOLDER / f'{name}.json').write_text(f'{text}\n', encoding='utf-8')
+
+
+def late(name: str, digest_of: Callable[[Exercise], str]) -> list[str]:
+    """Return the exams whose results were not made from the current files."""
+    kept = load(name)
+    return [
+        one.name
+        for one in exercises()
+        # The digest of an exercise of another course cannot be computed.
+        if one.name not in kept or kept[one.name]['digest'] != digest_of(one)
+    ]
 
 
 def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Sequence[str]) -> int:

@@ -6,16 +6,15 @@ submissions are run, and writes the table; names of exams behind it choose other
 runs nothing: it derives the mutants again and fails if the table was made from others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import sys
 from typing import Any
 
 from autograder.results import ExamResult
-from tests.judgement.derive import all_mutants, Mutant, mutants_of, written
-from tests.judgement.kept import load, run_all, save, table, write_or_compare
-from tests.judgement.references import digest, Exercise, exercises
+from tests.judgement import kept
+from tests.judgement.derive import all_mutants, mutants_of, written
+from tests.judgement.kept import run_all, table, write_or_compare
+from tests.judgement.references import digest, Exercise
 
 NAME = 'mutants'
 LEAST = 0.95
@@ -48,36 +47,24 @@ def survivors() -> dict[tuple[str, str], Mapping[str, Any]]:
     return {(one['exam'], one['name']): one for one in written()['survivors']}
 
 
-def digest_of(exercise: Exercise, mutants: Sequence[Mutant]) -> str:
+def digest_of(exercise: Exercise) -> str:
     """Return a digest of what the results of an exercise's mutants follow from."""
-    return digest(exercise, *(f'{one.name}\0{sorted(one.files.items())}' for one in mutants))
+    texts = (f'{one.name}\0{sorted(one.files.items())}' for one in mutants_of(exercise))
+    return digest(exercise, *texts)
 
 
-def run(chosen: Sequence[str]) -> None:
-    """
-    Run mutants and keep what came of them.
-
-    :param chosen: names of exams
-    """
-    for exercise in exercises():
-        if exercise.name not in chosen:
-            continue
-        mutants = mutants_of(exercise)
-        done = run_all([(exercise.exam, one.files) for one in mutants])
-        kept = load(NAME)
-        found = {one.name: verdict(result) for one, result in zip(mutants, done)}
-        causes = {
-            check.cause_id: [check.cause, check.try_this, one.name]
-            for one, result in reversed(list(zip(mutants, done)))
-            for check in result.failed
-        }
-        kept[exercise.name] = {
-            'digest': digest_of(exercise, mutants),
-            'found': found,
-            'causes': causes,
-        }
-        save(NAME, {one.name: kept[one.name] for one in exercises() if one.name in kept})
-        print(_line(exercise.name, found), flush=True)
+def _graded(exercise: Exercise) -> dict[str, Any]:
+    """Run the mutants of an exercise."""
+    mutants = mutants_of(exercise)
+    done = run_all([(exercise.exam, one.files) for one in mutants])
+    found = {one.name: verdict(result) for one, result in zip(mutants, done)}
+    causes = {
+        check.cause_id: [check.cause, check.try_this, one.name]
+        for one, result in reversed(list(zip(mutants, done)))
+        for check in result.failed
+    }
+    print(_line(exercise.name, found), flush=True)
+    return {'digest': digest_of(exercise), 'found': found, 'causes': causes}
 
 
 def _line(exam: str, found: Mapping[str, object]) -> str:
@@ -87,11 +74,11 @@ def _line(exam: str, found: Mapping[str, object]) -> str:
     return '\n  '.join([*lines, *(f'{"" if (exam, n) in known else "NEW "}{n}' for n in alive)])
 
 
-def mistakes(kept: Mapping[str, Any]) -> list[str]:
+def mistakes(results: Mapping[str, Any]) -> list[str]:
     """Return what is wrong with the kept results: too few found, or a survivor unexplained."""
     found = []
     known = survivors()
-    for exam, result in kept.items():
+    for exam, result in results.items():
         alive = {name for name, by in result['found'].items() if by is None}
         found += [f'{exam}: no word about {name}' for name in alive if (exam, name) not in known]
         found += [
@@ -113,18 +100,18 @@ def _rate(exam: str, found: Mapping[str, object]) -> float:
     return sum(by is not None for by in counted.values()) / len(counted)
 
 
-def page(kept: Mapping[str, Any]) -> str:
+def page(results: Mapping[str, Any]) -> str:
     """Return the whole page."""
-    count = sum(len(result['found']) for result in kept.values())
+    count = sum(len(result['found']) for result in results.values())
     rows = []
-    for exam, result in kept.items():
+    for exam, result in results.items():
         found = result['found']
         killed = sum(by is not None for by in found.values())
         same = len(found) - len(_counted(exam, found))
         rows.append([exam, f'{len(found)}', f'{killed}', f'{same}', f'{_rate(exam, found):.1%}'])
     head = ['Exam', 'Mutants', 'Found', 'Equivalent to the reference', 'Found of the others']
     parts = [HEAD.format(count=count, least=LEAST), *table(head, rows)]
-    for exam, result in kept.items():
+    for exam, result in results.items():
         parts += ['', f'## {exam}', '', *_section(exam, result['found'])]
     left = [
         f'* {one["exam"]}, {", ".join(f"`{what}`" for what in one["what"])}: {one["because"]}'
@@ -144,23 +131,15 @@ def _section(exam: str, found: Mapping[str, Sequence[str] | None]) -> list[str]:
     return table(['Slip', 'Change', 'Found by', 'Cause'], rows)
 
 
-def late(kept: Mapping[str, Any]) -> list[str]:
-    """Return the exams whose results were not made from the current files."""
-    return [
-        exercise.name
-        for exercise in exercises()
-        if kept.get(exercise.name, {}).get('digest') != digest_of(exercise, mutants_of(exercise))
-    ]
-
-
 def main(arguments: Sequence[str]) -> int:
     """Run and write, or compare."""
+    late = kept.late(NAME, digest_of)
     if '--check' not in arguments:
-        run(arguments or late(load(NAME)))
-    kept = load(NAME)
-    wrong = mistakes(kept)
+        kept.renew(NAME, arguments or late, _graded)
+    results = kept.load(NAME)
+    wrong = mistakes(results)
     print(*wrong, sep='\n', end='\n' if wrong else '')
-    return write_or_compare(NAME, page(kept), late(kept), arguments) or bool(wrong)
+    return write_or_compare(NAME, page(results), late, arguments) or bool(wrong)
 
 
 if __name__ == '__main__':

@@ -6,8 +6,6 @@ of the file stays as it is, letter by letter.  How a program ends is taught and 
 ``except`` and ``finally`` are left alone.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

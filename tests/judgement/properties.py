@@ -1,7 +1,5 @@
 """What holds for every judged submission, whatever was handed in: short, discreet, impartial."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 
 from autograder.exam.exam import Exam

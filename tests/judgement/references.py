@@ -5,8 +5,6 @@ An exercise is an exam with the answers that it judges; everything here is deriv
 ``solutions/`` and from the exams, so a new exercise is examined without a word here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache

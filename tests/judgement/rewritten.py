@@ -5,8 +5,6 @@ What a program did is in its recording, so the same recording with the text of a
 be judged alike.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Mapping
 import io

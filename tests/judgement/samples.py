@@ -5,8 +5,6 @@ The sample submissions by exercise: what each one tries, and what every check mu
 Every other check passes; one that needs a check that does not pass may also be not run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -5,8 +5,6 @@ As in :mod:`tests.judgement.operators`, each change is one slip: a line that is 
 name, a bound, a tag or a command.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 import re
 

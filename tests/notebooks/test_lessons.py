@@ -1,16 +1,16 @@
 """
 Lessons, executed and measured: the sources in solutions/ and the releases in notebooks/.
 
-Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.
+Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.  A release
+whose code is that of its solved lesson is not run again.
 """
-
-from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cache
 import os
 from pathlib import Path
 import re
@@ -90,21 +90,25 @@ def executions(request: pytest.FixtureRequest) -> Iterator[None]:
         if item.path == Path(__file__) and item.get_closest_marker('notebooks')
     ]
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        for path in dict.fromkeys(wanted):
-            _begun[path] = pool.submit(execute, path)
+        for path in wanted:
+            if code_of(path) not in _begun:
+                _begun[code_of(path)] = pool.submit(execute, path)
         yield
         pool.shutdown(cancel_futures=True)
 
 
-_begun: dict[Path, Future[Run]] = {}
+_begun: dict[tuple[str, ...], Future[Run]] = {}
 
 
 def run(path: Path) -> Run:
-    """Return what came of a notebook, which is executed once."""
-    if path not in _begun:
-        _begun[path] = Future()
-        _begun[path].set_result(execute(path))
-    return _begun[path].result()
+    """Return what came of a notebook's code, which is executed once."""
+    return _begun[code_of(path)].result()
+
+
+@cache
+def code_of(path: Path) -> tuple[str, ...]:
+    """Return all that a kernel executes of a notebook."""
+    return tuple(cell.source for cell in read(path) if cell.cell_type == 'code')
 
 
 def execute(path: Path) -> Run:
@@ -130,7 +134,6 @@ def execute(path: Path) -> Run:
 
 
 def read(path: Path) -> list[nbformat.NotebookNode]:
-    """Return the cells of a valid notebook."""
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     return notebook.cells
@@ -144,7 +147,6 @@ def grader_data(cell: nbformat.NotebookNode) -> dict:
 @lessons
 @executed
 def test_lesson_executed_raises_nothing(path: Path) -> None:
-    """A solved lesson runs from top to bottom without an error."""
     raised = [(where, error.ename, error.evalue) for where, error in run(path).outputs('error')]
 
     assert raised == []
@@ -166,7 +168,6 @@ def test_lesson_executed_leaves_stderr_empty(path: Path) -> None:
 @lessons
 @executed
 def test_lesson_executed_passes_its_own_checks(path: Path) -> None:
-    """Each check cell of a solved lesson gives all the points of the visible checks."""
     result = run(path)
     said = {where: output.text for where, output in result.outputs('stream')}
     checked = [cell.id for cell in result.cells if cell.source.startswith('check(')]
@@ -205,7 +206,6 @@ SHOWN = {
     ],
 )
 def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
-    """The cell prints what the text of the lesson says."""
     said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
 
     # What `!` prints has the line ends of a terminal.
@@ -229,7 +229,6 @@ def test_lesson_executed_is_quick(path: Path) -> None:
 @releases
 @executed
 def test_release_executed_raises_only_not_implemented(path: Path) -> None:
-    """An untouched release raises NotImplementedError where code is missing, and nothing else."""
     code = [cell for cell in read(path) if cell.cell_type == 'code']
     to_be_written = any(UNSOLVED in cell.source for cell in code)
     result = run(path)
@@ -281,7 +280,6 @@ def test_cell_of_the_gallery_prints_what_its_entry_says(entry: gallery.Entry) ->
 
 @lessons
 def test_lesson_has_its_release(path: Path) -> None:
-    """Each lesson has a release with the same name."""
     assert (ROOT / 'notebooks' / path.parent.name / path.name).is_file()
 
 
@@ -304,12 +302,10 @@ def test_lesson_is_stored_clean(path: Path) -> None:
 
 @lessons
 def test_lesson_comes_in_small_portions(path: Path) -> None:
-    """Texts and code cells have the length that learners read."""
     assert list(portions(nbformat.read(path, as_version=4)).problems()) == []
 
 
 def test_grade_ids_are_unique_in_the_course() -> None:
-    """Each grade id occurs once in the course and has a chosen name."""
     ids = [
         grader_data(cell)['grade_id']
         for path in LESSONS
@@ -347,7 +343,6 @@ def test_solution_marks_are_in_solution_cells_only(path: Path) -> None:
 
 @releases
 def test_release_shows_no_solution(path: Path) -> None:
-    """Each answer cell of a release has its stub."""
     for cell in read(path):
         data = grader_data(cell)
 

@@ -80,7 +80,6 @@ def lessons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Op
 
 
 def test_nothing_crosses_between_lessons_that_run_at_once(lessons: list[OpenLesson]) -> None:
-    """Each has a domain of its own, and its cells do what they do alone."""
     half = len(LESSONS)
     working = [one for number, one in enumerate(lessons) if (number + number // half) % 2 == 0]
     waiting = [one for one in lessons if one not in working]

@@ -1,7 +1,5 @@
 """A course in a temporary folder, with the real lesson and an engine that needs no ROS."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import shutil
 import sys

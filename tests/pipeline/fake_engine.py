@@ -1,7 +1,5 @@
 """An engine without ROS: exams that read the text of the files, so that tests are quick."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ Usage: foreign_talker.py DOMAIN...  Prints ``talking`` once it does, and goes on
 input ends.
 """
 
-from __future__ import annotations
-
 import select
 import sys
 
@@ -19,7 +17,6 @@ from std_msgs.msg import Int32, String
 
 
 def main() -> None:
-    """Talk."""
     publishers = []
     for domain in map(int, sys.argv[1:]):
         context = Context()

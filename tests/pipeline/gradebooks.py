@@ -1,6 +1,6 @@
 """What every gradebook has to keep, whatever database it is in; run on SQLite and PostgreSQL."""
 
-from __future__ import annotations
+from pathlib import Path
 
 from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
@@ -33,15 +33,32 @@ def begin(course: Layout) -> None:
     begin_to_enter(course, ASSIGNMENT, Guard(course))
 
 
-def hand_in(course: Layout, student: str, stamp: str = '', **changes: str) -> None:
-    """Lay the solution where nbgrader's collect would, with some words replaced."""
+def solved(course: Layout, **changes: str) -> bytes:
+    """Return the solution as a student's file, with some words replaced."""
     text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
-    folder = course.submitted / student / ASSIGNMENT
+    return text.encode()
+
+
+def hand_in(
+    course: Layout,
+    student: str,
+    stamp: str = '',
+    data: bytes | None = None,
+    into: Path | None = None,
+    **changes: str,
+) -> None:
+    """
+    Lay a file where nbgrader's collect would.
+
+    :param data: the file, by default the solution with some words replaced
+    :param into: folder of the class, by default that of the course
+    """
+    folder = (into or course.submitted) / student / ASSIGNMENT
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / NOTEBOOK).write_text(text, encoding='utf-8')
+    (folder / NOTEBOOK).write_bytes(solved(course, **changes) if data is None else data)
     if stamp:
         (folder / 'timestamp.txt').write_text(stamp, encoding='utf-8')
 
@@ -58,7 +75,6 @@ def grade(course: Layout, guard: Guard | None = None) -> int:
 
 
 def book(course: Layout) -> Gradebook:
-    """Open the gradebook."""
     return Gradebook(str(load_config(course).CourseDirectory.db_url))
 
 

@@ -1,7 +1,5 @@
 """A small exam and small programs, to be run in every place."""
 
-from __future__ import annotations
-
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Advance, Scenario
 

@@ -1,7 +1,5 @@
 """Small programs through the steps of a scenario, in the sandbox with the probe beside them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from autograder.exam.scenario import Scenario

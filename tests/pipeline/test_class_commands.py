@@ -1,7 +1,5 @@
 """After grading: marks with manual grades, the commands of a class, Gradescope's container."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 import io
@@ -14,6 +12,7 @@ import zipfile
 
 from conftest import ASSIGNMENT, copied
 from fake_engine import CANARY, FakeEngine
+from gradebooks import hand_in, NOTEBOOK, solved
 import pytest
 
 from autograder import __main__ as command
@@ -38,38 +37,30 @@ from autograder.layout import Layout
 from autograder.results import ExamResult, SubmissionResult
 from autograder.submission.inbox import discover
 
-NOTEBOOK = 'temperature_monitor.ipynb'
 TEXT_ONLY = '09_check_your_understanding'
 WITH_RUNS = '01_node_life'
-
-
-def solved(course: Layout, **changes: str) -> bytes:
-    """Return the solution as a student's file, with some words replaced."""
-    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
-    for old, new in changes.items():
-        text = text.replace(old, new)
-    return text.encode()
 
 
 @pytest.fixture(scope='module')
 def graded_class(released, tmp_path_factory):
     """Return a course in which four students were graded, two of them for review."""
     course = copied(released, tmp_path_factory.mktemp('graded'))
-    for student, data in {
-        'ann': solved(course),
-        'bob': solved(course, temperature_topic='temprature_topic'),
-        'eve': solved(course, sensor_id='GRADER_FAULT'),
-        'bad name ': solved(course),
-    }.items():
-        folder = course.submitted / student / ASSIGNMENT
-        folder.mkdir(parents=True)
-        (folder / NOTEBOOK).write_bytes(data)
+    hand_in(course, 'ann')
+    hand_in(course, 'bob', temperature_topic='temprature_topic')
+    hand_in(course, 'eve', sensor_id='GRADER_FAULT')
+    hand_in(course, 'bad name ')
+    grade(course)
+    return course
+
+
+def grade(course: Layout) -> None:
+    """Grade the class, enter it and write its reports."""
     lesson = load_lesson(course, ASSIGNMENT, FakeEngine())
-    there = discover(course.submitted, ASSIGNMENT, NOTEBOOK)
-    done = grade_class(there, lesson, FakeEngine(), 2)
+    done = grade_class(
+        discover(course.submitted, ASSIGNMENT, NOTEBOOK), lesson, FakeEngine(), jobs=2
+    )
     record(course, lesson, done)
     write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
-    return course
 
 
 @pytest.fixture
@@ -96,8 +87,6 @@ def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0
 
 @pytest.mark.nbgrader
 class TestMarks:
-    """The mark of a student."""
-
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
         """A written answer waits, a review stays a review, and a missing student is named."""
         found = {
@@ -109,17 +98,10 @@ class TestMarks:
         assert [one.status for one in found.values()].count(NOT_ENTERED) == 1
 
     def test_unusable_work_gets_the_mark_that_a_person_gives(self, course):
-        """The work has no mark until a person gives one, and the next grading keeps it."""
-        folder = course.submitted / 'cut' / ASSIGNMENT
-        folder.mkdir(parents=True)
-        (folder / NOTEBOOK).write_bytes(solved(course)[:9000])
-        lesson = load_lesson(course, ASSIGNMENT, FakeEngine())
+        hand_in(course, 'cut', data=solved(course)[:9000])
 
         def mark():
-            there = discover(course.submitted, ASSIGNMENT, NOTEBOOK)
-            done = grade_class(there, lesson, FakeEngine(), 2)
-            record(course, lesson, done)
-            write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
+            grade(course)
             (found,) = marks(course, last(course, ASSIGNMENT)[0], 'gradebook')
             return found
 
@@ -152,7 +134,6 @@ class TestMarks:
         assert (mark.points, mark.status) == (None, NO_GRADE)
 
     def test_automatic_marks_are_those_of_the_checks(self, graded):
-        """The gradebook does not change automatic marks."""
         found = {one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], AUTOMATIC)}
 
         assert (found['ann'].points, found['ann'].max_points) == (50.0, 50.0)
@@ -161,8 +142,6 @@ class TestMarks:
 
 @pytest.mark.nbgrader
 class TestCommands:
-    """``python -m autograder export | stats | report | similar``."""
-
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
         """Exit code 1 names students without a score, and a second run needs --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
@@ -177,23 +156,41 @@ class TestCommands:
             assert command.main(['export', name, '--force']) == FOR_REVIEW
             capsys.readouterr()
 
-    def test_canvas_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
+    @pytest.mark.parametrize(
+        ('platform', 'options', 'sheet', 'place', 'filled'),
+        [
+            (
+                'canvas',
+                ['--column', '7', '--gradebook'],
+                'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
+                '    Points Possible,,,,55,(read only)\n'
+                '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
+                4,
+                ['Monitor (7)', '55', '53', ''],
+            ),
+            (
+                'moodle',
+                ['--worksheet'],
+                'Identifier,"Full name",Grade,"Maximum Grade","Last modified (grade)"\n'
+                '"Participant 1",ann,,55.00,-\n"Participant 2",eve,,55.00,-\n',
+                2,
+                ['Grade', '53', ''],
+            ),
+        ],
+    )
+    def test_platform_gets_marks_and_its_file_stays(
+        self, graded, tmp_path, capsys, platform, options, sheet, place, filled
+    ):
         """Students without a mark keep their cells, and penalties for lateness are named."""
         grade_by_hand(graded, 'ann', 5.0, late=2.0)
-        mine = tmp_path / 'canvas.csv'
-        mine.write_text(
-            'Student,ID,SIS Login ID,Section,Monitor (7),Final Score\n'
-            '    Points Possible,,,,55,(read only)\n'
-            '"A, Ann",1,ann,One,,\n"E, Eve",2,eve,One,,\n',
-            encoding='utf-8',
-        )
+        mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
+        mine.write_text(sheet, encoding='utf-8')
         before = mine.read_bytes()
-        to = tmp_path / 'filled.csv'
-        arguments = ['export', 'canvas', ASSIGNMENT, '--gradebook', str(mine), '--column', '7']
+        arguments = ['export', platform, ASSIGNMENT, *options, str(mine)]
 
         assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
         rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[4] for row in rows] == ['Monitor (7)', '55', '53', '']
+        assert [row[place] for row in rows] == filled
         assert mine.read_bytes() == before
         said = capsys.readouterr()
         assert 'not entered: eve: for review' in said.out
@@ -218,27 +215,6 @@ class TestCommands:
         assert f'late: {ASSIGNMENT}: ann: 10 points less, to 44' in said
         assert not list(graded.work.glob('feedback_*'))
 
-    def test_moodle_gets_marks_and_keeps_its_file(self, graded, tmp_path, capsys):
-        """Students without a mark keep their cells, and penalties for lateness are named."""
-        grade_by_hand(graded, 'ann', 5.0, late=2.0)
-        mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
-        mine.write_text(
-            'Identifier,"Full name",Grade,"Maximum Grade","Last modified (grade)"\n'
-            '"Participant 1",ann,,55.00,-\n"Participant 2",eve,,55.00,-\n',
-            encoding='utf-8',
-        )
-        before = mine.read_bytes()
-        arguments = ['export', 'moodle', ASSIGNMENT, '--worksheet', str(mine)]
-
-        assert command.main([*arguments, '--to', str(to)]) == FOR_REVIEW
-        rows = list(csv.reader(io.StringIO(to.read_text('utf-8'))))
-        assert [row[2] for row in rows] == ['Grade', '53', '']
-        assert mine.read_bytes() == before
-        said = capsys.readouterr()
-        assert 'not entered: eve: for review' in said.out
-        assert said.err == f'late: {ASSIGNMENT}: ann: 2 points less, to 53\n'
-        assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
-
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
         """``stats`` ends with an exit code for a review, and ``similar`` shows the copy."""
         assert command.main(['stats', 'temperature_monitor', '--json']) == FOR_REVIEW
@@ -253,7 +229,6 @@ class TestCommands:
         assert first['first'] == ['ann', 'bob', 'eve'][: len(first['first'])]
 
     def test_similarity_is_in_nothing_that_is_shown(self, graded):
-        """Reports, gradebook and exports do not mention similar submissions."""
         command.main(['similar', ASSIGNMENT])
         command.main(['report'])
         command.main(['export', 'json'])
@@ -275,7 +250,6 @@ class TestCommands:
         ],
     )
     def test_mistakes_are_told_in_a_line(self, graded, capsys, arguments, said):
-        """A mistake is one line and exit code 2."""
         assert command.main(arguments) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
         assert said in line
@@ -299,7 +273,6 @@ def container(tmp_path):
 
 
 def run_autograder(root: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run the autograder as Gradescope does."""
     return subprocess.run(
         ['/bin/bash', root / 'source' / 'run_autograder'],
         env={**os.environ, 'GRADESCOPE_ROOT': str(root), **environment},
@@ -319,8 +292,6 @@ def submit(root: Path, assignment: str, sample: str) -> None:
 
 @pytest.mark.pipeline
 class TestGradescope:
-    """The zip, unpacked and run."""
-
     @pytest.mark.slow
     def test_the_reference_gets_full_marks(self, container):
         """The unpacked course runs the hidden exams in the sandbox."""
@@ -343,7 +314,6 @@ class TestGradescope:
         assert list((root / 'results').iterdir()) == []
 
     def test_without_isolation_there_is_no_verdict_and_no_file(self, container):
-        """A file of an earlier run is removed, and the staff sees the reason."""
         root = container(TEXT_ONLY)
         submit(root, TEXT_ONLY, 'pass__double_quotes_and_comments')
         (root / 'results' / 'results.json').write_text('{"score": 24}', encoding='utf-8')

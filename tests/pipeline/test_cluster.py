@@ -1,7 +1,5 @@
 """The same verdicts from a cluster: a scheduler and two worker processes on this machine."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import json
 import os
@@ -85,23 +83,19 @@ class TestRefusals:
     """A cluster that would grade otherwise than this machine is not used."""
 
     def said(self, **changes):
-        """Return what a worker says of itself."""
         own = {'version': dict(version()), 'mode': 'bwrap-user', 'refusal': '', 'host': 'lab7'}
         return {**own, **changes}
 
     def test_workers_that_are_alike_are_used(self):
-        """All of them isolate in one way."""
         assert mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said()}) == 'bwrap-user'
 
     def test_another_version_is_named(self):
-        """Which worker, and in what it differs."""
         other = {**version(), 'grader': 'abc'}
 
         with pytest.raises(ClusterUnavailable, match=r'tcp://b on lab7.*grader: expected .*abc'):
             mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said(version=other)})
 
     def test_a_worker_without_isolation_is_named(self):
-        """With its own reason."""
         bare = self.said(mode='', refusal='bubblewrap is not installed.')
 
         with pytest.raises(ClusterUnavailable, match='bubblewrap is not installed'):
@@ -118,11 +112,9 @@ class TestRefusals:
             mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said(mode='bwrap-root')})
 
     def test_a_worker_says_what_it_is(self):
-        """As JSON."""
         assert json.loads(about())['version'] == dict(version())
 
     def test_nobody_at_the_address_is_one_line(self, monkeypatch, tmp_path, capsys):
-        """With what to try."""
         monkeypatch.setattr(cluster, 'CONNECT_S', 1)
         wanted = ['grade', '--submitted', str(tmp_path), '--cluster', 'tcp://127.0.0.1:9']
 

@@ -1,7 +1,5 @@
 """A program that somebody else ends, not the student, costs nobody a point."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -37,7 +35,6 @@ rclpy.spin(node)
 
 
 def graded(text: str, told: Callable[[Event], None] | None = None) -> ExamResult:
-    """Return the result of the publisher's exam."""
     return examine(catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), told=told)
 
 
@@ -50,14 +47,12 @@ class Killer:
     """
 
     def __init__(self, wanted: Callable[[list[str]], bool], times: int = 1) -> None:
-        """Have ended nothing yet."""
         self.wanted = wanted
         self.left = times
         self.runs = 0
         self.armed = True
 
     def __call__(self, event: Event) -> None:
-        """Look at an event."""
         if event['event'] == 'seen':  # the first of a run
             self.armed = True
         if event['event'] == 'message' and self.armed and self.left:
@@ -84,7 +79,6 @@ def launcher(words: list[str]) -> bool:
 
 @pytest.mark.parametrize('wanted', [program, launcher])
 def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
-    """It is run again, and the result says so."""
     killer = Killer(wanted)
     result = graded(ANSWER.read_text(encoding='utf-8'), killer)
 
@@ -102,7 +96,6 @@ def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
 
 
 def test_a_program_that_ends_itself_so_is_judged():
-    """What it does twice is its own doing."""
     result = graded(ENDS_ITSELF)
 
     assert result.timing['repeated'] == 1.0

@@ -1,7 +1,5 @@
 """A class is entered in the gradebook while the rest of it is still being run."""
 
-from __future__ import annotations
-
 import threading
 
 from conftest import ASSIGNMENT
@@ -26,11 +24,9 @@ class Held(FakeEngine):
     """Runs nothing of the last student before it may."""
 
     def __init__(self) -> None:
-        """Hold."""
         self.begun, self.free = threading.Event(), threading.Event()
 
     def run(self, exam, files):
-        """Wait for the others to be entered."""
         if 'of_cho' in ''.join(files.values()):
             self.begun.set()
             assert self.free.wait(GOES_ON_S)
@@ -46,7 +42,6 @@ def class_(course):
 
 
 def run(course, engine, on_graded):
-    """Run the class, one after the other."""
     lesson = load_lesson(course, ASSIGNMENT, engine)
     there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
     book = Entering(course, lesson, Guard(course))
@@ -74,7 +69,6 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
 
 
 def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, monkeypatch):
-    """Only then is it a matter for the instructor."""
     monkeypatch.setattr(entering, 'TOGETHER', 2)
     engine, real = Held(), entering.record
     engine.free.set()
@@ -93,7 +87,6 @@ def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, mo
 
 
 def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
-    """It is said once, at the end."""
     class_.work.joinpath('gradebook.db').write_bytes(b'no database' * 100)
     engine = Held()
     engine.free.set()

@@ -1,7 +1,5 @@
 """nbgrader's exchange on a machine that students share: students hand in as themselves."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One gradebook, one writer: reruns, grades given by hand, lateness."""
 
-from __future__ import annotations
-
 import gradebooks
 import pytest
 
@@ -9,5 +7,4 @@ import pytest
 @pytest.mark.nbgrader
 @pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
 def test_sqlite(scene, course):
-    """The database of a course that says nothing else."""
     scene(course)

@@ -1,7 +1,5 @@
 """A grading that is killed is continued as if nothing had been."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.kills import soak

@@ -5,8 +5,6 @@ The rules are those of 1EdTech's Security Framework 1.0 (a signed assertion for 
 Role Provisioning Services 2.0 (pages of members) and Assignment and Grade Services 2.0 (scores).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import json
@@ -44,7 +42,6 @@ class MockPlatform(ThreadingHTTPServer):
     """A platform that knows one tool, by its public key."""
 
     def __init__(self, public_key: bytes) -> None:
-        """Listen on a free port of the loopback interface."""
         super().__init__(('127.0.0.1', 0), _Answers)
         self.url = f'http://127.0.0.1:{self.server_port}'
         self.public_key = public_key
@@ -203,7 +200,6 @@ def test_a_key_that_the_platform_does_not_know_is_refused(platform, settings):
 
 
 def test_a_platform_that_is_not_there(settings):
-    """One line, not a traceback."""
     text = settings.read_text(encoding='utf-8').replace('/token', ':1/token')
     settings.write_text(text, encoding='utf-8')
     with pytest.raises(GraderError, match='0 were sent before'):
@@ -221,7 +217,6 @@ def test_a_platform_that_is_not_there(settings):
     ],
 )
 def test_wrong_settings_are_named(settings, old, new, said):
-    """Before anything is sent."""
     text = settings.read_text(encoding='utf-8').replace(old, new)
     settings.write_text(text, encoding='utf-8')
     with pytest.raises(GraderError) as refused:
@@ -230,6 +225,5 @@ def test_wrong_settings_are_named(settings, old, new, said):
 
 
 def test_an_assignment_without_a_column(settings):
-    """The message says where to add it."""
     with pytest.raises(GraderError, match='no URL for 01_node_life'):
         line_item(read_platform(settings), settings, '01_node_life')

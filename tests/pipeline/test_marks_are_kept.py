@@ -1,7 +1,5 @@
 """No mark in the gradebook is lowered, emptied or lost silently."""
 
-from __future__ import annotations
-
 from contextlib import closing, nullcontext
 from dataclasses import replace
 import json
@@ -32,7 +30,6 @@ class Edited(FakeEngine):
     edits: dict[str, dict[str, object]] = {}  # noqa: RUF012 - replaced as a whole
 
     def exams(self, assignment):
-        """Return the exams with the edits."""
         return [replace(one, **self.edits.get(one.name, {})) for one in EXAMS]
 
 
@@ -76,7 +73,6 @@ def edit(monkeypatch):
 
 
 def grade(*arguments: str) -> int:
-    """Grade the class."""
     return command.main(['grade', *arguments])
 
 
@@ -98,7 +94,6 @@ class TestPoints:
     def test_an_exam_with_other_points_than_its_cell_is_refused(
         self, here, edit, capsys, arguments
     ):
-        """The error names the cell and the points of both."""
         edit(max_points=17)
         capsys.readouterr()
 
@@ -128,7 +123,6 @@ class TestLoweredMarks:
     """Lowered marks are listed first and need ``--yes``."""
 
     def test_worse_work_is_listed_and_needs_yes(self, here, capsys):
-        """Other marks are entered, and the reports have the new points."""
         hand_in(here, 'ann', **TYPO)
         hand_in(here, 'bob')
         capsys.readouterr()
@@ -170,7 +164,6 @@ class TestLoweredMarks:
         ]
 
     def test_a_mark_is_not_emptied_by_a_fault_of_the_grader(self, here, capsys):
-        """The old mark stays until a person decides."""
         hand_in(here, 'ann', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
         capsys.readouterr()
 
@@ -183,7 +176,6 @@ class TestLoweredMarks:
         assert scores(here, 'ann')[CHECK] is None
 
     def test_a_grade_given_by_hand_counts(self, here, capsys):
-        """If a grade was given by hand, a lower score changes no mark."""
         with book(here) as gradebook:
             given = gradebook.find_grade(CHECK, 'temperature_monitor', ASSIGNMENT, 'ann')
             given.manual_score, given.needs_manual_grade = 15, False
@@ -198,7 +190,6 @@ class TestLoweredMarks:
         assert 'ann 54 to 44.' in capsys.readouterr().out
 
     def test_a_penalty_for_lateness_counts(self, here, capsys):
-        """A new due date can lower a mark."""
         config = here.root / 'nbgrader_config.py'
         policy = "c.LateSubmissionPlugin.penalty_method = 'zero'"
         config.write_text(f'{config.read_text(encoding="utf-8")}\n{policy}\n', encoding='utf-8')
@@ -215,7 +206,6 @@ class TestLoweredMarks:
         assert scores(here, 'ann')['late'] == 50
 
     def test_rejudge_writes_nothing_without_yes(self, here, edit, capsys):
-        """The gradebook and the reports stay unchanged."""
         edit(needle=NOWHERE)
         capsys.readouterr()
 
@@ -298,7 +288,6 @@ class TestStudents:
 
     @pytest.mark.parametrize('deep', [True, False])
     def test_a_folder_of_another_layout_makes_no_student(self, here, tmp_path, capsys, deep):
-        """The line says what to do instead."""
         source = here.submitted / 'ann' / ASSIGNMENT / NOTEBOOK
         place = 'mine/zoe/' + ASSIGNMENT if deep else 'Zoe Example_12_assignsubmission_file'
         folder = tmp_path / 'download' / place

@@ -1,7 +1,5 @@
 """A node with messages and services of other packages, from its exam to its verdicts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -126,7 +124,6 @@ def test_missing_package_is_reported_with_the_file_that_names_packages(exam):
 
 
 def test_missing_package_of_a_scenario_is_no_verdict_and_named_with_the_file(exam):
-    """The instructor has to add it."""
     scenario = replace(exam.scenario, watch={'/toys': 'toy_msgs/msg/Toy'})
 
     with pytest.raises(ProbeFailed, match=r"'toy_msgs'\. Try: .* in environment/messages\.txt"):

@@ -1,7 +1,5 @@
 """nbgrader's own commands on a whole course: generate, autograde, feedback, export."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
@@ -13,6 +11,7 @@ import sys
 
 from conftest import ASSIGNMENT, copied
 from fake_engine import CANARY, FakeEngine
+from gradebooks import hand_in, NOTEBOOK, solved
 import pytest
 
 from autograder.gradebook.record import record
@@ -22,7 +21,6 @@ from autograder.submission.inbox import discover
 
 pytestmark = pytest.mark.nbgrader
 
-NOTEBOOK = 'temperature_monitor.ipynb'
 SCRIPT = '<script>alert(1)</script>'
 
 
@@ -38,22 +36,6 @@ def nbgrader(course: Layout, *arguments: str, code: int = 0) -> str:
     )
     assert done.returncode == code, done.stdout + done.stderr
     return done.stdout + done.stderr
-
-
-def hand_in(course: Layout, student: str, data: bytes, name: str = NOTEBOOK) -> None:
-    """Lay a file where nbgrader's collect would."""
-    folder = course.submitted / student / ASSIGNMENT
-    folder.mkdir(parents=True)
-    (folder / name).write_bytes(data)
-
-
-def solved(course: Layout, **changes: str) -> bytes:
-    """Return the solution as a student's file, with some words replaced."""
-    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
-    for old, new in changes.items():
-        assert old in text
-        text = text.replace(old, new)
-    return text.encode()
 
 
 def hostile(course: Layout) -> bytes:
@@ -80,11 +62,11 @@ def hostile(course: Layout) -> bytes:
 
 def class_of_five(course: Layout) -> None:
     """Hand in good, bad, broken and hostile work."""
-    hand_in(course, 'ann', solved(course))
-    hand_in(course, 'bob', (course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
-    hand_in(course, 'cut', solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
-    hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
-    hand_in(course, 'mal', hostile(course))
+    hand_in(course, 'ann')
+    hand_in(course, 'bob', data=(course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
+    hand_in(course, 'cut', data=solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
+    hand_in(course, 'fay', sensor_id='GRADER_FAULT')
+    hand_in(course, 'mal', data=hostile(course))
 
 
 def grades(course: Layout) -> dict[tuple[str, str], tuple[float | None, float | None, int]]:
@@ -155,23 +137,18 @@ def graded_by_command(released, tmp_path_factory):
 
 
 class TestCommands:
-    """What an instructor types."""
-
     def test_every_grade_is_what_the_code_deserves(self, graded_by_command):
-        """A bad file changes nobody else's grade."""
         course, _ = graded_by_command
 
         assert grades(course) == EXPECTED
 
     def test_the_log_says_in_one_line_what_is_wrong_with_a_file(self, graded_by_command):
-        """No traceback of nbgrader's."""
         _, log = graded_by_command
 
         assert f'cut: {NOTEBOOK}: expected a Jupyter notebook' in log
         assert 'Traceback' not in log
 
     def test_export_lists_the_points(self, graded_by_command):
-        """The sum over the checks."""
         course, _ = graded_by_command
         with (course.root / 'grades.csv').open(encoding='utf-8') as file:
             scores = {row['student_id']: float(row['score']) for row in csv.DictReader(file)}
@@ -211,7 +188,6 @@ class TestCommands:
         assert leaks == []
 
     def test_nothing_a_student_wrote_outside_the_answers_is_kept(self, graded_by_command):
-        """Tags, outputs and changed checks are gone."""
         course, _ = graded_by_command
         text = (course.work / 'autograded' / 'mal' / ASSIGNMENT / NOTEBOOK).read_text()
 
@@ -227,7 +203,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
     from autograder.gradebook.database import load_config
 
-    hand_in(course, 'mal', hostile(course))
+    hand_in(course, 'mal', data=hostile(course))
     config = load_config(course)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
 
@@ -240,9 +216,8 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
 def test_autograde_leaves_a_mark_that_would_fall(course):
     """It says so in its log, which formgrader's button shows."""
-    nbgrader(course, 'generate_assignment', ASSIGNMENT, '--force')
-    hand_in(course, 'ann', solved(course))
-    nbgrader(course, 'autograde', ASSIGNMENT)
+    hand_in(course, 'ann')
+    in_process(course)
     before = grades(course)
     worse = solved(course, temperature_topic='temprature_topic')
     (course.submitted / 'ann' / ASSIGNMENT / NOTEBOOK).write_bytes(worse)
@@ -255,9 +230,8 @@ def test_autograde_leaves_a_mark_that_would_fall(course):
 
 def test_autograde_refuses_check_cells_with_other_points_than_their_exam(course):
     """A score above the cell's maximum would empty the mark."""
-    nbgrader(course, 'generate_assignment', ASSIGNMENT, '--force')
-    hand_in(course, 'ann', solved(course))
-    nbgrader(course, 'autograde', ASSIGNMENT)
+    hand_in(course, 'ann')
+    in_process(course)
     before = grades(course)
     path = course.solutions / ASSIGNMENT / NOTEBOOK
     path.write_text(path.read_text(encoding='utf-8').replace('"points": 15', '"points": 13'))
@@ -294,10 +268,7 @@ def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_comma
 
 
 class TestRecord:
-    """What ``python -m autograder grade`` writes."""
-
     def test_it_enters_the_same_grades_as_the_commands(self, course):
-        """Both ways go through the same steps."""
         class_of_five(course)
 
         faults = in_process(course)
@@ -307,36 +278,19 @@ class TestRecord:
 
     def test_names_that_glob_acts_on_do_not_mix_students(self, course):
         """The folder is graded; the gradebook does not get it."""
-        hand_in(course, 'ann', solved(course))
-        hand_in(course, '[a]*', solved(course)[:9000])
+        hand_in(course, 'ann')
+        hand_in(course, '[a]*', data=solved(course)[:9000])
 
         in_process(course)
 
         assert {student for student, _ in grades(course)} == {'ann'}
         assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
 
-    def test_a_grade_given_by_hand_survives_a_rerun(self, course):
-        """The question is read by a person only once."""
-        hand_in(course, 'ann', solved(course))
-        in_process(course)
-        with sqlite3.connect(course.work / 'gradebook.db') as database:
-            database.execute(
-                'update grade set manual_score = 4, needs_manual_grade = 0 where cell_id in '
-                "(select id from base_cell where name = 'explain_threshold')"
-            )
-        database.close()
-
-        in_process(course)
-
-        assert grades(course)['ann', 'explain_threshold'][1] == 4
-        assert grades(course)['ann', 'check_temperature_message'] == (10, None, 0)
-
     def test_work_that_was_for_review_gets_its_score_when_graded_again(self, course):
-        """The flag goes with the fault."""
-        hand_in(course, 'fay', solved(course, sensor_id='GRADER_FAULT'))
+        hand_in(course, 'fay', sensor_id='GRADER_FAULT')
         in_process(course)
         shutil.rmtree(course.submitted / 'fay')
-        hand_in(course, 'fay', solved(course))
+        hand_in(course, 'fay')
 
         in_process(course)
 
@@ -344,8 +298,8 @@ class TestRecord:
 
     def test_timestamps_are_recorded_and_broken_ones_do_no_harm(self, course):
         """Nbgrader alone stops at a malformed one."""
-        hand_in(course, 'ann', solved(course))
-        hand_in(course, 'bob', solved(course))
+        hand_in(course, 'ann')
+        hand_in(course, 'bob')
         stamp = course.submitted / 'ann' / ASSIGNMENT / 'timestamp.txt'
         stamp.write_text('2026-03-01 12:00:00 UTC')
         (course.submitted / 'bob' / ASSIGNMENT / 'timestamp.txt').write_text('yesterday')
@@ -359,8 +313,7 @@ class TestRecord:
         assert times['bob'] is None
 
     def test_nothing_is_left_beside_the_gradebook(self, course):
-        """Temporary folders are removed."""
-        hand_in(course, 'ann', solved(course))
+        hand_in(course, 'ann')
 
         in_process(course)
 

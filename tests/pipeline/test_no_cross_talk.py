@@ -6,8 +6,6 @@ graders at once, several at a time, while somebody talks on those topics in ever
 machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, ExitStack
 import json
@@ -83,7 +81,6 @@ def alone() -> list[dict]:
 
 
 def test_two_graders_and_a_talker_in_every_domain_change_nothing(alone):
-    """Verdicts, words and flags are the same to the letter."""
     with ExitStack() as until:
         # 0 is the domain of every sandbox, 101 the last one that Linux's ports allow.
         until.enter_context(somebody_talks((0, *other_domains(until), 101)))

@@ -1,12 +1,11 @@
 """``grade --submitted DIR``: the class keeps its results when a different folder is graded."""
 
-from __future__ import annotations
-
 import io
 import json
 
 from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
+from gradebooks import hand_in, NOTEBOOK
 import pytest
 from rich.console import Console
 
@@ -16,8 +15,6 @@ from autograder.commands.grade import Grading
 from autograder.errors import GraderError
 from autograder.gradebook.live_entry import Guard
 
-NOTEBOOK = 'temperature_monitor.ipynb'
-
 
 class VisibleEngine(FakeEngine):
     """Without the gradebook, which is not the matter here."""
@@ -25,30 +22,17 @@ class VisibleEngine(FakeEngine):
     hidden = False
 
 
-def hand_in(course, folder, student, **changes):
-    """Lay the solution into a folder of a class, with some words replaced."""
-    text = (course.solutions / ASSIGNMENT / NOTEBOOK).read_text(encoding='utf-8')
-    for old, new in changes.items():
-        text = text.replace(old, new)
-    place = folder / student / ASSIGNMENT
-    place.mkdir(parents=True, exist_ok=True)
-    (place / NOTEBOOK).write_text(text, encoding='utf-8')
-
-
 def grade(course, folder):
-    """Grade a folder; return what a terminal shows."""
     console = Console(file=io.StringIO(), width=150)
     Grading(course, folder, VisibleEngine(), 1, console, Guard(course)).one(ASSIGNMENT)
     return console.file.getvalue()
 
 
 def points(course):
-    """Return the last results, by student."""
     return {one.student: one.points for one in results_of(course, ASSIGNMENT)[0].results}
 
 
 def pages(course):
-    """Return the students' pages, by name."""
     return {
         path.name: path.read_text(encoding='utf-8')
         for path in (course.reports / ASSIGNMENT / 'students').iterdir()
@@ -59,8 +43,8 @@ def pages(course):
 def graded(course):
     """Return a course with a class of three."""
     for student in ('ann', 'cho'):
-        hand_in(course, course.submitted, student)
-    hand_in(course, course.submitted, 'bob', temperature_topic='temprature_topic')
+        hand_in(course, student)
+    hand_in(course, 'bob', temperature_topic='temprature_topic')
     assert 'their results are unchanged' not in grade(course, course.submitted)
     return course
 
@@ -68,8 +52,8 @@ def graded(course):
 def test_an_appeal_changes_one_student(graded, tmp_path):
     """Results and pages of the others stay; the lists have everybody, and the terminal says so."""
     before, old = points(graded), pages(graded)
-    hand_in(graded, tmp_path / 'appeal', 'bob')
-    hand_in(graded, tmp_path / 'appeal', 'dee')
+    hand_in(graded, 'bob', into=tmp_path / 'appeal')
+    hand_in(graded, 'dee', into=tmp_path / 'appeal')
 
     said = grade(graded, tmp_path / 'appeal')
 
@@ -104,18 +88,16 @@ def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
 
 
 def test_a_first_grading_from_elsewhere_has_nobody_to_keep(course, tmp_path):
-    """As with a class that lies elsewhere."""
-    hand_in(course, tmp_path / 'mine', 'ann')
+    hand_in(course, 'ann', into=tmp_path / 'mine')
 
     assert 'their results are unchanged' not in grade(course, tmp_path / 'mine')
     assert points(course) == {'ann': 50}
 
 
 def test_results_that_cannot_be_read_are_not_replaced(graded, tmp_path):
-    """And nothing is run before that is known."""
     path = results_file(graded, ASSIGNMENT)
     path.write_text(json.dumps([{'student': 'ann'}]), encoding='utf-8')
-    hand_in(graded, tmp_path / 'appeal', 'bob')
+    hand_in(graded, 'bob', into=tmp_path / 'appeal')
 
     with pytest.raises(GraderError, match='the results cannot be read'):
         grade(graded, tmp_path / 'appeal')

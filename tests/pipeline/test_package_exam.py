@@ -1,7 +1,5 @@
 """The exam of lesson 10: a Python package, as a folder and as the cells of a notebook."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.commands import run as quick_look

@@ -1,7 +1,5 @@
 """The same runs one by one, in parallel and as a worker does them; and how they are stopped."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import json
 import shutil
@@ -30,7 +28,6 @@ class Worker:
     width = 1
 
     def run(self, task: bytes) -> bytes:
-        """Run a task as a worker does."""
         return run_task(task)
 
 
@@ -55,8 +52,6 @@ def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
 
 
 class TestTask:
-    """Bytes in, bytes out."""
-
     def test_a_task_is_json_and_says_nothing_but_what_the_probe_is_told(self):
         """No check, no secret, no object."""
         task = json.loads(task_of('talker', SCENARIO, {'talker.py': 'x'}, 'bwrap-user'))
@@ -134,7 +129,6 @@ class TestFolder:
     """Temporary files of runs."""
 
     def test_what_a_killed_grading_has_left_goes_with_the_next(self, tmp_path, monkeypatch):
-        """What lives stays."""
         monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
         left = tmp_path / 'grading-left'
         (left / 'run-x').mkdir(parents=True)

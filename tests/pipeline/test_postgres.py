@@ -1,7 +1,5 @@
 """The same gradebook in PostgreSQL, on a real server of its own: ``make test-postgres``."""
 
-from __future__ import annotations
-
 from glob import glob
 import os
 from pathlib import Path

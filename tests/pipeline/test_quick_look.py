@@ -1,7 +1,5 @@
 """The same exams on a script, a package folder, a zip of one, and a notebook."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import shutil
@@ -123,8 +121,6 @@ def package(folder: Path, **changed: str) -> Path:
 
 
 class TestWhatIsMeant:
-    """Names of exams and of assignments."""
-
     def test_an_assignment_stands_for_its_exams(self):
         """With or without its number, in the lesson's order."""
         long = quick_look.exams_named('07_temperature_monitor', LAYOUT, hidden=False)
@@ -154,7 +150,6 @@ class TestWhatIsMeant:
         assert list(look.files) == ['talker.py']
 
     def test_what_is_for_none_of_the_exams_is_said(self, tmp_path):
-        """With what was expected and what is there."""
         (tmp_path / 'odd.py').write_text('x = 1')
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
@@ -237,7 +232,6 @@ class TestRuns:
         ],
     )
     def test_a_package_that_does_not_start_says_why(self, tmp_path, cause_id, changed):
-        """The first check fails and names the file to fix."""
         folder = python_package(tmp_path / 'a', **changed)
         if 'CMakeLists.txt' in changed:
             (folder / 'setup.py').unlink()
@@ -277,7 +271,6 @@ class TestRuns:
         assert self.points(tmp_path / 'a.zip') == {'temperature_publisher': (15, [])}
 
     def test_a_script_is_a_submission(self, tmp_path):
-        """Under any name, if the exam is named."""
         shutil.copy(ROOT / PUBLISHER, tmp_path / 'my thermometer.py')
 
         found = self.points(tmp_path / 'my thermometer.py')
@@ -285,7 +278,6 @@ class TestRuns:
         assert found == {'temperature_publisher': (15, [])}
 
     def test_the_command_prints_every_check_and_shows_what_happens(self, tmp_path, capsys):
-        """Feedback on standard output, the live lines beside it."""
         arguments = ['run', '--exam', 'temperature_publisher', '--visible', '--live']
 
         assert command.main([*arguments, str(package(tmp_path / 'a'))]) == OK
@@ -298,7 +290,6 @@ class TestRuns:
         assert times[0].strip().startswith('2.400s  /temperature_topic: temperature_value: 23.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):
-        """What a student of a class handed in, looked at alone."""
         sample = LAYOUT.sample_class / '07_temperature_monitor' / 'fail__two_hertz'
         notebook = tmp_path / 'temperature_monitor.ipynb'
         notebook.write_bytes(sample_class.compose(LAYOUT, '07_temperature_monitor', sample))

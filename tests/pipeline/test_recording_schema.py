@@ -1,19 +1,27 @@
 """The published format of recordings; ``test_sample_class.py`` compares real ones with it."""
 
-from __future__ import annotations
-
+import json
+from pathlib import Path
 import re
 
 from jsonschema import Draft202012Validator
 
 from autograder import recording
-from tests.pipeline.recording_schema import ROOT, SCHEMA, VALID
 
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMA = json.loads((ROOT / 'docs' / 'recording.schema.json').read_text(encoding='utf-8'))
+VALID = Draft202012Validator(SCHEMA)
 KINDS = {
     kind['properties']['event']['const']
     for kind in SCHEMA['$defs'].values()
     if 'event' in kind.get('properties', {})
 }
+
+
+def invalid_lines(seen: recording.Recording) -> list[str]:
+    """Return what the schema refuses in the lines of a recording."""
+    lines = seen.to_bytes().decode().splitlines()
+    return [error.message for line in lines for error in VALID.iter_errors(json.loads(line))]
 
 
 def test_the_schema_is_one():

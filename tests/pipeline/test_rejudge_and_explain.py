@@ -1,7 +1,5 @@
 """After an exam edit: new verdicts from recordings, and the evidence behind one of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import json
 import shutil
@@ -84,7 +82,6 @@ def graded(released, tmp_path_factory):
 
 @pytest.fixture
 def layout(graded, tmp_path):
-    """Return such a course for each test."""
     return copied(graded.root, tmp_path)
 
 
@@ -101,14 +98,11 @@ def now(monkeypatch, layout):
 
 
 def by_student(accounts):
-    """Return what happened to each student."""
     (account,) = accounts
     return {one['student']: one for one in account['submissions']}
 
 
 class TestRejudge:
-    """Only what an edit of a check changes is different afterwards."""
-
     def test_it_takes_at_most_twenty_milliseconds_a_submission(self, layout, now):
         """The limit is CPU time: a busy machine must not fail this test."""
         lesson = load_lesson(layout, ASSIGNMENT)
@@ -124,7 +118,6 @@ class TestRejudge:
         assert min(each) <= 0.020
 
     def test_an_unchanged_exam_changes_nothing(self, layout, now):
-        """And everybody could be judged."""
         accounts = rejudge_command(layout, None, None, write=False)
 
         assert [one['kept'] for one in accounts[0]['submissions']] == [''] * 4
@@ -165,7 +158,6 @@ class TestRejudge:
         assert 'starts_its_node' not in changed
 
     def test_another_scenario_needs_another_run(self, layout, now):
-        """Nobody is scored from a recording of other questions."""
         now(build(21, 0.07, 1.25))
 
         accounts = rejudge_command(layout, None, None, write=False)
@@ -254,14 +246,11 @@ class TestRejudge:
         assert all(seconds > 0 for _, seconds in slowest)
 
     def test_what_was_never_graded_cannot_be_judged_again(self, course):
-        """The way out is named."""
         with pytest.raises(GraderError, match='Try: make grade'):
             rejudge_command(course, None, None, write=False)
 
 
 class TestExplain:
-    """The evidence of one verdict, for a person."""
-
     def test_the_moment_is_marked_and_what_was_said_is_there(self, layout, now):
         """At most forty lines, none of them wide; five readings are enough to judge by."""
         found = evidence(layout, 'fail__stamps_without_nanoseconds', 'stamps_follow_the_clock')
@@ -287,7 +276,6 @@ class TestExplain:
         assert found['deviation']['clock_ns'] == 800_000_000  # half a second too early
 
     def test_a_program_that_died_is_shown_with_its_last_words(self, layout, now):
-        """They explain, and the end of the run is the moment."""
         found = evidence(layout, 'fail__crashes_in_mid_run', 'names_the_unit')
         text = evidence_text(found)
 
@@ -317,12 +305,10 @@ class TestExplain:
     def test_who_or_what_is_not_there_is_answered_with_what_is(
         self, layout, now, student, check, said
     ):
-        """The message makes a typo easy to fix."""
         with pytest.raises(GraderError, match=said):
             evidence(layout, student, check)
 
     def test_an_edited_exam_says_what_comes_out_now(self, layout, now):
-        """The old verdict stays the one that is explained."""
         exam = build(20, 0.07, 1.25)
         exam.checks = [
             replace(check, judge=lambda run: None) if check.name == 'names_the_sensor' else check
@@ -343,8 +329,6 @@ class TestExplain:
 
 
 class TestCommands:
-    """As typed in a terminal."""
-
     @pytest.fixture(autouse=True)
     def here(self, layout, now, monkeypatch):
         """Let the course be the graded one."""
@@ -427,7 +411,6 @@ class TestCommands:
         assert capsys.readouterr().out.startswith('fail__two_hertz, ')
 
     def test_what_was_not_graded_is_one_line(self, capsys):
-        """Exit code 2."""
         assert command.main(['rejudge', '03_topics']) == command.USAGE
         assert 'Did you mean 07_temperature_monitor?' in capsys.readouterr().err
         assert command.main(['explain', 'ann', 'x', '--assignment', 'topics']) == command.USAGE

@@ -1,7 +1,5 @@
 """Each tool accepts the files of its route: containers, Binder, GitHub's workflows."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import shutil

@@ -5,8 +5,6 @@ If docs/agreement.md was made from the current files, each sample has been run w
 only a spread runs again here.  Otherwise, and in a course without that table, all of them run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -23,11 +21,11 @@ from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult, SubmissionResult
 from autograder.submission.inbox import Submission
-from tests.judgement import agreement, kept
+from tests.judgement import agreement
 from tests.judgement.properties import moved_by_text, telling, unreadable
 from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, UNTOUCHED, verdicts_of
-from tests.pipeline.recording_schema import invalid_lines
+from tests.pipeline.test_recording_schema import invalid_lines
 
 LAYOUT = Layout.here()
 _FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python ends
@@ -56,7 +54,7 @@ def graded(assignment: str) -> dict[str, SubmissionResult]:
     """Return the results of a lesson's samples by name, from one run of them all."""
     engine = grading_engine(WORKING)
     lesson = load_lesson(LAYOUT, assignment, engine)
-    late = {exam.name for exam in lesson.exams} & _late()
+    late = {exam.name for exam in lesson.exams} & set(agreement.late())
     class_ = [
         Submission(path.name, path, sample_class.compose(LAYOUT, assignment, path))
         for number, path in enumerate(folders(assignment))
@@ -65,11 +63,6 @@ def graded(assignment: str) -> dict[str, SubmissionResult]:
     # More than there are processors: much of the time, a program is watched and sleeps.
     done = grade_class(class_, lesson, engine, jobs=4)
     return {one.result.student: one.result for one in done}
-
-
-@cache
-def _late() -> set[str]:
-    return set(agreement.late(kept.load(agreement.NAME)))
 
 
 def judged_exams(assignment: str) -> Iterator[tuple[str, Exam, ExamResult]]:

@@ -1,7 +1,5 @@
 """Each step of a scenario, shown with a small program in the sandbox and the probe beside it."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.errors import ProbeFailed
@@ -44,8 +42,6 @@ def make():
 
 
 class TestJoin:
-    """A subscription of ours that comes late."""
-
     def test_late_joiner_hears_the_history(self, run):
         """A transient-local listener gets as much as the writer's depth keeps."""
         late = Qos(durability='TRANSIENT_LOCAL')
@@ -59,7 +55,6 @@ class TestJoin:
         assert seen.messages('/map') == []
 
     def test_volatile_listener_hears_nothing_of_the_past(self, run):
-        """The late listener is matched anyway."""
         seen = run(LATCHED, Join('late', '/map', INT, Qos()))
 
         assert [event['matched'] for event in seen.of('joined')] == [True]
@@ -121,8 +116,6 @@ def make():
 
 
 class TestCall:
-    """Services of the student's node."""
-
     def test_lifecycle_is_driven_from_outside(self, run):
         """Only the active phase has messages; the state is asked at the end."""
         node = '/lab/thermometer'
@@ -242,8 +235,6 @@ def make():
 
 
 class TestOffer:
-    """A publisher of ours that comes and goes."""
-
     def test_missed_deadlines_are_counted(self, run):
         """A deadline runs in virtual time as all else does."""
         body = LISTENER.replace('{options}', ', deadline=Duration(seconds=0.3)')
@@ -323,7 +314,6 @@ def make():
     ids=['from the start', 'in between'],
 )
 def test_numbers_show_how_many_messages_had_no_subscription(run, steps, numbers):
-    """A timer ticks on, whether or not something subscribes."""
     body = """
 def make():
     node = Node('clock')

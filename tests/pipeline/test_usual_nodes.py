@@ -1,7 +1,5 @@
 """Exams of usual nodes take thirty lines, and tell each mistake of a real program by its name."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest
@@ -101,7 +99,6 @@ PROGRAMS = [
 
 @pytest.mark.parametrize(('name', 'body', 'points', 'causes'), PROGRAMS)
 def test_program_gets_its_points_and_its_cause(name, body, points, causes):
-    """The right one gets all points; each wrong one is told what it does."""
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
 
     result = examine(exam, {f'{name}.py': NODE.format(name=name, body=body)}, sandbox=strongest())

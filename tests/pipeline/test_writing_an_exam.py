@@ -1,7 +1,5 @@
 """The instructors' page, followed literally in a course of one's own."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -154,7 +154,6 @@ class Kernel:
                 return outputs
 
     def run(self, code, cell_id=None):
-        """Execute a cell and return what it produced."""
         return self.collect(self.begin(code, cell_id))
 
     def interrupt_at(self, code, marker):
@@ -165,7 +164,6 @@ class Kernel:
         return self.collect(message_id)
 
     def empty(self, folder):
-        """Stop its nodes, forget all names and modules of its cells, and go to another folder."""
         cell = self.begin(EMPTY.format(folder=str(folder)), store_history=False)
         assert self.collect(cell).error is None
         self.other_cells, self.blocks = '', {}

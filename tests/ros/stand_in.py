@@ -4,8 +4,6 @@ A stand-in for a sourced ROS 2 installation: the prepared environment, seen as a
 A Python without packages of its own reaches ROS 2 only through what a setup file exports.
 """
 
-from __future__ import annotations
-
 import io
 import os
 import sys

@@ -4,8 +4,6 @@ A course of one's own: made from the wheel, prepared with its own message packag
 ROS 2 and the packages of the lock come from the running environment: pip downloads nothing here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import json
 import os
@@ -115,8 +113,6 @@ def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.slow
 class TestWheel:
-    """What it holds."""
-
     def test_it_holds_engine_and_toolkit_and_nothing_of_the_course(self, source, wheel):
         """Each file of the four packages, without exams and what grading wrote."""
         kept = (path for name in OURS for path in (source / name).rglob('*') if path.is_file())
@@ -132,8 +128,6 @@ class TestWheel:
 @pytest.mark.ros
 @pytest.mark.slow
 class TestGrading:
-    """The commands of an instructor, in a folder without anything of this course."""
-
     def test_all_of_it_comes_from_the_wheel(self, course, engine):
         """The clone is not on the module path."""
         python = str(course / '.venv' / 'bin' / 'python')
@@ -184,8 +178,6 @@ class TestGrading:
 
 
 class TestBeginning:
-    """What is there already stays as it is."""
-
     def test_a_folder_that_holds_something_is_refused(self, tmp_path):
         """Also one that is a file."""
         (tmp_path / 'full').mkdir()

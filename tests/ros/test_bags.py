@@ -162,7 +162,6 @@ def domain():
 
 @pytest.fixture
 def session(domain, monkeypatch):
-    """Return a session in the domain of the test."""
     made = PrivateSession(domain)
     monkeypatch.setattr('roslab.session._session', made)
     yield made
@@ -189,7 +188,6 @@ def talk(session, qos=KEPT, period_s=0.02, then=lambda count: None):
 
 
 def texts_of(file):
-    """Return the strings in a bag."""
     return [deserialize_message(one.data, String).data for one in messages_of(open_bag(file))]
 
 
@@ -319,7 +317,6 @@ def test_nothing_heard_writes_no_file(session, tmp_path):
 def test_wrong_arguments_of_record_are_named(
     session, tmp_path, monkeypatch, file, sources, seconds, why
 ):
-    """Wrong arguments are refused before anything is recorded."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(RoslabError) as raised:
         record(file, *sources, seconds=seconds)
@@ -359,7 +356,6 @@ def damaged(path, good):
     ],
 )
 def test_unusable_file_is_refused_with_a_reason(everything, tmp_path, make, why):
-    """One line names the file and what is wrong with it."""
     path = tmp_path / 'run.mcap'
     make(path, everything[0])
     with pytest.raises(BagError) as raised:
@@ -470,7 +466,6 @@ def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_pat
 
 
 def test_command_refuses_what_it_cannot_use(command, tmp_path):
-    """The refusal is one line and exit code 1."""
     (tmp_path / 'there').mkdir()
     for arguments, why in (
         (['info', 'none.mcap'], 'none.mcap: there is no such file'),

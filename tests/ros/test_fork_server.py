@@ -1,7 +1,5 @@
 """Probes are forks of one process, which outlives no fault and passes on no right."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A lean start: what is not loaded is loaded as soon as somebody uses it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys
@@ -17,53 +15,42 @@ LEAN += 'from lean_start import lean\nlean()\n'
 
 
 def said(program: str) -> str:
-    """Return what a program prints that starts lean."""
     command = [sys.executable, '-c', LEAN + program]
     ran = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     return ran.stdout.strip()
 
 
-def test_a_node_needs_neither_numpy_nor_the_parser_of_the_generator():
-    """Two thirds of the start of rclpy."""
-    program = """
+PROGRAMS = {
+    # Two thirds of the start of rclpy.
+    'a node needs neither numpy nor the parser of the generator': (
+        """
 import rclpy
 rclpy.init()
 node = rclpy.create_node('lean')
 print([name for name in ('numpy._core', 'lark', 'rosidl_parser.parser') if name in sys.modules])
 node.destroy_node()
 rclpy.shutdown()
-"""
-    assert said(program) == '[]'
-
-
-@pytest.mark.parametrize(
-    'use',
-    [
-        'import numpy\nprint(numpy.zeros(3).sum())',
-        'import numpy as np\nprint(np.zeros(3).sum())',
-        'from numpy import zeros\nprint(zeros(3).sum())',
+""",
+        '[]',
+    ),
+    'import numpy': ('import numpy\nprint(numpy.zeros(3).sum())', '0.0'),
+    'import numpy as np': ('import numpy as np\nprint(np.zeros(3).sum())', '0.0'),
+    'from numpy import zeros': ('from numpy import zeros\nprint(zeros(3).sum())', '0.0'),
+    'import numpy.linalg': (
         'import numpy.linalg\nprint(numpy.linalg.norm(numpy.zeros(3)))',
-    ],
-)
-def test_numpy_is_there_for_whoever_uses_it(use: str):
-    """In every way of importing it."""
-    assert said(use) == '0.0'
-
-
-def test_it_is_the_real_one_from_then_on():
-    """One numpy, whichever name it is reached by."""
-    program = """
+        '0.0',
+    ),
+    'there is one numpy': (
+        """
 import numpy as early
 early.pi
 import numpy as late
 print(early.ndarray is late.ndarray, isinstance(late.zeros(1), early.ndarray))
-"""
-    assert said(program) == 'True True'
-
-
-def test_threads_that_come_together_see_all_of_it():
-    """Callbacks of several threads may be the first to use it."""
-    program = """
+""",
+        'True True',
+    ),
+    'several threads are the first to use it': (
+        """
 import threading
 import numpy
 gate, found = threading.Barrier(8), []
@@ -74,39 +61,42 @@ threads = [threading.Thread(target=use) for _ in range(8)]
 [one.start() for one in threads]
 [one.join() for one in threads]
 print(len(found), set(map(float, found)))
-"""
-    assert said(program) == '8 {2.0}'
-
-
-def test_messages_with_arrays_work():
-    """Their classes hold their numbers in numpy's arrays."""
-    program = """
+""",
+        '8 {2.0}',
+    ),
+    'classes of messages hold numbers in arrays of numpy': (
+        """
 from service_msgs.msg import ServiceEventInfo
 from std_msgs.msg import Float64MultiArray
 event = ServiceEventInfo()
 event.client_gid = [1] * 16
 print(type(event.client_gid).__name__, event.client_gid.sum())
 print(Float64MultiArray(data=[1.5]).data[0])
-"""
-    assert said(program) == 'ndarray 16\n1.5'
-
-
-def test_a_library_that_looks_for_numpy_finds_it():
-    """Without loading it."""
-    program = """
+""",
+        'ndarray 16\n1.5',
+    ),
+    'a library looks for numpy': (
+        """
 import importlib.util
 print(importlib.util.find_spec('numpy').name, 'numpy._core' in sys.modules)
-"""
-    assert said(program) == 'numpy False'
-
-
-def test_a_program_that_asks_for_something_unknown_hears_so():
-    """As always."""
-    program = """
+""",
+        'numpy False',
+    ),
+    'what numpy lacks is an error': (
+        """
 import numpy
 try:
     numpy.nonsense
 except AttributeError as error:
-    print(error)
-"""
-    assert 'nonsense' in said(program)
+    print('nonsense' in str(error))
+""",
+        'True',
+    ),
+}
+
+
+@pytest.mark.parametrize('name', PROGRAMS)
+def test_lean_program_prints_what_another_one_would(name: str):
+    program, printed = PROGRAMS[name]
+
+    assert said(program) == printed

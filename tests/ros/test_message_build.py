@@ -1,7 +1,5 @@
 """The build of a message package as the grader does it: what Python needs, and no more."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 import os
 from pathlib import Path
@@ -112,7 +110,6 @@ def read_by_the_compiler(build: Path) -> set[str]:
 
 
 def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source, tmp_path):
-    """The notes are a short cut and no more."""
     bare = tmp_path / 'bare'
     shutil.copytree(TOOLCHAIN.parent, bare, ignore=shutil.ignore_patterns('known'))
     for file in bare.glob('*.cmake'):

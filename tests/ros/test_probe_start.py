@@ -1,7 +1,5 @@
 """The probe waits for its network, and a program that never starts is not the student's fault."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import select

@@ -1,7 +1,5 @@
 """What endpoints do, what ``qos_check_compatible`` predicts and what is documented: the same."""
 
-from __future__ import annotations
-
 from collections import Counter
 from itertools import product
 import re

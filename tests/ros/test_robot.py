@@ -72,7 +72,6 @@ def test_robot_drives_into_the_wall_if_its_driver_falls_silent(kernel):
 
 
 def test_robot_names_the_policy_of_a_refused_publisher(kernel):
-    """A best-effort driver does not reach a reliable robot."""
     kernel.run(DRIVER)
     out = kernel.run(
         'bot = robot()\n'
@@ -88,7 +87,6 @@ def test_robot_names_the_policy_of_a_refused_publisher(kernel):
 
 
 def test_robot_of_an_earlier_call_is_replaced_and_stays_where_it_is(kernel):
-    """A second run of the cell leaves one robot, and a stopped robot does not move."""
     kernel.run(DRIVER)
     out = kernel.run(
         'old = robot()\n'
@@ -108,7 +106,6 @@ def test_robot_of_an_earlier_call_is_replaced_and_stays_where_it_is(kernel):
 
 
 def test_executed_notebook_keeps_the_picture_of_what_arrived(tmp_path):
-    """Without a frontend, the cell keeps the picture from the end of the drive."""
     drive = (
         'wheel = driver.create_publisher(Twist, "cmd_vel", 10)\n'
         'wheel.publish(go)\nwait_until(lambda: bot.at_wall, 60)\nbot'

@@ -100,6 +100,7 @@ TOPICS = """\
 """
 
 
+@pytest.mark.claim('N10')
 def test_topic_list_names_topics_types_and_counts(world):
     """Hidden topics are counted only where they are asked for."""
     assert world.ros2('topic', 'list', '-t') == TOPICS
@@ -149,7 +150,7 @@ Subscription count: 0
 """
 
 
-@pytest.mark.claim('Q22')
+@pytest.mark.claim('N10', 'Q22')
 def test_topic_info_tells_each_endpoint(world):
     """Verbose shows QoS as the network knows it; an unknown topic is an error."""
     text = world.ros2('topic', 'info', '-v', '/lab/kept')
@@ -162,6 +163,7 @@ def test_topic_info_tells_each_endpoint(world):
     assert world.ros2('topic', 'info', '/nope', code=1) == "Unknown topic '/nope'\n"
 
 
+@pytest.mark.claim('N10')
 def test_topic_echo_prints_yaml_parts_and_lines(world):
     """Late or not: the QoS is that of the publisher, so a kept message arrives."""
     kept = world.ros2('topic', 'echo', '--once', '/lab/kept')
@@ -226,6 +228,7 @@ def test_topic_pub_explains_what_it_cannot_send(world):
     assert 'Expected 1 subscribers but only got 0 subscribers' in waited
 
 
+@pytest.mark.claim('N10')
 def test_topic_hz_measures_until_ctrl_c(world):
     """A rate is printed once a second; Ctrl-C ends it without a traceback."""
     process = world.begin('topic', 'hz', '/chatter')
@@ -250,6 +253,7 @@ def test_closed_pipe_ends_the_command_quietly(world):
     assert process.wait(timeout=DEADLINE_S) == 0
 
 
+@pytest.mark.claim('N10')
 def test_node_list_and_info_show_the_graph(world):
     """Nodes are sorted, hidden ones only with -a; the sections are all there."""
     assert world.ros2('node', 'list') == '/beacon\n/lab/listener\n/talker\n'

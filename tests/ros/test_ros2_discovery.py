@@ -21,48 +21,37 @@ class Graph:
         self.now = 0.0
 
     def monotonic(self):
-        """Return the time [s]."""
         return self.now
 
     def sleep(self, seconds):
-        """Let time pass."""
         self.now += seconds
 
     def get_topic_names_and_types(self):
-        """Return one topic, later two."""
         found = [(name, [kind]) for name, kind in TOPICS.items()]
         return found if self.now >= LATE_S else found[:1]
 
     def get_node_names_and_namespaces(self):
-        """Return the command's own node and another."""
         return [('_ros2cli', '/'), ('talker', '/')]
 
     def get_service_names_and_types(self):
-        """Return a service of the other."""
         return [('/talker/reset', ['std_srvs/srv/Empty'])]
 
     def get_publishers_info_by_topic(self, topic):
-        """Return one endpoint."""
         return [SimpleNamespace(node_name='talker')]
 
     def get_subscriptions_info_by_topic(self, topic):
-        """Return no endpoint."""
         return []
 
     def count_publishers(self, topic):
-        """Count one."""
         return 1
 
     def count_subscribers(self, topic):
-        """Count none."""
         return 0
 
     def get_name(self):
-        """Return the node's own name."""
         return '_ros2cli'
 
     def get_namespace(self):
-        """Return the node's own namespace."""
         return '/'
 
 

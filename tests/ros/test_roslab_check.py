@@ -63,7 +63,6 @@ def test_check_never_runs_the_file_in_the_kernel(kernel, tmp_path):
 
 
 def test_unfinished_cell_is_named_and_still_checked(kernel):
-    """A stub does not stop check(), which names the unfinished file."""
     kernel.run('from roslab import *')
     kernel.run('%%node temp_publisher\n# YOUR CODE HERE\nraise NotImplementedError()')
     outputs = kernel.run(CHECK)
@@ -82,7 +81,6 @@ def test_cell_that_was_not_run_is_asked_for(kernel):
 
 
 def test_unknown_exercise_is_named(kernel):
-    """A misspelt name gets a similar name, and any other name gets all names."""
     kernel.run('from roslab import *')
     near, far = kernel.run("check('temperature_publsher')"), kernel.run("check('unheard')")
 
@@ -127,7 +125,6 @@ def test_check_of_an_object_names_the_exercise_of_its_file(kernel, call, got):
 
 
 def test_check_of_a_bare_name_asks_for_quotes(kernel):
-    """A bare name asks for quotes, even if a cell could define it."""
     kernel.run('from roslab import *')
     error = kernel.run('check(talker)').error
 

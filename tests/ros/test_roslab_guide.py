@@ -186,7 +186,6 @@ def test_server_names_the_notebook(notebook, monkeypatch):
 
 
 def test_damaged_notebook_has_no_cells(tmp_path):
-    """A file that is not a notebook does not cause a second error."""
     path = tmp_path / 'damaged.ipynb'
     path.write_text('{"cells": [1]}')
 

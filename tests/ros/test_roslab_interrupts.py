@@ -15,7 +15,6 @@ kernel_with_node = live_kernels.kernel_with_node
 
 
 def test_interrupt_ends_a_wait_and_nothing_else(kernel):
-    """After the interrupt, the node runs on and the next wait works."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker)')
     outputs = kernel.interrupt_at(
@@ -49,7 +48,6 @@ BLOCKING = {
 @pytest.mark.claim('J2')
 @pytest.mark.parametrize('code', BLOCKING.values(), ids=BLOCKING.keys())
 def test_interrupt_ends_whatever_blocks(kernel_with_node, code):
-    """Each way to block a cell can be interrupted, and the node runs on."""
     outputs = kernel_with_node.interrupt_at(f'print("now", flush=True)\n{code}', 'now')
 
     assert outputs.error['ename'] == 'KeyboardInterrupt'
@@ -128,7 +126,6 @@ raise Awkward
 
 
 def test_interrupts_anywhere_leave_no_node_behind(kernel):
-    """After interrupts while nodes start and stop, the kernel knows all nodes."""
     kernel.run(TALKER)
     coming_and_going = """
 step = 0
@@ -168,7 +165,6 @@ def test_what_an_interrupt_left_half_made_is_thrown_away_quietly(kernel, making)
 
 
 def test_a_finalizer_of_ones_own_that_fails_is_shown(kernel):
-    """Only errors in finalizers of libraries are hidden."""
     outputs = kernel.run(
         'class Own:\n  def __del__(self): return self.nothing\nleft = Own(); del left'
     )

@@ -42,7 +42,6 @@ class Wave(Node):
         self.create_timer(0.02, self.on_timer)
 
     def on_timer(self):
-        """Publish the next number."""
         self.count += 1
         self.sent.append(time.monotonic())
         self.numbers.publish(Float64(data=float(self.count)))
@@ -83,7 +82,6 @@ def test_live_nodes_that_fit_are_connected(session):
 
 
 def test_live_nodes_whose_qos_differs_are_not_connected(session):
-    """The line names the policies that do not match."""
     session.start(Wave)
     node = session.start(lambda: Hearing(String, '/name', LATCHED))
 
@@ -141,7 +139,6 @@ def test_graph_of_one_topic_leaves_the_others_out(session):
     ],
 )
 def test_topic_that_nobody_has_is_answered_with_the_nearest_name(session, ask):
-    """The error suggests the name of an existing topic."""
     session.start(Wave)
 
     with pytest.raises(NotHereError, match=r'no topic.* /nam now\. Did you mean /name\?'):
@@ -164,7 +161,6 @@ def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
 
 
 def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
-    """The timeout names the publisher and the policy that does not match."""
     wave = session.start(Wave)
 
     with pytest.raises(TimeoutError, match=r'there, but the QoS does not match\. .*subscription$'):
@@ -205,7 +201,6 @@ def test_info_describes_a_topic_or_a_node(session, capsys):
 
 
 def test_topics_are_listed_with_their_types(session, capsys):
-    """The topics are sorted by name, one per line."""
     session.start(Wave)
     topics()
 
@@ -215,7 +210,6 @@ def test_topics_are_listed_with_their_types(session, capsys):
 
 
 def test_reception_times_belong_to_their_messages(session):
-    """Each message has a time after the beginning, and clear() removes both."""
     session.start(Wave)
     heard = Listener('/lab/number', Float64, RELIABLE)
     heard.wait(10)
@@ -245,7 +239,6 @@ def test_timeline_counts_what_listeners_heard(session):
 
 
 def test_plot_waits_for_values_and_shows_them(session):
-    """The values are those that were published, and the text shows the newest."""
     session.start(Wave)
     plot = Plot('/lab/number', 'data', threshold=3.0)
     values = plot.wait(6, SOON_S)
@@ -258,7 +251,6 @@ def test_plot_waits_for_values_and_shows_them(session):
 
 
 def test_plot_of_a_wrong_field_leaves_no_subscription(session):
-    """The error appears before anything is drawn."""
     wave = session.start(Wave)
 
     with pytest.raises(RoslabError, match='Numeric fields: data'):
@@ -299,7 +291,6 @@ def pictures(kernel, seconds, until=lambda found: False):
 
 
 def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
-    """In a frontend, the picture changes a few times per second until it is stopped."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data", threshold=5.0)', cell_id='b')
     found = pictures(kernel, 20.0, until=lambda found: len(found) > 5)
@@ -316,7 +307,6 @@ def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
 
 
 def test_plot_of_the_same_field_replaces_the_older_one(kernel):
-    """A second run of the cell leaves one listener and one thread."""
     kernel.run(COUNTER, cell_id='a')
     for _ in range(3):
         assert kernel.run('curve = plot("number", "data")', cell_id='b').error is None
@@ -332,7 +322,6 @@ def test_plot_of_the_same_field_replaces_the_older_one(kernel):
 
 
 def test_plot_goes_on_after_stop_all(kernel):
-    """The plot works again when its node is started again."""
     kernel.run(COUNTER, cell_id='a')
     kernel.run('curve = plot("number", "data"); curve.wait(3); stop_all()', cell_id='b')
     out = kernel.run(

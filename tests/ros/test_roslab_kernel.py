@@ -59,7 +59,6 @@ def test_explain_repeats_the_hint_that_was_shown_last(kernel_of_module, cell, wo
 
 
 def test_node_cell_is_saved_run_and_exported(tmp_path):
-    """%%node keeps the cell as a file and defines its names in the notebook."""
     body = TALKER.replace('from roslab import *', '').replace('import rclpy\n', 'import sys\n')
     notebook = execute(
         ['import roslab', f'%%node talker\n{body}', 'roslab.start(Talker); Talker.__module__'],
@@ -74,7 +73,6 @@ def test_node_cell_is_saved_run_and_exported(tmp_path):
 
 
 def test_bare_main_call_does_not_block_the_cell(tmp_path):
-    """A call of main() at the end of a file is left out, and the cell says so."""
     body = 'def main():\n    import time\n    time.sleep(1e6)\n\nmain()'
     notebook = execute(['import roslab', f'%%node talker\n{body}'], tmp_path)
 
@@ -101,7 +99,6 @@ def test_bare_main_call_does_not_block_the_cell(tmp_path):
     ],
 )
 def test_refused_cell_says_why_in_one_short_text(kernel_of_module, cell, said):
-    """A wrong name or an unsolved stub is one clear error, without frames or stderr."""
     outputs = kernel_of_module.run(cell)
 
     shown = '\n'.join(outputs.error['traceback'])
@@ -121,7 +118,6 @@ def test_node_does_not_hide_roslab_names(kernel):
 
 
 def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
-    """The traceback ends in the learner's line, with what to do about it."""
     kernel.run('from roslab import *; from rclpy.node import Node')
     stub = 'class Mine(Node):\n    def __init__(self):\n        raise NotImplementedError()\n'
     outputs = kernel.run(f'{stub}start(Mine)')
@@ -135,7 +131,6 @@ def test_stub_in_a_constructor_is_shown_without_frames_of_roslab(kernel):
 
 
 def test_node_without_a_name_is_an_error_of_the_node_class(kernel):
-    """The message names the method that the learner calls."""
     kernel.run('from roslab import *; from rclpy.node import Node')
     named = 'class Mine(Node):\n    def __init__(self):\n        super().__init__()\n'
     outputs = kernel.run(f'{named}start(Mine)')
@@ -182,7 +177,6 @@ def test_error_in_a_node_cell_names_the_line_of_the_cell(kernel):
     ],
 )
 def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, cell, error):
-    """The error shows only lines of the cell, and what is wrong with them."""
     kernel_of_module.run('import roslab')
     raised = kernel_of_module.run(cell).error
     shown = '\n'.join(raised['traceback'])
@@ -193,7 +187,6 @@ def test_mistake_in_a_cell_is_shown_without_frames_of_ipython(kernel_of_module, 
 
 
 def test_stop_all_leaves_no_node_and_no_subscription(kernel):
-    """No node and no subscription stays in the graph, and a listener can start again."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker); heard = listen("chatter", String); heard.wait(2)')
     kernel.run('stop_all(); probe = rclpy.create_node("probe")')
@@ -205,7 +198,6 @@ def test_stop_all_leaves_no_node_and_no_subscription(kernel):
 
 
 def test_rclpy_shutdown_in_a_cell_can_be_followed_by_a_start(kernel):
-    """A start after rclpy.shutdown() works in the same kernel."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker); rclpy.shutdown()')
     outputs = kernel.run('node = start(Talker); wait_until(lambda: node.count > 2)')
@@ -215,7 +207,6 @@ def test_rclpy_shutdown_in_a_cell_can_be_followed_by_a_start(kernel):
 
 
 def test_check_without_saved_files_says_what_to_run(kernel):
-    """One sentence says to run the cells of the exercise."""
     kernel.run('from roslab import check')
     outputs = kernel.run("report = check('temperature_publisher')")
 

@@ -19,7 +19,6 @@ pytestmark = pytest.mark.ros
 
 
 def test_picture_follows_the_node(session):
-    """Each call shows the state of that moment, with the ways on."""
     node = session.start(lambda: LifecycleNode('valve'))
     before = lifecycle(node)
     node.trigger_configure()
@@ -60,7 +59,6 @@ def test_ordinary_node_is_refused_with_what_to_do(session):
 
 
 def test_unknown_name_is_refused(session, monkeypatch):
-    """Nobody answers, and the message says for how long it was waited."""
     monkeypatch.setattr(lifecycle_picture, '_PATIENCE_S', 0.2)
 
     with pytest.raises(NotHereError, match=r"lifecycle\('/nobody'\) found no lifecycle node"):

@@ -133,7 +133,6 @@ def test_changed_message_asks_for_a_restart(built):
 
 @pytest.mark.claim('J7')
 def test_course_messages_that_are_in_use_stay(kernel):
-    """If the course's messages are imported already, a build asks for a restart."""
     kernel.run('from temp_monitor_pkg.msg import Temperature')
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
     built = kernel.run('report = build_messages()')
@@ -164,7 +163,6 @@ def test_course_messages_that_are_in_use_stay(kernel):
     ids=['unknown type', 'no ament_package', 'no messages'],
 )
 def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
-    """The output has one line with the place and one with advice, and the log is saved."""
     write(kernel, *cells)
     outputs = kernel.run('report = build_messages()')
 
@@ -184,7 +182,6 @@ def test_build_before_the_cells_names_the_cell_to_run(kernel):
 
 
 def test_build_of_a_stub_is_not_started(kernel, tmp_path):
-    """A file that is still a stub is named, and nothing is built."""
     write(kernel, TEMPERATURE, CMAKE)
     kernel.run('%%rospkg package.xml\n<!-- YOUR CODE HERE -->')
     outputs = kernel.run('build_messages()')
@@ -194,7 +191,6 @@ def test_build_of_a_stub_is_not_started(kernel, tmp_path):
 
 
 def test_interrupted_build_leaves_no_process(kernel, tmp_path):
-    """An interrupt ends colcon and its children, and the next build works."""
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
     outputs = kernel.interrupt_at('build_messages()', 'Building')
 

@@ -59,7 +59,6 @@ class Loud(Talker):
 
 @pytest.mark.claim('J3', 'J4')
 def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
-    """An executed notebook keeps the later output of a node below its cell."""
     start, later = (
         'node = start(Loud); n = wait_until(lambda: node.count > 1)',
         'before = node.count; n = wait_until(lambda: node.count > before + 20, 60)',
@@ -127,7 +126,6 @@ def test_line_of_c_code_does_not_get_into_the_middle_of_a_printed_one(monkeypatc
 
 
 def test_log_line_arrives_on_stdout(kernel):
-    """A line of a node's logger is not written to stderr."""
     kernel.run(TALKER)
     outputs = kernel.run('start(Talker).get_logger().warning("hot"); logs().messages[-1]')
 

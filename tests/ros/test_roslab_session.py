@@ -40,7 +40,6 @@ class Talker(Node):
         self.create_timer(0.01, self.on_timer)
 
     def on_timer(self):
-        """Say the next number."""
         self.count += 1
         text = f'{self.get_parameter("prefix").value}{self.count}'
         self.publisher.publish(String(data=text))
@@ -55,7 +54,6 @@ class Failing(Talker):
         self.error = error
 
     def on_timer(self):
-        """Say a number, or fail."""
         super().on_timer()
         if self.count == 3:
             raise self.error('third')
@@ -70,7 +68,6 @@ class Endless(Node):
         self.create_timer(0.01, self.on_timer)
 
     def on_timer(self):
-        """Run until somebody ends it."""
         self.entered.set()
         while True:
             pass
@@ -78,7 +75,6 @@ class Endless(Node):
 
 @pytest.mark.claim('J1')
 def test_started_node_publishes_while_the_test_waits(session):
-    """A node that was started runs by itself."""
     session.start(Talker)
     heard = Listener('chatter', String, RELIABLE)
 
@@ -142,7 +138,6 @@ def test_plain_node_takes_its_name_from_start(session):
 
 
 def test_two_nodes_of_one_class_run_under_two_names(session):
-    """Only nodes of the same name replace each other."""
     session.start(Talker, name='one')
     session.start(lambda: Talker('two'))
 
@@ -226,7 +221,6 @@ def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
 
 
 def test_failed_node_can_be_started_again(session):
-    """After the correction the cell is simply run again."""
     session.start(Failing)
     wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
     node = session.start(lambda: Talker('failing'))
@@ -263,7 +257,6 @@ def test_endless_callback_is_named_and_ended_by_stop(session):
 
 @pytest.mark.parametrize('which', ['talker', 'other'])
 def test_a_node_stopped_in_a_callback_leaves_the_graph(session, which):
-    """A callback may stop its own node or another one."""
     session.start(Talker)
     other = session.start(Talker, name='other')
     other.create_timer(0.01, lambda: session.stop(which))
@@ -294,7 +287,6 @@ def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
 
 
 def test_close_ends_even_an_endless_callback(session):
-    """The end of a kernel is not held up by a callback."""
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
     threads = [t for t in threading.enumerate() if t.name == 'roslab executor']
@@ -346,7 +338,6 @@ def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(se
     [(lambda: None, 'NoneType'), (String, 'String'), (3, 'node class'), ('x', 'node class')],
 )
 def test_start_of_something_else_says_what_it_expected(session, factory, word):
-    """start() names what it was given."""
     with pytest.raises(RoslabError, match=word):
         session.start(factory)
 
@@ -374,7 +365,6 @@ def test_stop_is_repeatable_and_names_a_wrong_name(session):
 
 @pytest.mark.parametrize('name', ['/lab/talker', 'lab/talker'])
 def test_stop_takes_a_name_with_its_namespace(session, name):
-    """With or without the slash in front."""
     session.start(lambda: Node('talker', namespace='/lab', context=session.executor.context))
     session.stop(name)
 
@@ -392,7 +382,6 @@ def test_session_starts_anew_after_a_shutdown(session):
 
 
 def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
-    """destroy_node() in a cell is noticed, and the executor goes on."""
     talker = session.start(Talker)
     other = session.start(Talker, name='other')
     other.destroy_node()
@@ -403,7 +392,6 @@ def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
 
 
 def test_wait_returns_the_value_and_is_woken_by_callbacks(session):
-    """A wait ends with the callback that makes its condition true."""
     talker = session.start(Talker)
 
     said = wait_until(lambda: talker.count >= 3 and 'three', SOON_S, 'three')
@@ -427,20 +415,17 @@ def test_wait_from_a_callback_is_refused(session, capfd):
 @pytest.mark.claim('J10')
 @pytest.mark.parametrize('timeout', [float('inf'), -1, None, 'soon'])
 def test_wait_without_a_bound_is_refused(session, timeout):
-    """No wait may last for ever."""
     with pytest.raises(RoslabError, match='seconds'):
         wait_until(lambda: True, timeout, 'it')
 
 
 def test_silence_is_explained_by_a_similar_topic(session):
-    """A typing mistake in the topic's name is pointed out."""
     session.start(Talker)
     with pytest.raises(TimeoutError, match='did you mean /chatter'):
         Listener('chater', String, RELIABLE).wait(1, timeout=0.2)
 
 
 def test_silence_is_explained_by_incompatible_qos(session):
-    """A best-effort publisher is not heard by a reliable listener."""
     session.start(lambda: Talker(qos=qos_profile_sensor_data))
     with pytest.raises(TimeoutError, match='QoS'):
         Listener('chatter', String, RELIABLE).wait(1, timeout=0.2)
@@ -504,7 +489,6 @@ def test_stopped_listener_keeps_what_it_heard(session):
 
 
 def test_logs_are_kept_by_node(session):
-    """The table has the node's line, its level and its name."""
     node = session.start(Talker, name='logging_talker')
     wait_until(lambda: node.count > 1, SOON_S, 'the talker')
     lines = logs('logging_talker')

@@ -1,7 +1,5 @@
 """``see_it.py``: the one command for people who only want to look."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import re
 import subprocess
@@ -24,7 +22,6 @@ def test_the_listener_hears_every_message() -> None:
 
 
 def test_its_versions_are_those_of_the_course() -> None:
-    """Each dependency stands with the same version in the set-up's list."""
     header = re.search(r'^# dependencies = \[(.+)\]$', (ROOT / 'see_it.py').read_text(), re.M)
     assert header is not None
     wanted = re.findall(r'"([^"]+)"', header[1])

@@ -1,7 +1,5 @@
 """A service is called when its node knows the client, with real nodes on both sides."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 import time

@@ -1,7 +1,5 @@
 """Test the launcher's fix for rclpy: an event that another thread has just destroyed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys
@@ -38,7 +36,6 @@ rclpy.shutdown()
 
 
 def said(*command: str) -> str:
-    """Return what a program prints."""
     ran = subprocess.run(
         [sys.executable, *command], capture_output=True, text=True, check=True, timeout=60
     )
@@ -47,7 +44,6 @@ def said(*command: str) -> str:
 
 @pytest.fixture
 def program(tmp_path: Path) -> str:
-    """Return the path of the program."""
     file = tmp_path / 'shaky.py'
     file.write_text(PROGRAM)
     return str(file)

@@ -38,13 +38,11 @@ def context():
 
 
 def spin(executor, condition):
-    """Spin until a condition holds."""
     while not condition():
         executor.spin_once(timeout_sec=SOON_S)
 
 
 def executor_of(*nodes, threads=1):
-    """Return an executor that serves nodes."""
     context = nodes[0].context
     made = (
         SingleThreadedExecutor(context=context)
@@ -323,6 +321,5 @@ def test_long_watch_stays_small(context, monkeypatch):
 
 
 def test_something_else_than_a_node_is_refused():
-    """The message says what to write."""
     with pytest.raises(RoslabError, match=r'Try: watch_callbacks\(\) for all nodes'):
         watch_callbacks(5)

@@ -1,7 +1,5 @@
 """Sources of submissions as the systems make them, and what lies in ``submitted/`` afterwards."""
 
-from __future__ import annotations
-
 from functools import partial
 import json
 from pathlib import Path
@@ -22,7 +20,6 @@ TALK, LISTEN, SPIN = '03_talk', '04_listen', '05_spin'
 
 
 def notebook(*ids: str, text: str = 'x = 1') -> bytes:
-    """Return a notebook with such cells."""
     cells = [
         {
             'cell_type': 'code',
@@ -52,7 +49,6 @@ def layout(tmp_path) -> Layout:
 
 
 def packed(path: Path, files: dict[str, bytes]) -> Path:
-    """Write a zip."""
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             archive.writestr(name, data)
@@ -60,7 +56,6 @@ def packed(path: Path, files: dict[str, bytes]) -> Path:
 
 
 def laid(folder: Path, files: dict[str, bytes]) -> Path:
-    """Write a folder."""
     for name, data in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -74,7 +69,6 @@ def limit(monkeypatch, **limits: int) -> None:
 
 
 def taken(layout: Layout) -> dict[str, bytes]:
-    """Return all that lies in ``submitted/`` now."""
     return {
         path.relative_to(layout.submitted).as_posix(): path.read_bytes()
         for path in sorted(layout.submitted.rglob('*'))
@@ -83,18 +77,15 @@ def taken(layout: Layout) -> dict[str, bytes]:
 
 
 def table(rows) -> dict[tuple[str, str], str]:
-    """Return what was done, by student and place."""
     return {(row.student, row.place): row.done for row in rows}
 
 
 def kind(source: Path) -> str:
-    """Return which system a source is taken for."""
     with opened(source) as found:
         return recognised(found)[0]
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:
-    """Return the notes by place."""
     return {row.place: row.notes for row in rows}
 
 

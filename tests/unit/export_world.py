@@ -1,7 +1,5 @@
 """A small class for tests of exports: passed, failed, not run, for review, and hostile words."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from autograder.classroom.results_of_class import ClassResults
@@ -15,12 +13,10 @@ EVIL = '</failure>]]><script>&"\'\x00\x1b[31m\ufffe\ud800,\r\n;' + FORMULA
 
 
 def check(name, verdict=Verdict.PASSED, points=2.0, most=2.0, **more):
-    """Return one check's result."""
     return CheckResult(name, f'It {name}.', verdict, points, most, **more)
 
 
 def failed(name='warns', words='a typo', **more):
-    """Return a check that failed."""
     return check(
         name,
         Verdict.FAILED,
@@ -31,7 +27,6 @@ def failed(name='warns', words='a typo', **more):
 
 
 def submission(student='ann', checks=(), exam='talker', **more):
-    """Return a submission with one exam."""
     waits = check('stops', Verdict.NOT_RUN, 0.0, 1.5, waits_for='warns')
     done = ExamResult(
         exam,

@@ -1,7 +1,5 @@
 """Find the place where a program does what a cause speaks about: a line, a function or nothing."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
@@ -140,7 +138,6 @@ class TestPlace:
         ],
     )
     def test_act_with_one_place_is_found_in_its_line(self, acts, line):
-        """The words of an act describe the code that is found."""
         assert place(acts) == (line, '')
 
     @pytest.mark.parametrize(
@@ -161,7 +158,6 @@ class TestPlace:
         ],
     )
     def test_statement_that_sets_something_is_found_by_what_it_does(self, acts, line, about):
-        """Of several similar statements, the one with the act is found."""
         assert place(acts, about, code=LATER) == (line, '')
 
     @pytest.mark.parametrize(
@@ -198,7 +194,6 @@ class TestPlace:
         'acts', ['self.x()', 'publish()+', 'info() warning()', 'while', 'abs()']
     )
     def test_act_without_a_common_place_has_none(self, acts):
-        """No line is named if no place contains the whole act."""
         assert place(acts) is None
 
     def test_callback_is_chosen_of_several_places(self):
@@ -223,7 +218,6 @@ class TestPlace:
         assert place('warning() info()', lines=[26]) == (25, 'tock')
 
     def test_lines_of_several_files_would_be_ambiguous(self):
-        """No line is named if there are two files, or a file that Python cannot read."""
         assert place_of(Code({'a.py': NODE, 'b.py': NODE}), 'publish()') is None
         assert place_of(Code({'a.py': 'def ('}), 'publish()') is None
 
@@ -268,7 +262,6 @@ class TestKnownActs:
         ],
     )
     def test_act_is_found_by_what_the_run_shows(self, act, about, line):
-        """A number, a name or a string of the run chooses between several places."""
         assert place(act, about)[0] == line
 
     def test_innocent_timer_is_not_the_place_of_another_rhythm(self):
@@ -289,7 +282,6 @@ class TestKnownActs:
         ],
     )
     def test_act_is_found_in_one_statement(self, act, line):
-        """An earlier statement that does not do the act is not found."""
         assert place(act, code=f'rclpy.init(args=args)\n{line}\n') == (2, '')
 
     @pytest.mark.parametrize('act', sorted(ACTS))
@@ -323,8 +315,6 @@ def on_configure(state):
 
 
 class TestTable:
-    """The table of causes and their acts."""
-
     @pytest.mark.parametrize(
         ('cause_id', 'line'), [('one_age_for_all', 10), ('half_a_stop', 12), ('early_limit', 15)]
     )

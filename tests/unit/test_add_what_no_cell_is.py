@@ -1,7 +1,5 @@
 """The grader adds missing files to a Python package that was handed in as cells."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest
@@ -17,12 +15,10 @@ def build_package(monkeypatch):
 
 
 def names(folder):
-    """Return the files in a folder."""
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob('*.*'))
 
 
 def written(folder, *files):
-    """Write empty files."""
     for name in files:
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).touch()

@@ -1,7 +1,5 @@
 """Multiple-choice questions: the letter of an ``%%answer`` cell, and the exam that reads it."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 import re
 
@@ -45,7 +43,6 @@ def test_letter_is_read_however_it_is_written(body):
 
 @pytest.mark.parametrize('body', ['', '\n', STUB, 'None', "# 'b'\n"])
 def test_cell_without_an_answer_has_no_letter(body):
-    """A cell without a letter is not an error."""
     assert chosen_letter(body) is None
 
 
@@ -74,7 +71,6 @@ def test_cell_without_an_answer_has_no_letter(body):
     ],
 )
 def test_anything_else_is_refused_with_a_printable_reason(body, reason):
-    """Any other content is refused without a warning, and the reason shows it."""
     with pytest.raises(NotALetterError) as caught:
         chosen_letter(body)
 
@@ -93,8 +89,6 @@ def test_code_in_an_answer_is_never_executed(tmp_path):
 
 
 class TestMagic:
-    """The output of an ``%%answer`` cell in a notebook."""
-
     @pytest.fixture(autouse=True)
     def folder(self, tmp_path, monkeypatch):
         """Work in an empty folder and return it."""
@@ -102,18 +96,15 @@ class TestMagic:
         return tmp_path
 
     def saved(self, folder):
-        """Return the texts that were saved."""
         return [path.read_text() for path in folder.rglob('answers/q07.txt')]
 
     def test_answer_is_saved_and_said(self, folder, capsys):
-        """The cell shows and saves the letter that will be graded."""
         run_cell('answer', 'q07', '"B"  # sure\n', {})
 
         assert capsys.readouterr() == ('Saved your answer to q07: b\n', '')
         assert self.saved(folder) == ['"B"  # sure\n']
 
     def test_stub_is_not_written_yet(self, folder):
-        """An unchanged stub says that it is not written yet, as in other exercises."""
         with pytest.raises(NotImplementedError, match='%%answer q07 is not written yet') as caught:
             run_cell('answer', 'q07', STUB, {})
 
@@ -160,7 +151,6 @@ def test_visible_check_looks_at_the_form_only():
 
 
 def test_visible_check_names_the_questions_without_a_letter():
-    """The message names some of the questions and says how many more there are."""
     files = {path_of('q01'): "'a'\n", path_of('q02'): 'b\n'}
     (one,) = results(files, hidden=False).values()
 

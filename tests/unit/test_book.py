@@ -1,7 +1,5 @@
 """The book shows the students' text and the outputs of solved lessons, but no solution."""
 
-from __future__ import annotations
-
 import re
 
 import nbformat
@@ -77,7 +75,6 @@ def test_diagram_becomes_its_words_and_links_lead_to_the_first_page():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_page_of_a_lesson_has_no_line_of_a_solution(path):
-    """No page contains a line of a solution, whatever the solved notebook holds."""
     solved = nbformat.read(PROJECT / 'solutions' / path.parent.name / path.name, as_version=4)
     released = nbformat.read(path, as_version=4)
     known = {line.strip() for cell in released.cells for line in cell.source.splitlines()}
@@ -97,7 +94,6 @@ def test_page_of_a_lesson_has_no_line_of_a_solution(path):
 
 
 def test_first_page_links_to_all_lessons():
-    """The first page lists all lessons in their order."""
     text = nbformat.writes(first_page(Layout(PROJECT)))
 
     assert [text.index(f'({path.parent.name}/{path.name})') for path in LESSONS] == sorted(

@@ -1,7 +1,5 @@
 """An exam that cannot be imported or a check that raises is reported with file and line."""
 
-from __future__ import annotations
-
 import re
 import sys
 
@@ -65,7 +63,6 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
 
 
 def test_check_that_breaks_is_named_with_its_line(broken_exam):
-    """The message blames the exam and names the line of its check."""
     broken_exam('def sums(run):\n    """It sums."""\n    return 1 / 0\n\nexam = None\n')
     with pytest.raises(ExamInvalid, match='does not define a complete exam'):
         catalog.load('sample', hidden=False)

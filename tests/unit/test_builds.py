@@ -107,7 +107,6 @@ PYTHON_PRINTED = {
 
 @pytest.mark.parametrize('cause', [row.cause_id for row in rows_of('of_builds.txt')])
 def test_every_mistake_of_the_table_is_recognised(cause):
-    """Each entry of the table is found by its own output and fills in all its places."""
     diagnosis = diagnose(PRINTED[cause], {})
 
     assert diagnosis.cause == cause
@@ -127,7 +126,6 @@ def test_every_mistake_of_a_python_package_is_recognised(cause):
 
 
 def test_line_of_setup_py_is_named():
-    """The line number is the one that Python reports."""
     found = diagnose(PYTHON_PRINTED['setup_py'], {'setup.py': ''})
 
     assert found.where == 'setup.py, line 7'
@@ -159,12 +157,10 @@ def test_the_line_of_the_mistake_is_named(tmp_path):
 
 
 def test_line_numbers_of_cmake_are_kept():
-    """A line number of CMake is passed on unchanged."""
     assert diagnose(PRINTED['cmake_syntax'], {}).where == 'CMakeLists.txt, line 6'
 
 
 def test_unknown_failure_shows_its_first_error():
-    """If the table does not know the failure, its first error line is shown."""
     output = 'all is well\nfoo.c:1:2: error: no such thing\nbar.c:3:4: error: another\n'
     diagnosis = diagnose(output, {})
 
@@ -192,12 +188,10 @@ def test_words_of_cmake_are_passed_on_whole_and_without_folders():
 
 
 def test_names_of_packages_may_be_wrong_ones():
-    """A package name with a dash is compared too."""
     output = PRINTED['name_mismatch'].replace("'temp_monitor_pkg'", "'temp-monitor-pkg'")
 
     assert "'temp-monitor-pkg'" in diagnose(output, {}).error
 
 
 def test_output_without_any_line_is_said_to_be_empty():
-    """An empty log leads to a sentence and not to an exception."""
     assert 'nothing' in diagnose('', {}).error

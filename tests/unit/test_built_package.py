@@ -1,7 +1,5 @@
 """Packages that colcon builds: which ones, what runs instead, and how a failure is explained."""
 
-from __future__ import annotations
-
 import importlib
 import json
 
@@ -115,7 +113,6 @@ def test_what_a_build_prints_is_not_believed(line):
 
 
 def test_a_failed_build_says_what_is_wrong():
-    """The cause is the failed build and not a missing node."""
     check = told(98, 'CMake Error: something odd', {'CMakeLists.txt': ''})
 
     assert check.expected == 'a package that colcon builds'

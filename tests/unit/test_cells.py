@@ -1,7 +1,5 @@
 """The magic line of a cell: the notebook and the grader read it in the same way."""
 
-from __future__ import annotations
-
 import time
 
 import pytest
@@ -24,7 +22,6 @@ from autograder.submission.cells import CellSyntaxError, first_line, MAGIC_LINE_
     ],
 )
 def test_the_magic_line_names_the_file(line, path):
-    """Each kind of file has its place in the package."""
     assert parse_cell(f'{line}\nx').path == path
 
 
@@ -32,7 +29,6 @@ def test_the_magic_line_names_the_file(line, path):
     'source', ['', 'x = 1', '# %%node a', '%%nodes a', '%node a', ' %%node a']
 )
 def test_other_cells_are_no_files(source):
-    """Cells without a magic line of the course are left alone."""
     assert parse_cell(source) is None
 
 
@@ -65,7 +61,6 @@ def test_a_name_that_is_no_file_name_is_refused(line):
 
 
 def test_solution_marks_are_blanked_so_line_numbers_stay():
-    """Line n of a traceback is line n of the file."""
     cell = parse_cell('%%node a\n    ### BEGIN SOLUTION\nx = 1\n### END SOLUTION\ny = 2')
 
     assert cell.body == '\nx = 1\n\ny = 2\n'
@@ -73,14 +68,12 @@ def test_solution_marks_are_blanked_so_line_numbers_stay():
 
 
 def test_windows_line_ends_and_leading_blank_lines_are_fine():
-    """Windows line ends and blank lines before the magic do not change the file."""
     cell = parse_cell('\r\n%%node a\r\nx = 1\r\n')
 
     assert (cell.body, cell.first_line) == ('x = 1\n', 2)
 
 
 def test_a_stub_is_recognised():
-    """A cell is a stub while the text of the stub is in it."""
     assert parse_cell('%%rosmsg A\n# YOUR CODE HERE').unsolved
     assert not parse_cell('%%rosmsg A\nint64 a').unsolved
 
@@ -109,7 +102,6 @@ def test_a_very_long_magic_line_is_refused_at_once(word, rest):
     ],
 )
 def test_long_cells_without_a_magic_are_left_alone_at_once(source):
-    """A long cell without a magic line is skipped at once, whatever its first line is."""
     began = time.thread_time()
 
     assert parse_cell(source) is None
@@ -126,7 +118,6 @@ def test_a_long_line_in_the_file_is_kept_at_once(line):
 
 
 def test_a_magic_line_of_the_longest_length_is_read():
-    """A magic line of exactly the maximum length is read."""
     name = 'a' * (MAGIC_LINE_MAX - len('%%node '))
 
     assert parse_cell(f'%%node {name}\nx').name == name
@@ -143,5 +134,4 @@ def test_a_magic_line_of_the_longest_length_is_read():
     ],
 )
 def test_the_first_line_is_the_first_with_something_on_it(source, found):
-    """The first line that is not blank is returned unchanged, with its number."""
     assert first_line(source) == found

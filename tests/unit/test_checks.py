@@ -1,7 +1,5 @@
 """The functions that checks share, tested on recordings that are made by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -18,30 +16,24 @@ GRAPH = {'event': 'graph', 'when': 'end', 'nodes': ['/lab/a'], 'endpoints': [END
 
 
 def run_of(*events, **process):
-    """Return a run with these events."""
     ends = [{'event': 'end', 'reason': 'complete'}, {'event': 'process', **process}]
     return Run({}, Recording({}, (*events, *ends)))
 
 
 def message(clock_s, **data):
-    """Return a message that came at a virtual time."""
     return {'event': 'message', 'topic': TOPIC, 'clock_ns': round(clock_s * 1e9), 'data': data}
 
 
 def log(text, level=WARN, name='lab.a'):
-    """Return a log entry."""
     return {'event': 'log', 'name': name, 'level': level, 'text': text, 'after_input': 0}
 
 
 class TestNode:
-    """The check that a node exists."""
-
     def test_node_of_the_right_name_passes(self):
         """The full name is compared."""
         checks.require_node(run_of(GRAPH), '/lab/a')
 
     def test_node_in_another_namespace_is_told_so(self):
-        """The namespace is the cause if the plain name is right."""
         with pytest.raises(Failed) as failed:
             checks.require_node(run_of(GRAPH), '/kitchen/a')
 
@@ -66,8 +58,6 @@ class TestNode:
 
 
 class TestReached:
-    """Whether messages reach a subscription."""
-
     def test_subscription_that_comes_after_the_start_fails_alone(self):
         """It has lost what was sent before, but later messages show the rest."""
         start = {**GRAPH, 'when': 'start', 'endpoints': []}
@@ -90,8 +80,6 @@ class TestReached:
 
 
 class TestEndpoint:
-    """The checks of an endpoint and of its quality of service."""
-
     def test_endpoint_of_another_type_is_named(self):
         """The cause is the type of the endpoint, although its topic is right."""
         with pytest.raises(Failed) as failed:
@@ -112,8 +100,6 @@ class TestEndpoint:
 
 
 class TestMessages:
-    """The checks of the contents and the times of messages."""
-
     def test_one_other_value_fails_and_is_shown(self):
         """A nested field is named with a dot."""
         found = [message(1, unit={'name': 'Celsius'}), message(2, unit={'name': 'celsius'})]
@@ -195,7 +181,6 @@ class TestMessages:
 
     @pytest.mark.parametrize('answered', [True, False])
     def test_pause_explains_what_is_too_slow_before_the_rate_does(self, answered):
-        """A pause in the code explains a slow rhythm before the period does."""
         code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(2.0)\n'
         asked = {'event': 'asked', 'node': '/lab/a', 'answered': answered}
         run = replace(run_of(asked), files={'n.py': code})
@@ -258,8 +243,6 @@ class TestLogs:
 
 
 class TestAnswers:
-    """The checks of the answers of services."""
-
     SERVICE = '/lab/a/change_state'
 
     def answer(self, **data):
@@ -273,7 +256,6 @@ class TestAnswers:
         checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')
 
     def test_other_answer_is_told_by_number(self):
-        """The first difference decides, and its number is named."""
         run = run_of(self.answer(success=True), self.answer(success=False))
 
         with pytest.raises(Failed) as failed:

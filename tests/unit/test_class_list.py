@@ -1,7 +1,5 @@
 """The class list and the extensions: missing students, more time, and refused files."""
 
-from __future__ import annotations
-
 from datetime import timedelta
 
 from collect_sources import (
@@ -83,7 +81,6 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
 
 
 def test_without_a_list_nobody_is_missing(layout):
-    """Without a list, no student is missing and none is unknown."""
     assert not_collected(layout, TALK, {'ann'}) == ()
     assert not_listed(layout, ['ann']) == ()
 
@@ -124,7 +121,6 @@ def test_a_wrong_list_is_refused_with_its_place(layout, text, why):
 
 
 def test_extensions_are_hours_for_one_assignment_or_for_all(layout):
-    """A row with an assignment takes precedence over a row for all assignments."""
     text = 'student,assignment,hours\nann,,24\nann,talk,"1,5"\nzoe,04_listen,0\n'
     laid(layout.work, {'extensions.csv': text.encode()})
     found = extensions(layout)

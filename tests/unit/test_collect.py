@@ -1,7 +1,5 @@
 """Collect sources of each kind, right and wrong, into the folders of nbgrader and one table."""
 
-from __future__ import annotations
-
 import json
 import os
 import stat
@@ -65,7 +63,6 @@ class TestEveryKind:
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
         self, files, kind, how, tmp_path, layout
     ):
-        """Collecting again changes neither the source nor the collected files."""
         source = how(tmp_path / 'source.zip', files)
         before = sorted((str(path), path.stat().st_mtime_ns) for path in source.rglob('*'))
         collect(source, layout, layout.submitted)
@@ -116,7 +113,6 @@ class TestStudentIds:
         'name', ['ann', 'Ann Example', 'smith-john', '_x', 'b.c', 'bo@x.org', '2024-0001', 'Ünal']
     )
     def test_what_can_be_an_id_is_one(self, name):
-        """A name that can be an id is used unchanged."""
         assert student_id(name) == name
 
     def test_no_two_names_become_one(self):
@@ -167,7 +163,6 @@ class TestHostileSources:
         ],
     )
     def test_a_path_that_leads_elsewhere_is_left(self, name, why, tmp_path, layout):
-        """A path that leads out of the folder is left out, and the others are collected."""
         source = packed(tmp_path / 's.zip', {name: GOOD, 'ann/talk.ipynb': GOOD, 'b/x.txt': b''})
 
         rows = collect(source, layout, layout.submitted)
@@ -256,7 +251,6 @@ class TestHostileSources:
         assert {row.student: row.done for row in rows} == {'ann': TAKEN, name: TAKEN}
 
     def test_a_name_of_very_many_slashes_is_left(self, tmp_path, layout):
-        """A name with many slashes takes no time."""
         name = 'ann/' + 'x/' * 30_000 + 'talk.ipynb'
 
         (row,) = collect(packed(tmp_path / 's.zip', {name: GOOD}), layout, layout.submitted)
@@ -272,7 +266,6 @@ class TestHostileSources:
             collect(source, layout, layout.submitted)
 
     def test_a_damaged_zip_is_one_sentence(self, tmp_path, layout):
-        """A truncated download leads to one sentence."""
         (tmp_path / 's.zip').write_bytes(packed(tmp_path / 'g.zip', MOODLE).read_bytes()[:200])
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
@@ -304,11 +297,8 @@ def test_a_folder_that_is_a_link_is_not_written_through(tmp_path, layout):
 
 
 class TestCommand:
-    """The command as it is typed in a terminal."""
-
     @pytest.fixture(autouse=True)
     def here(self, layout, monkeypatch):
-        """Let the course be the small one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_it_prints_a_table_and_tells_by_its_exit_code(self, tmp_path, layout, capsys):
@@ -330,7 +320,6 @@ class TestCommand:
         assert not layout.submitted.exists()
 
     def test_the_example_students_leave_when_a_class_comes(self, tmp_path, layout, capsys):
-        """The sample students leave when the first real student is collected."""
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
         example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
         everybody = [SubmissionResult(one, TALK) for one in ('ann', 'pass__example')]
@@ -377,7 +366,6 @@ class TestCommand:
         assert "begin with 'hw2-' (--prefix), got: bob, hw1-ann" in capsys.readouterr().err
 
     def test_what_is_not_there_is_one_line(self, tmp_path, capsys):
-        """A missing source is one line and exit code 2."""
         assert command.main(['collect', str(tmp_path / 'no.zip')]) == command.USAGE
         assert 'no.zip: cannot be read: no such file' in capsys.readouterr().err
 

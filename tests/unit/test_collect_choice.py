@@ -1,7 +1,5 @@
 """Which notebook is collected for an assignment, and how much is read to find out."""
 
-from __future__ import annotations
-
 import json
 import tracemalloc
 
@@ -32,7 +30,6 @@ STRANGE = 'it contains no cell of the assignment'
 
 
 def done(rows) -> list[tuple[str, str, str]]:
-    """Return what happened to each assignment of each student."""
     return sorted((row.student, row.assignment, row.done) for row in rows)
 
 
@@ -120,7 +117,6 @@ class TestOneAssignmentASource:
         assert (rows[0].assignment, rows[0].done) == (TALK, TAKEN)
 
     def test_a_student_counts_once(self, tmp_path, layout):
-        """A student counts once, with any number of notebooks."""
         files = {f'eve_1_5{n}_listen-{n}.ipynb': OTHER for n in range(10, 30)}
         files |= {'ann_2_571_talk.ipynb': GOOD, 'bob_3_572_talk.ipynb': GOOD}
 
@@ -219,7 +215,6 @@ class TestTheRightOne:
         assert not layout.submitted.exists()
 
     def test_a_damaged_notebook_with_the_name_is_not_left_for_own_notes(self, tmp_path, layout):
-        """A damaged notebook with the right name is collected instead of notes."""
         files = {f'ann/{TALK}/talk.ipynb': DAMAGED, 'ann/notes.ipynb': OWN}
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -228,7 +223,6 @@ class TestTheRightOne:
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': DAMAGED}
 
     def test_an_attempt_without_a_cell_does_not_replace_an_earlier_one(self, tmp_path, layout):
-        """A newer notebook without graded cells does not replace an earlier one."""
         at = '+2026-03-0{} 12:00:00.000000 UTC+x/talk.ipynb'
         files = {
             f'ann+{TALK}{at.format(day)}': data
@@ -247,8 +241,6 @@ class TestTheRightOne:
 
 
 class TestBounds:
-    """A student with very many or very large files does not stop the class."""
-
     @pytest.mark.slow
     def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
         """The memory does not grow with the class: each notebook is read when it is written."""
@@ -311,7 +303,6 @@ class TestBounds:
     def test_a_notebook_that_is_too_large_is_told_beside_the_others(
         self, tmp_path, layout, monkeypatch
     ):
-        """A notebook that is too large gets its own line."""
         limit(monkeypatch, file_bytes=2000)
         files = {f'ann/{TALK}/talk.ipynb': b' ' * 3000, f'ann/{LISTEN}/listen.ipynb': OTHER}
 

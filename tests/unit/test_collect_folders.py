@@ -1,7 +1,5 @@
 """Folders of students, and which names decide how the work of a class is read."""
 
-from __future__ import annotations
-
 from collect_sources import (
     CANVAS,
     collect,
@@ -26,8 +24,6 @@ from autograder.submission.tree import NotTakenInError
 
 
 class TestFolders:
-    """Collect one folder or one notebook per student."""
-
     @pytest.mark.parametrize('how', [packed, laid])
     def test_repositories_lose_the_name_of_the_assignment(self, how, tmp_path, layout):
         """The assignment's name is removed, and git's own files are not collected."""
@@ -55,7 +51,6 @@ class TestFolders:
         assert taken == {('ann-x', TALK), ('bob', TALK)}
 
     def test_a_repository_without_a_commit_is_in_the_table(self, tmp_path, layout):
-        """A repository without a commit is in the table."""
         source = laid(tmp_path / 'r', {**REPOSITORIES, 'talk-dan/.git/HEAD': b'ref'})
         (source / 'talk-eva' / '.git').mkdir(parents=True)
 
@@ -69,7 +64,6 @@ class TestFolders:
         }
 
     def test_files_that_are_no_notebooks_are_in_the_table(self, tmp_path, layout):
-        """An archive among the notebooks of a class is in the table."""
         files = {'ann.ipynb': GOOD, 'bob.rar': b'Rar!', 'cy.py': b'x = 1'}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -100,7 +94,6 @@ class TestFolders:
         ],
     )
     def test_one_students_folder_is_no_class(self, files, tmp_path, layout):
-        """The folder of one student is refused as a class."""
         rows = collect(packed(tmp_path / 'a.zip', files), layout, layout.submitted)
 
         assert [(row.student, row.assignment, row.done) for row in rows] == [
@@ -109,7 +102,6 @@ class TestFolders:
         ]
 
     def test_folders_of_assignments_are_no_students(self, tmp_path, layout):
-        """A folder named after an assignment is not a student."""
         files = {f'{TALK}/talk.ipynb': GOOD, f'{LISTEN}/listen.ipynb': OTHER}
 
         rows = collect(laid(tmp_path / 'ann', files), layout, layout.submitted)
@@ -126,7 +118,6 @@ class TestIdsOfFolders:
         [('2024-0001', '2024-0002'), ('smith-john', 'smith-anna'), ('talk-ann', 'talk-bob')],
     )
     def test_what_folders_share_stays(self, names, tmp_path, layout):
-        """A beginning that all folders share stays part of the names."""
         for count, place in enumerate(('{}/talk.ipynb', f'{{}}/{TALK}/talk.ipynb')):
             source = laid(tmp_path / str(count), {place.format(name): GOOD for name in names})
 
@@ -218,7 +209,6 @@ class TestNamesThatStudentsGive:
     def test_names_of_other_systems_in_a_folder_decide_nothing(
         self, files, name, tmp_path, layout
     ):
-        """In the files of students, the names of other systems decide nothing."""
         owner = next(iter(files)).partition('/')[0]
         honest, source = tmp_path / 'honest', tmp_path / 'source'
         laid(honest, files)
@@ -269,7 +259,6 @@ MACOS = {'.DS_Store': b'Bud1', '._x': b'mac'}
 def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
     files, how, around, tmp_path, layout
 ):
-    """Files of macOS and Jupyter in a repacked zip are ignored."""
     again = dict(files)
     if around and not any(name.startswith(('c/', 'assignment_9')) for name in files):
         again = {f'{around}{name}': data for name, data in files.items()}
@@ -304,7 +293,6 @@ class TestNamedKind:
         assert 'got: grades.csv, roster.csv.' in caught.value.what
 
     def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):
-        """The error names what is in the folder around everything, not the folder."""
         files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
 
         with pytest.raises(NotTakenInError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):

@@ -1,7 +1,5 @@
 """Moodle: names become ids, and two people with one name are never confused."""
 
-from __future__ import annotations
-
 from collect_sources import (
     GOOD,
     kind,
@@ -36,7 +34,6 @@ class TestMoodle:
         assert notes(rows)[place] == ('an online text, which is not collected',)
 
     def test_files_without_folders_are_read(self, tmp_path, layout):
-        """A download without folders is read."""
         files = {
             'Ann Example_311_assignsubmission_file_talk.ipynb': GOOD,
             'Bo Berg_312_assignsubmission_file_notes.pdf': b'%PDF',
@@ -155,7 +152,6 @@ class TestMoodle:
         assert {row.student for row in rows} == {'Ann', 'Cy'}
 
     def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
-        """The file is collected, and the typed text has its own line."""
         files = {
             'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>see file',

@@ -1,7 +1,5 @@
 """nbgrader's exchange: work is taken from the student who owns it, and from no other user."""
 
-from __future__ import annotations
-
 import os
 import pwd
 
@@ -43,7 +41,6 @@ def configure(layout, text):
 
 
 def test_work_that_the_student_owns_is_taken(tmp_path, layout):
-    """Work is collected if the student id is the name of the user who owns it."""
     (row,) = collect(handed_in(tmp_path, ME), layout, layout.submitted)
 
     assert (row.student, row.done) == (ME, TAKEN)

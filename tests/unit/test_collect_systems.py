@@ -1,7 +1,5 @@
 """The names of each system, down to rare ones: each file has an owner, and none is lost."""
 
-from __future__ import annotations
-
 from collect_sources import (
     CANVAS,
     collect,
@@ -77,7 +75,6 @@ class TestCanvas:
         ],
     )
     def test_what_was_typed_in_is_told(self, name, what, tmp_path, layout):
-        """A text that was typed in Canvas has a line in the table."""
         files = {name: b'<html>', 'berg_1002_56_talk.ipynb': GOOD}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -166,7 +163,6 @@ class TestCanvas:
         assert {row.student: row.done for row in rows} == {'101': TAKEN, '102': TAKEN}
 
     def test_what_has_no_name_of_canvas_is_in_the_table(self, tmp_path, layout):
-        """A folder without names of Canvas is one line in the table."""
         files = {**CANVAS, 'roster.csv': b'', 'extra/one.txt': b'', 'extra/two.txt': b''}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -194,7 +190,6 @@ class TestGradescope:
         assert found[f'1003/{TALK}/timestamp.txt'] == b'2026-03-02 13:00:00 UTC\n'
 
     def test_what_is_only_in_the_table_or_only_a_folder_is_told(self, tmp_path, layout):
-        """An incomplete export has a line for each missing part."""
         files = {
             'submission_metadata.yml': METADATA,
             'submission_101/talk.ipynb': GOOD,
@@ -215,7 +210,6 @@ class TestGradescope:
         assert said['submission_999'][0].startswith('not in submission_metadata.yml')
 
     def test_a_time_that_yaml_refuses_is_one_sentence(self, tmp_path, layout):
-        """A value that YAML cannot read as a time leads to one sentence."""
         table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'
         source = packed(tmp_path / 'g.zip', {'submission_metadata.yml': table_})
 
@@ -226,7 +220,6 @@ class TestGradescope:
         'created', [b'0001-01-01 00:00:00 +14:00', b'[a, b]', b'noon', b'2026-03-01']
     )
     def test_a_time_that_is_none_stops_nobody(self, created, tmp_path, layout):
-        """A notebook with an unreadable time is collected without it."""
         table_ = b"submission_1:\n  :submitters:\n  - :sid: '7'\n  :created_at: " + created
         files = {'submission_metadata.yml': table_, 'submission_1/talk.ipynb': GOOD}
         source = packed(tmp_path / 'g.zip', files)
@@ -250,7 +243,6 @@ class TestExchange:
         assert sorted(row.student for row in rows) == ['ann', 'ann', 'bob']
 
     def test_each_folder_of_an_exchange_can_be_named(self, tmp_path, layout):
-        """The source may be the exchange, its course or ``inbound``."""
         source = laid(tmp_path / 'exchange', EXCHANGE)
         first = collect(source, layout, layout.submitted)
 
@@ -268,7 +260,6 @@ class TestExchange:
             collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
 
     def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):
-        """An exchange with an empty ``inbound`` has no submissions."""
         source = laid(tmp_path / 'exchange', {f'c/outbound/{TALK}/talk.ipynb': GOOD})
         (source / 'c' / 'inbound').mkdir()
 

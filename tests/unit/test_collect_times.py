@@ -1,7 +1,5 @@
 """The times of submissions and their lateness, in the table and for a late policy."""
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta, timezone
 import json
 import os
@@ -69,8 +67,6 @@ def made_gradebook(layout: Layout) -> Path:
 
 
 class TestReading:
-    """Times as nbgrader and Gradescope write them."""
-
     @pytest.mark.parametrize(
         ('text', 'hour'),
         [
@@ -87,7 +83,6 @@ class TestReading:
         ],
     )
     def test_offsets_are_understood(self, text, hour):
-        """A time with an offset is converted to UTC."""
         assert read_time(text) == (NOON.replace(hour=hour), '')
 
     @pytest.mark.parametrize(
@@ -128,8 +123,6 @@ class TestReading:
 
 
 class TestExchange:
-    """In an exchange, the name of the folder has the time."""
-
     def test_the_time_is_kept_and_shown(self, tmp_path, layout):
         """The time is saved in UTC and shown to the minute."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 12:34:56.789012 +0100'))
@@ -145,7 +138,6 @@ class TestStampBesideANotebook:
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_it_is_kept(self, how, tmp_path, layout):
-        """Each assignment keeps its own time."""
         files = {
             f'ann/{TALK}/talk.ipynb': GOOD,
             f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:34:56.789012 UTC',
@@ -166,7 +158,6 @@ class TestStampBesideANotebook:
         ]
 
     def test_one_of_a_student_counts_for_nothing_else(self, tmp_path, layout):
-        """In other systems, a student's own stamp does not count."""
         files = {
             **GRADESCOPE,
             'assignment_9_export/submission_101/timestamp.txt': b'2020-01-01 00:00',
@@ -204,8 +195,6 @@ class TestStampBesideANotebook:
 
 
 class TestOlderWork:
-    """Older work never replaces newer work."""
-
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
@@ -224,7 +213,6 @@ class TestOlderWork:
         assert taken(layout) == before
 
     def test_newer_work_replaces_it(self, tmp_path, layout):
-        """Newer work replaces older work without a note."""
         collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
 
         (row,) = collect(laid(tmp_path / 't', inbound(self.TUESDAY)), layout, layout.submitted)
@@ -314,7 +302,6 @@ class TestDueDates:
         }
 
     def test_looking_makes_no_gradebook_and_changes_none(self, tmp_path, layout, gradebook):
-        """Reading due dates neither creates nor changes a gradebook."""
         source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:00:00 UTC'))
         before = gradebook.read_bytes()
         collect(source, layout, layout.submitted)
@@ -348,7 +335,6 @@ class TestDueDates:
     @pytest.mark.slow
     @pytest.mark.nbgrader
     def test_a_gradebook_of_nbgrader_is_read(self, layout, gradebook, monkeypatch):
-        """The due dates are read from a gradebook that nbgrader has made."""
         from nbgrader.api import Gradebook
 
         gradebook.unlink()
@@ -367,7 +353,6 @@ class TestDueDates:
 
 
 def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
-    """The table shows the time, and JSON has it too."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
 

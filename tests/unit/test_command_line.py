@@ -1,7 +1,5 @@
 """The command line: clear errors, stable exit codes."""
 
-from __future__ import annotations
-
 import argparse
 from contextlib import nullcontext
 import json
@@ -39,7 +37,6 @@ def test_a_missing_folder_is_named(tmp_path, capsys):
 
 
 def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
-    """The error suggests a name that is similar."""
     arguments = ['grade', '--submitted', str(tmp_path), '--assignment', '07_temprature_monitor']
 
     assert command.main(arguments) == command.USAGE
@@ -47,8 +44,6 @@ def test_an_unknown_assignment_is_answered_with_a_near_one(tmp_path, capsys):
 
 
 def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch):
-    """Without a sandbox, the grader refuses to run a program."""
-
     def refuse():
         raise SandboxUnavailable('No bubblewrap.', 'Install it.')
 
@@ -91,7 +86,6 @@ def no_place_to_write(tmp_path, monkeypatch):
 def test_a_folder_that_cannot_be_written_is_one_line(
     how, no_place_to_write, tmp_path, capsys, monkeypatch
 ):
-    """The line names the file, and there is no traceback."""
     from autograder.exam import inputs
 
     monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
@@ -190,14 +184,12 @@ class TestCheckWithoutTheFile:
         assert captured.out == ''
 
     def test_an_empty_folder_has_nothing(self, tmp_path, capsys):
-        """An empty folder has no list of files."""
         assert self.check(tmp_path) == command.USAGE
 
         line = one_line(capsys.readouterr())
         assert line.endswith('expected temp_publisher.py, got no file of a package.')
 
     def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
-        """For a large folder, the line names only the first files."""
         for number in range(20):
             (tmp_path / f'a{number:02}.py').write_text('x')
 
@@ -206,7 +198,6 @@ class TestCheckWithoutTheFile:
         assert 'a07.py and 12 more.' in one_line(capsys.readouterr())
 
     def test_as_data_it_is_a_failed_check_about_a_file(self, tmp_path, capsys, monkeypatch):
-        """In JSON, the missing file is a failed check that names the file."""
         monkeypatch.setattr(choose, 'strongest', lambda: Sandbox('bwrap-root'))
 
         assert self.check(tmp_path, '--json') == OK
@@ -263,7 +254,6 @@ def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, 
 
 
 def test_an_empty_class_folder_gets_the_sample_class_and_a_full_one_stays(tmp_path, capsys):
-    """An empty folder gets the sample class, and a full one is unchanged."""
     from rich.console import Console
 
     layout = Layout.here()

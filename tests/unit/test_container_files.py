@@ -1,7 +1,5 @@
 """The files of the containers fit together and have the form that their tools read."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re
@@ -27,7 +25,6 @@ def test_the_profile_allows_eight_calls_more_and_forbids_no_other() -> None:
 
 @pytest.mark.parametrize('wrong', [{}, {'syscalls': []}, {'defaultAction': 'x', 'syscalls': {}}])
 def test_another_file_is_refused(wrong: dict[str, object]) -> None:
-    """A profile with another form is refused."""
     with pytest.raises(ValueError, match='expected a seccomp profile'):
         with_namespaces(wrong)
 
@@ -45,7 +42,6 @@ def test_paths_and_stages_exist() -> None:
 
 
 def test_documentation_names_the_same_calls() -> None:
-    """environment.md lists exactly the calls that the script adds."""
     text = (ROOT / 'environment.md').read_text(encoding='utf-8')
     listed = re.search(r'adds eight system calls: ([^.]*)\.', text)
     assert listed

@@ -1,7 +1,5 @@
 """One grading at a time, and what a killed grading leaves behind."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import subprocess

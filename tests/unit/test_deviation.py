@@ -1,14 +1,11 @@
 """Find the event at which a check first deviates: the check names it, or a short run shows it."""
 
-from __future__ import annotations
-
 from autograder.exam.exam import Check, Failed, Run
 from autograder.judging.deviation import deviation
 from autograder.recording import header, Recording
 
 
 def message(second, value):
-    """Return a message at a virtual second."""
     facts = {'topic': '/t', 'data': {'value': value}}
     return {'event': 'message', 'clock_ns': second * 10**9, 'after_input': None, **facts}
 
@@ -43,8 +40,6 @@ def test_check_that_goes_through_the_events_gives_up_at_one():
 
 
 def test_a_check_may_name_the_moment():
-    """A check that computes with times can name the time of its deviation."""
-
     def named(run):
         raise Failed(expected='a', observed='b', at=2 * 10**9)
 
@@ -91,8 +86,6 @@ def test_a_check_that_passes_or_looks_at_files_has_no_moment():
 
 
 def test_a_check_that_cannot_bear_half_a_recording_is_asked_no_more():
-    """If a check raises on a shortened run, no shorter run is tried."""
-
     def brittle(run):
         found = run.recording.messages('/t')
         assert found[3]

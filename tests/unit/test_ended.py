@@ -1,7 +1,5 @@
 """Causes come from the recording, and no cause is named without evidence."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -18,14 +16,12 @@ TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 
 
 def run(*events, nodes=('/n',), endpoints=(), **process):
-    """Return a run with these events."""
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
     last = {'event': 'process', 'exit': None, 'killed': '', 'stdout': '', 'stderr': '', **process}
     return Run({'temp_publisher.py': ''}, Recording({}, (*events, graph, last)))
 
 
 def end(topic=TOPIC, kind='publisher', type_name=TYPE):
-    """Return an endpoint."""
     return {'topic': topic, 'kind': kind, 'node': '/n', 'type': type_name, 'qos': {}}
 
 
@@ -102,14 +98,12 @@ def test_exception_is_named_with_its_line(error, cause_id):
 
 
 def test_node_that_never_answers_was_never_spun():
-    """A silent node that does not answer at the end was never spun."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': False}, endpoints=[end()])
 
     assert causes.why_silent(seen).cause_id == 'never_spun'
 
 
 def test_living_silent_node_gets_no_invented_cause():
-    """A silent node that answers gets no cause without evidence."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
     assert causes.why_silent(seen) is None
@@ -177,7 +171,6 @@ def test_parameter_of_another_type_is_told_without_its_value():
     ],
 )
 def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_id):
-    """The code of a program that ends at once gives the cause of its end."""
     seen = run(nodes=(), exit=0)
 
     assert causes.why_it_ended(Run({'talker.py': code}, seen.recording)).cause_id == cause_id
@@ -224,7 +217,6 @@ def test_comment_about_spinning_spins_nothing():
 
 
 def test_entry_point_calls_main():
-    """The entry point in setup.py calls main()."""
     files = {'n.py': 'def main():\n    rclpy.spin(n)\n', 'setup.py': "['talker = a.n:main']"}
 
     found = causes.why_it_ended(Run(files, run(nodes=(), exit=0).recording))
@@ -233,7 +225,6 @@ def test_entry_point_calls_main():
 
 
 def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
-    """If the node is destroyed before spin(), the cause is not that it was never created."""
     code = 'node = Talker()\nnode.destroy_node()\nrclpy.spin(node)\n'
     seen = run(nodes=())
 
@@ -266,7 +257,6 @@ def test_period_in_milliseconds_is_told(period):
 
 
 def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
-    """A program with two nodes and one spin() is silent because of the other node."""
     asked = [
         {'event': 'asked', 'node': '/n', 'answered': False},
         {'event': 'asked', 'node': '/helper', 'answered': True},
@@ -280,7 +270,6 @@ def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
 
 
 def test_helper_that_nobody_spins_explains_nothing():
-    """A helper without a spin explains nothing if the node with the work is spun."""
     asked = [
         {'event': 'asked', 'node': '/n', 'answered': True},
         {'event': 'asked', 'node': '/helper', 'answered': False},
@@ -319,7 +308,6 @@ def test_without_a_cause_it_is_said_how_to_look():
 
 @pytest.mark.parametrize('limit', sorted(causes.LIMITS))
 def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
-    """A program that the grader ended gets the limit that it exceeded."""
     found = causes.why_it_ended(run(killed=limit))
 
     assert found.cause_id == limit

@@ -1,7 +1,5 @@
 """What CMake finds during the set-up is saved for later builds, if its form is known."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 

@@ -14,14 +14,12 @@ from environment.ros import RosEnvironment
 
 
 def test_line_ok_has_no_fix():
-    """A line in a good state has no advice."""
     line = doctor.Finding('make', doctor.OK, 'GNU Make', 'install it').line()
 
     assert line.split() == ['ok', 'make', 'GNU', 'Make']
 
 
 def test_line_missing_names_the_fix():
-    """A line for a missing requirement has the command to type."""
     line = doctor.Finding('make', doctor.MISSING, 'not installed', 'apt-get install make').line()
 
     assert line.startswith('missing ')
@@ -46,7 +44,6 @@ def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     [('doors_msgs', 'programs: none'), ('', 'the course has none')],
 )
 def test_package_of_messages_only_is_complete(tmp_path, package, detail):
-    """A course without programs or without a package is complete."""
     (tmp_path / 'course.toml').write_text(f"package = '{package}'\n")
     places = Places.of('.venv', tmp_path)
     places.prefix.mkdir(parents=True)
@@ -58,7 +55,6 @@ def test_package_of_messages_only_is_complete(tmp_path, package, detail):
 
 
 def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
-    """If the source of the package has changed, its old build is weak."""
     (tmp_path / 'course.toml').write_text("package = 'doors'\n")
     source = tmp_path / 'doors' / 'door.py'
     source.parent.mkdir()
@@ -130,7 +126,6 @@ def test_check_packages_wrong_version_is_missing(tmp_path):
 
 
 def test_check_room_little_is_weak():
-    """Little space leads to a warning with the space that is needed."""
     finding = doctor.check_room('disk space', Path('/'), 2**40, 'make room')
 
     assert finding.state == doctor.WEAK
@@ -165,7 +160,6 @@ def test_command_to_type_is_one_line_of_the_system(have, expected, monkeypatch):
 
 
 def test_missing_tools_names_what_is_not_on_the_path(monkeypatch):
-    """Each program is looked up by its command."""
     monkeypatch.setattr(system.shutil, 'which', lambda name: None if name == 'bwrap' else name)
     missing = system.missing_tools()
 

@@ -60,5 +60,4 @@ def test_doctor_names_the_folder_and_what_to_type(exchange):
 
 
 def test_doctor_accepts_a_course_without_an_exchange(tmp_path):
-    """A course without an exchange, as most are, is not a mistake."""
     assert doctor.check_exchange(tmp_path / 'nothing').state == doctor.OK

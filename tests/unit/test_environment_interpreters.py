@@ -58,7 +58,6 @@ def test_choose_takes_the_best(found, chosen):
     'other', [{'release': '3.9.1'}, {'release': '3.14.0'}, {'implementation': 'pypy'}]
 )
 def test_choose_unsupported_gives_none(other):
-    """Other versions and implementations are never chosen."""
     assert interpreters.choose([replace(GOOD, **other)]) is None
 
 
@@ -122,7 +121,6 @@ def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
 
 
 def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
-    """A Python built by hand does not hide the distribution's own Python."""
     fake_python(tmp_path, 'python3.12', base_prefix=str(tmp_path))
     expected = fake_python(tmp_path, 'python3.11', release='3.11.2')
 
@@ -160,7 +158,6 @@ def test_find_request_takes_only_that(tmp_path):
     ],
 )
 def test_wheels_refusal_names_the_reason(change, words):
-    """On a machine without ROS 2 wheels, the error gives the reason."""
     refusal = interpreters.wheels_refusal(replace(GOOD, **change))
 
     assert words in refusal

@@ -1,7 +1,5 @@
 """Message packages of environment/messages.txt: what the file may say, and what is installed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import os
 from pathlib import Path
@@ -113,7 +111,6 @@ class SetUp:
         self.plan = Plan(self.places, {**os.environ, **alone}, 'wheels', python)
 
     def wheel(self, name: str, *requires: str) -> None:
-        """Create a wheel with one module."""
         module = name.removeprefix('ros-').replace('-', '_')
         info = f'{name.replace("-", "_")}-1.0.dist-info'
         metadata = ['Metadata-Version: 2.1', f'Name: {name}', 'Version: 1.0']
@@ -125,20 +122,17 @@ class SetUp:
             file.writestr(f'{info}/RECORD', '')
 
     def go(self, text: str) -> None:
-        """Run the step for a file of this text."""
         self.file.write_text(text, encoding='utf-8')
         with (self.places.notes / 'messages.log').open('w', encoding='utf-8') as log:
             messages.install_messages(self.plan, Job(log))
 
     @property
     def modules(self) -> set[str]:
-        """Return the packages that are installed."""
         return {path.name for path in self.places.site_packages().glob('*_msgs')}
 
 
 @pytest.fixture
 def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
-    """Return the step in a separate environment."""
     return SetUp(tmp_path, monkeypatch)
 
 

@@ -23,7 +23,6 @@ def places(tmp_path):
 
 
 def test_ros_environment_round_trip_is_equal(places):
-    """What was written is read back equal."""
     ros = describe.describe_wheels(places, '/usr')
     install_files.write_description(places, ros)
 
@@ -39,7 +38,6 @@ def test_course_without_a_package_is_described_without_one(places):
 
 
 def test_ros_environment_missing_names_doctor(tmp_path):
-    """Without a description the error says which file and what to type."""
     with pytest.raises(EnvironmentError_, match='make doctor') as caught:
         ros_environment(tmp_path)
     assert FILE_NAME in str(caught.value)
@@ -47,7 +45,6 @@ def test_ros_environment_missing_names_doctor(tmp_path):
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '{"kind": "wheels"}'])
 def test_ros_environment_damaged_names_doctor(tmp_path, text):
-    """A damaged description is an error with the same way out."""
     (tmp_path / FILE_NAME).write_text(text)
 
     with pytest.raises(EnvironmentError_, match='make doctor'):
@@ -55,7 +52,6 @@ def test_ros_environment_damaged_names_doctor(tmp_path, text):
 
 
 def test_from_json_wrong_type_is_refused(places):
-    """Variables that are no table are refused."""
     text = replace(describe.describe_wheels(places, '/usr'), variables=[]).to_json()
 
     with pytest.raises(ValueError, match='variables'):

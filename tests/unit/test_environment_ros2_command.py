@@ -15,7 +15,6 @@ from environment.ros import RosEnvironment
 
 @pytest.fixture
 def places(tmp_path):
-    """Provide a place whose name has a blank."""
     places = Places(venv=tmp_path / 'a venv', project=tmp_path)
     (places.venv / 'bin').mkdir(parents=True)
     return places
@@ -119,7 +118,6 @@ def test_command_called_beside_a_real_one_starts_that(places, sourced):
 
 
 def test_command_without_description_says_what_to_do(places):
-    """Without a description, one line says what to do."""
     done = subprocess.run(
         [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), 'topic', 'list'],
         capture_output=True,

@@ -8,7 +8,6 @@ from environment.places import Places
 
 @pytest.fixture
 def places(tmp_path):
-    """Return the places of a small project."""
     package = tmp_path / 'temp_monitor_pkg'
     (package / 'msg').mkdir(parents=True)
     (package / 'test').mkdir()
@@ -23,7 +22,6 @@ def write_ready(places, environ, python_version):
 
 
 def test_is_ready_after_write_is_true(places):
-    """The environment is ready after it was prepared, if the shell asks for nothing else."""
     assert not stamps.is_ready(places, {})
 
     write_ready(places, {}, '3.12')
@@ -34,7 +32,6 @@ def test_is_ready_after_write_is_true(places):
 
 @pytest.mark.parametrize('name', ['msg/Num.msg', 'msg/New.msg', 'package.xml'])
 def test_is_ready_changed_source_is_false(places, name):
-    """A changed or added file of the ROS package needs a build."""
     write_ready(places, {}, '3.12')
     (places.package / name).write_text('float64 changed\n')
 
@@ -52,7 +49,6 @@ def test_is_ready_changed_test_is_true(places):
 
 
 def test_is_ready_edited_while_preparing_is_false(places):
-    """A file that was edited during the set-up counts as changed."""
     before = stamps.whole_digest(places)
     (places.package / 'msg' / 'Num.msg').write_text('int32 num\n')
     stamps.write_ready(places, {}, '3.12', before)
@@ -71,7 +67,6 @@ def test_is_ready_moved_project_is_false(places, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '{"digest": 1}'])
 def test_is_ready_damaged_stamp_is_false(places, text):
-    """After a damaged stamp, the set-up runs again."""
     write_ready(places, {}, '3.12')
     places.ready.write_text(text)
 
@@ -105,5 +100,4 @@ def test_is_ready_compares_what_the_shell_requests(places, prepared, shell, read
 
 
 def test_digest_of_borders_count():
-    """A text that moves from one part to the next changes the digest."""
     assert stamps.digest_of('ab', 'c') != stamps.digest_of('a', 'bc')

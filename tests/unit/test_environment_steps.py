@@ -44,26 +44,22 @@ class FakeSetUp:
         ]
 
     def run(self, name, job):
-        """Do one step, or fail if the test wants it."""
         self.ran.append(name)
         print(f'working on {name}', file=job.log, flush=True)
         if self.fail_in == name:
             raise StepError(f'{name} broke')
 
     def go(self, **screen):
-        """Run the steps and return whether all succeeded."""
         self.ran.clear()
         return run_steps(self.steps(), self.folder, Screen(self.out, **screen))
 
 
 @pytest.fixture
 def fake(tmp_path):
-    """Return a fake set-up."""
     return FakeSetUp(tmp_path)
 
 
 def test_run_steps_all_needed_runs_in_order(fake):
-    """Every step runs once and is announced."""
     assert fake.go()
     assert fake.ran == ['one', 'two', 'three']
     assert '[2/3] Step two ...' in fake.out.getvalue()
@@ -121,7 +117,6 @@ def test_run_steps_edited_while_running_is_stamped_as_before(fake):
 
 
 def test_run_steps_on_ci_says_one_line_a_step(fake):
-    """On CI, a step that succeeds is one line."""
     fake.go(quiet=True)
 
     lines = fake.out.getvalue().splitlines()
@@ -149,7 +144,6 @@ def test_job_run_explains_a_command_that_fails_or_is_missing(tmp_path, command, 
 
 
 def test_locked_second_holder_waits(tmp_path):
-    """A second process says that it waits, and then continues."""
     lock = tmp_path / 'venv.lock'
     code = (
         'import sys, pathlib; from environment.steps import locked, Screen\n'
@@ -174,7 +168,6 @@ def test_locked_second_holder_waits(tmp_path):
 
 
 def test_clear_venv_foreign_folder_is_refused(tmp_path):
-    """A folder that is not a virtual environment is never emptied."""
     (tmp_path / '.venv').mkdir()
     (tmp_path / '.venv' / 'thesis.txt').touch()
 
@@ -215,7 +208,6 @@ def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
 
 
 def test_make_plan_existing_venv_keeps_its_python(tmp_path):
-    """An existing venv keeps its Python."""
     subprocess.run([sys.executable, '-m', 'venv', '--without-pip', tmp_path / 'v'], check=True)
     environ = {'PATH': '/nowhere', 'HOME': '/nowhere'}
 
@@ -226,7 +218,6 @@ def test_make_plan_existing_venv_keeps_its_python(tmp_path):
 
 
 def test_make_plan_unknown_source_is_refused(tmp_path):
-    """A misspelt ROS_SOURCE is an error, not a guess."""
     with pytest.raises(StepError, match='expected wheels or sourced'):
         make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'apt'})
 

@@ -40,13 +40,11 @@ def add_apt(folder, update_code=0):
 
 
 def install(python=None):
-    """Run the step with the current PATH."""
     with open(os.devnull, 'w') as log:
         system.install_missing(Job(log), os.environ, python)
 
 
 def test_install_missing_as_root_uses_apt(machine, monkeypatch):
-    """As root, one apt-get installs everything that is missing."""
     monkeypatch.setattr(os, 'geteuid', lambda: 0)
     log = add_apt(machine)
 
@@ -59,7 +57,6 @@ def test_install_missing_as_root_uses_apt(machine, monkeypatch):
 
 
 def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypatch):
-    """The installation continues if the package lists cannot be updated."""
     monkeypatch.setattr(os, 'geteuid', lambda: 0)
     add_apt(machine, update_code=100)
 
@@ -81,7 +78,6 @@ def test_install_missing_without_root_names_the_command(machine, monkeypatch):
 
 
 def test_install_missing_only_bubblewrap_goes_on(machine, monkeypatch):
-    """Lessons work without bubblewrap, so its absence does not stop the set-up."""
     monkeypatch.setattr(os, 'geteuid', lambda: 1000)
     for name in ('g++', 'make'):
         (machine / name).write_text('')

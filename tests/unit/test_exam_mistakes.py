@@ -1,7 +1,5 @@
 """Mistakes in an exam are refused with their place before a class is graded."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -37,7 +35,6 @@ def exam(**scenario) -> Exam:
 
 
 def feed(topic, *messages, **facts):
-    """Return a step that sends a message."""
     return Feed(topic, messages or [{'data': 'x'}], **facts)
 
 
@@ -87,7 +84,6 @@ class TestWhenItIsMade:
         assert said in str(refused.value)
 
     def test_what_comes_and_goes_in_order_is_fine(self):
-        """A publisher that was offered may send until it leaves."""
         steps = (
             Offer('one', '/t', STRING),
             feed('one'),
@@ -124,7 +120,6 @@ class TestWithRos:
         ],
     )
     def test_a_type_or_field_that_is_not_there_is_named(self, scenario, said):
-        """A missing type or field is named with its place and what to do."""
         (line,) = unsendable([exam(**scenario)])
 
         assert line.startswith(said)
@@ -166,7 +161,6 @@ class TestWithRos:
         assert len(lines) == len(wrong)
 
     def test_a_request_is_tried_too(self):
-        """A request is tried down to the value of a parameter."""
         kind = 'rcl_interfaces/srv/SetParameters'
         wanted = {'parameters': [{'name': 'a', 'value': {'type': 2, 'integer_value': 'two'}}]}
         wrong = exam(steps=(Call('/a', 'set_parameters', kind, wanted),))
@@ -251,7 +245,6 @@ class TestWithTheLessons:
         ],
     )
     def test_a_heading_is_fine(self, section, own):
-        """A heading of this or another lesson is accepted."""
         assert list(read_mistakes(self.reads(section, own), HEADINGS)) == []
 
     def test_without_the_lesson_only_an_empty_section_is_refused(self):
@@ -260,7 +253,6 @@ class TestWithTheLessons:
         assert len(list(read_mistakes(self.reads(), {}))) == 1
 
     def test_headings_are_those_of_the_released_lessons(self, tmp_path: Path):
-        """A damaged notebook has no headings."""
         for name, text in (
             ('01_x', '{"cells": [{"cell_type": "markdown", "source": ["# A\\n", "## B"]}]}'),
             ('02_y', '{}'),

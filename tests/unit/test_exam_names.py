@@ -1,7 +1,5 @@
 """Advice that shows code has the names of the exam that is judged, never those of another."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 import re

@@ -1,7 +1,5 @@
 """Exceptions of beginners are explained with the line and the repair."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run
@@ -162,7 +160,6 @@ def at(code, error, below=''):
     ids=lambda value: value if isinstance(value, str) and ' ' not in value else '',
 )
 def test_errors_of_beginners_have_a_name_of_their_own(error, cause_id, words):
-    """The errors are those that Python and rclpy print."""
     found = cause(error)
 
     assert found.cause_id == cause_id
@@ -189,7 +186,6 @@ def test_a_method_that_is_called_is_told_from_one_with_the_wrong_arguments():
 
 
 def test_a_message_made_with_a_wrong_field_is_named_if_the_line_shows_it():
-    """If the line shows the message, the repair is a whole line."""
     error = 'AssertionError: Invalid arguments passed to constructor: temp'
     code = CODE.replace('self.create_timer(1.0, self.speak())', 'text = String(temp=1)')
 
@@ -458,7 +454,6 @@ def test_whole_message_of_several_fields_or_of_text_is_told():
     ],
 )
 def test_evidence_in_the_error_and_its_line_is_used(line, error, cause_id, words):
-    """The line shows what is used, and the error its type."""
     found = at(f'{SPEAKER}{line}', error)
 
     assert found.cause_id == cause_id
@@ -515,7 +510,6 @@ def test_raise_that_passes_an_exception_on_is_told():
 
 
 def test_paths_of_the_machine_are_cut():
-    """The folder of a module is removed from an import error."""
     error = "ImportError: cannot import name 'QosProfile' from 'rclpy.qos' (/usr/lib/qos.py)"
 
     assert '/usr' not in cause(error).text

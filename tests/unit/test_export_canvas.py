@@ -6,8 +6,6 @@ columns there are, the line ``Points Possible`` with ``(read only)``, the line o
 ``EX`` and ``N/A``, commas or semicolons.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 
@@ -28,22 +26,18 @@ TEST = '"Student, Test",14,,f00d,Sec 2,,,,'
 
 
 def book(*lines, end='\n'):
-    """Return a file of Canvas."""
     return end.join([HEADER, POLICY, POSSIBLE, *(lines or (ADA, BOB, EVE, TEST))] + ['']).encode()
 
 
 def marks(**points):
-    """Return marks by student, of 6.5 points."""
     return [Mark(student, value, 6.5) for student, value in points.items()]
 
 
 def fill(given, data=None, column='Talker (102)', scale=False):
-    """Fill the column."""
     return canvas.fill(data or book(), 'grades.csv', column, given, scale)
 
 
 def cells(data, delimiter=','):
-    """Return the cells of a file."""
     return list(csv.reader(io.StringIO(data.decode('utf-8-sig'), newline=''), delimiter=delimiter))
 
 
@@ -91,7 +85,6 @@ def test_nobody_is_guessed(student):
 
 
 def test_an_id_of_two_lines_is_nobodys():
-    """An id that two lines have is not used."""
     other = '"Else, Some",99,,s11,Sec 2,,,,'
     done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
 
@@ -136,7 +129,6 @@ def test_what_is_replaced_is_told():
 
 
 def test_the_same_points_are_no_change():
-    """A mark with other digits of the same value is not changed."""
     assert fill([Mark('bob@uni.example', 3.0, 6.5)]).replaced == []
 
 
@@ -154,7 +146,6 @@ def test_only_an_assignment_can_be_filled(column):
 
 
 def test_two_columns_of_one_title_need_the_id():
-    """If two columns have the same title, the id is needed."""
     twice = book().replace(b'Quiz 1 (101)', b'Talker (101)')
 
     with pytest.raises(
@@ -164,7 +155,6 @@ def test_two_columns_of_one_title_need_the_id():
 
 
 def test_other_points_possible_are_refused_or_scaled():
-    """With other possible points, the marks are refused or scaled."""
     with pytest.raises(GraderError, match=r'expected 6\.5 points possible .* got 10'):
         fill(marks(ada=3.25), column='101')
 
@@ -173,7 +163,6 @@ def test_other_points_possible_are_refused_or_scaled():
 
 
 def test_semicolons_commas_a_mark_and_line_ends_stay():
-    """A file with semicolons and decimal commas keeps its form."""
     text = book(ADA, end='\r\n').decode().replace(',', ';').replace('"Lovelace; Ada"', 'Ada')
     data = ('\ufeff' + text.replace('6.50', '6,50')).encode()
     done = fill(marks(ada=1.5), data)
@@ -184,7 +173,6 @@ def test_semicolons_commas_a_mark_and_line_ends_stay():
 
 
 def test_first_and_last_name_may_have_columns_of_their_own():
-    """Canvas can write first and last names in separate columns."""
     data = book().decode().replace('Student,', 'LastName,FirstName,', 1)
     data = data.replace('\n,', '\n,,').replace('Possible,', 'Possible,,').replace('"L', 'A,"L')
     lines = [line for line in data.splitlines() if not line.startswith(('"', '\n'))]

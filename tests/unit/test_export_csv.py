@@ -4,8 +4,6 @@ CSV by the rules of RFC 4180, section 2, and safe from formulas.
 The rules are checked by a reader of their own, letter by letter: Python's csv module forgives.
 """
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 import io
@@ -49,7 +47,6 @@ def rfc4180(data):
 
 
 def marks_of(graded):
-    """Return the table of marks as dictionaries."""
     rows = rfc4180(marks_csv(marked(graded), {}))
     return [dict(zip(rows[0], row)) for row in rows[1:]]
 
@@ -76,14 +73,12 @@ def test_a_student_without_a_submission_has_a_row_without_points():
 
 
 def test_for_review_is_an_empty_cell():
-    """A submission for review has an empty cell and no zero."""
     eve = marks_of(CLASS)[2]
 
     assert (eve['student'], eve['status'], eve['points']) == ('eve', 'for review', '')
 
 
 def test_checks_of_a_submission_for_review_have_no_points():
-    """The verdicts of a submission for review are exported without points."""
     rows = rfc4180(checks_csv(marked()))
     lines = [dict(zip(rows[0], row)) for row in rows[1:]]
 
@@ -112,7 +107,6 @@ def test_no_cell_begins_like_a_formula(start):
 
 
 def test_hostile_words_stay_in_their_cell():
-    """Formulas, quotes, line breaks and control characters stay in their cell."""
     for table in (
         marks_csv(marked(), {'ann': EVIL}),
         checks_csv(marked()),
@@ -155,7 +149,6 @@ def test_no_cell_of_a_spreadsheet_that_parts_at_semicolons_begins_like_a_formula
 
 
 def test_ordinary_words_with_semicolons_stay():
-    """The semicolons between flags stay."""
     ((shown,),) = rfc4180(csv_bytes(['a'], [['one; two - three; 4 = 4']]))[1:]
 
     assert shown == 'one; two - three; 4 = 4'

@@ -1,7 +1,5 @@
 """Feedback pages go back under names that Canvas and Moodle recognise."""
 
-from __future__ import annotations
-
 import io
 import re
 import zipfile

@@ -1,7 +1,5 @@
 """Exported files are written atomically and replace nothing unless forced."""
 
-from __future__ import annotations
-
 import os
 
 from hypothesis import given, settings, strategies
@@ -12,7 +10,6 @@ from autograder.files import keep, LONGEST_NAME, refuse_existing, safe_name
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
-    """The folder is created, and no temporary file stays."""
     keep(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
 
     assert (tmp_path / 'new' / 'marks.csv').read_bytes() == b'data'
@@ -33,7 +30,6 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path):
 
 
 def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
-    """If the disk is full, the old file is unchanged."""
     path = tmp_path / 'marks.csv'
     path.write_bytes(b'old')
 
@@ -49,7 +45,6 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
 
 
 def test_a_link_is_something_that_is_there(tmp_path):
-    """A link counts as an existing file, wherever it leads."""
     (tmp_path / 'marks.csv').symlink_to('nowhere')
 
     with pytest.raises(GraderError, match='already exists'):
@@ -75,13 +70,11 @@ def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
 
 
 def test_short_names_stay_as_they_are():
-    """Short names are not changed."""
     assert safe_name('x' * LONGEST_NAME) == 'x' * LONGEST_NAME
     assert safe_name('ü b') == '~C3~BC~20b'
 
 
 def test_signs_that_stand_for_others_stand_for_themselves_too():
-    """An id that looks like the name for another id gets a different name."""
     for one, two in (('a b', 'a~20b'), ('', '~'), ('Щ' * 42, safe_name('Щ' * 42))):
         assert safe_name(one) != safe_name(two)
 
@@ -90,7 +83,6 @@ def test_signs_that_stand_for_others_stand_for_themselves_too():
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=20), strategies.text(max_size=20))
 def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
-    """File names are safe, and different for different ids."""
     try:
         names = safe_name(one), safe_name(two)
     except UnicodeEncodeError:

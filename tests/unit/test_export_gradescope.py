@@ -5,8 +5,6 @@ The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") a
 fields there are, of which types, which words they may have; a score at the top or at each test.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -79,8 +77,6 @@ def archive():
 
 
 class TestResults:
-    """The file of one submission."""
-
     def test_every_graded_submission_keeps_the_rules(self):
         """Results follow the rules, and hostile words are shown as text."""
         for result in CLASS.results:
@@ -119,7 +115,6 @@ class TestResults:
                 results_of(result)
 
     def test_visible_checks_alone_are_no_result(self):
-        """If only visible checks were run, there is no result."""
         visible = ExamResult('talker', (check('runs'),), mode='none')
 
         with pytest.raises(GraderError, match='only visible checks were run'):
@@ -136,7 +131,6 @@ class TestResults:
         assert data['stdout_visibility'] == 'hidden'
 
     def test_weak_isolation_is_said(self):
-        """Every result says if the isolation was weak."""
         weak = ExamResult(
             'talker', (), mode='landlock-uid', not_protected=('the network is shared',)
         )
@@ -147,8 +141,6 @@ class TestResults:
 
 
 class TestZip:
-    """The autograder for the container."""
-
     def test_the_two_files_of_the_specification_are_executable_at_the_root(self, archive):
         """The two scripts are not in a folder of the zip, and are executable."""
         for name in ('setup.sh', 'run_autograder'):
@@ -157,7 +149,6 @@ class TestZip:
             assert archive.read(name).startswith(b'#!/usr/bin/env bash\n')
 
     def test_the_scripts_are_scripts(self, archive, tmp_path):
-        """Bash can parse the scripts."""
         for name in ('setup.sh', 'run_autograder'):
             (tmp_path / name).write_bytes(archive.read(name))
             subprocess.run(['bash', '-n', tmp_path / name], check=True)
@@ -213,7 +204,6 @@ class TestZip:
             }
 
     def test_no_isolation_at_all_is_refused(self):
-        """Without isolation, only visible checks would run, so it is refused."""
         with pytest.raises(GraderError, match='hidden exams never run'):
             autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
 

@@ -1,7 +1,5 @@
 """The JSON export follows docs/results.schema.json."""
 
-from __future__ import annotations
-
 import copy
 import json
 from pathlib import Path
@@ -34,7 +32,6 @@ def test_the_schema_is_one_of_the_draft_that_it_names():
 
 
 def test_a_class_follows_the_schema(document):
-    """A class with failed, waiting and hostile submissions and a review follows the schema."""
     VALID.validate(document)
 
     assert [one['status'] for one in document['submissions']] == [

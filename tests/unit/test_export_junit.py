@@ -5,8 +5,6 @@ Its elements, their children and attributes, and the pattern of times; beside it
 on: numbers that add up, and a name for each case that no other has.
 """
 
-from __future__ import annotations
-
 import re
 from xml.etree import ElementTree
 
@@ -40,7 +38,6 @@ RULES = {
 
 
 def read(*results, absent=()):
-    """Return the root of a document that keeps the rules."""
     data = junit_xml(marked(ClassResults('01_talker', results), *absent))
     root = ElementTree.fromstring(data)  # noqa: S314
     assert root.tag == 'testsuites'
@@ -73,7 +70,6 @@ def test_verdicts_become_passed_failure_and_skipped():
 
 
 def test_for_review_is_an_error_of_its_own():
-    """A submission for review is an error and not a failure."""
     _, suite = read(REVIEW)
 
     assert (suite.get('errors'), suite.get('failures')) == ('1', '0')
@@ -100,7 +96,6 @@ def test_what_xml_does_not_have_is_replaced(character):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(strategies.characters()))
 def test_any_words_give_a_document(words):
-    """Any words of a program give a valid document."""
     read(submission(student=words, fault=words), submission('other'))
 
 

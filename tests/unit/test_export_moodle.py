@@ -6,8 +6,6 @@ identifier with the participant's number first, the maximum right after the grad
 language.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 
@@ -27,18 +25,15 @@ BO2 = '"Participant 313","Bo Berg",c@x.example,Submitted,,6.50,Yes,-,-,'
 
 
 def sheet(*lines, header=HEADER):
-    """Return a worksheet."""
     return '\n'.join([header, *(lines or (ANN, BO)), '']).encode()
 
 
 def fill(marks, data=None, numbers=(), **more):
-    """Fill the worksheet."""
     given = [Mark(student, points, 6.5) for student, points in marks.items()]
     return moodle.fill(data or sheet(), 'grades.csv', given, dict(numbers), **more)
 
 
 def grades(data):
-    """Return the grades by the identifier."""
     rows = list(csv.reader(io.StringIO(data.decode('utf-8'), newline='')))
     return {row[0]: row[4] for row in rows[1:]}
 
@@ -65,7 +60,6 @@ def test_numbers_of_collect_tell_people_with_one_name_apart():
 
 
 def test_a_number_that_is_not_in_the_worksheet_matches_no_name():
-    """A number from the worksheet of a different assignment matches no name."""
     done = fill({'Bo Berg': 5.0}, numbers={'Bo Berg': '999'})
 
     assert done.left_out[0][0] == 'Bo Berg'

@@ -1,7 +1,5 @@
 """Cells become files, and the release says which file each answer is."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import pytest
@@ -45,7 +43,6 @@ RELEASE = {
 
 
 def files_of(**answers):
-    """Return the files of each exam for these answers; None removes a cell."""
     sources = {
         cell['metadata']['nbgrader']['grade_id']: cell['source'] for cell in RELEASE['cells']
     }
@@ -65,7 +62,6 @@ def test_the_release_says_which_file_each_answer_is():
 
 
 def test_answers_become_files_without_their_magic_line():
-    """Each exam gets only its own files."""
     found = files_of(msg='%%rosmsg Num\nint64 num', talker='%%node talker\nimport rclpy')
 
     assert found['message'].files['msg/Num.msg'] == 'int64 num\n'
@@ -111,7 +107,6 @@ def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
 
 
 def test_blank_lines_above_the_magic_line_are_fine():
-    """Blank lines above the magic line are ignored."""
     assert files_of(talker='\n\n%%node talker\nx = 1')['talker'].files == {'talker.py': 'x = 1\n'}
 
 

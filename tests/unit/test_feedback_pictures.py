@@ -1,7 +1,5 @@
 """Pictures of failed checks: what they show, what they hide, and how large they are."""
 
-from __future__ import annotations
-
 import json
 import re
 from xml.etree import ElementTree
@@ -24,7 +22,6 @@ EVIL = '/<script>alert(1)</script>"\'&\x1b'
 
 
 def end(topic=TOPIC, type_name=TYPE, kind='publisher', node='/lab/talker', **qos):
-    """Return an endpoint as it is recorded."""
     whole = {'reliability': 'RELIABLE', 'durability': 'VOLATILE', **qos}
     return {'topic': topic, 'kind': kind, 'node': node, 'type': type_name, 'qos': whole}
 
@@ -109,7 +106,6 @@ class TestGraph:
         assert '/chatter' not in {topic for _, topic, _, _ in shown}
 
     def test_another_type_names_both(self):
-        """The picture names the expected and the observed type."""
         picture = drawn(
             recorded(ends=[end(type_name='std_msgs/msg/Int32')]),
             WRONG,
@@ -120,7 +116,6 @@ class TestGraph:
         )
 
     def test_a_quality_of_service_is_that_of_the_check(self):
-        """The picture repeats the check's words about quality of service."""
         failure = Failed(
             expected='reliability RELIABLE',
             observed='reliability BEST_EFFORT',
@@ -181,13 +176,11 @@ class TestGraph:
         assert any('does not fit' in arrow['remark'] for arrow in arrows) is not matched
 
     def test_a_value_in_a_message_needs_no_picture(self):
-        """If all is connected and in time, there is no picture."""
         failure = Failed(expected="unit 'Celsius' in every message", observed='others')
 
         assert drawn(recorded(said(1.0)), failure) is None
 
     def test_a_program_that_made_no_node_has_no_picture(self):
-        """Without a node, there is no picture."""
         assert drawn(recorded(ends=[], nodes=[]), Failed(**RATE)) is None
 
 
@@ -231,7 +224,6 @@ class TestTimeline:
         assert [row['count'] for row in picture['rows']] == [10, 0]
 
     def test_inputs_and_log_lines_are_numbered_by_message(self):
-        """Inputs and log lines have the number of their message."""
         log = {'event': 'log', 'level': 30, 'text': 'SECRET', 'after_input': 1, 'clock_ns': None}
         failure = Failed(
             expected='one WARN line after a reading above 30', observed='no WARN line'
@@ -279,13 +271,11 @@ class TestSecrets:
     """A picture of a hidden exam shows names and times, and nothing else."""
 
     def test_no_value_is_in_any_picture(self):
-        """Values of messages and of log lines are not shown."""
         picture = drawn(recorded(said(1.0)), Failed(**RATE, at=SECOND, every_s=1.0))
 
         assert 'SECRET' not in json.dumps(picture)
 
     def test_a_hidden_namespace_and_moment_stay_hidden(self):
-        """The picture needs only the name of the node and the topic."""
         graph = drawn(recorded(ends=[end('/lab/x')]), WRONG, hidden=True)
         line = drawn(recorded(said(1.137)), Failed(**RATE, at=SECOND), hidden=True)
 
@@ -302,8 +292,6 @@ class TestSecrets:
 
 
 class TestDrawing:
-    """The pictures are SVG with a description."""
-
     @pytest.fixture(params=['graph', 'timeline'])
     def picture(self, request):
         """Return a picture of each kind that contains a hostile name."""

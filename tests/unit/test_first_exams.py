@@ -1,7 +1,5 @@
 """The exams of lessons 01 and 03, asked about recordings made by hand: rhythm, count and level."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Failed, Run
@@ -22,7 +20,6 @@ def judge_of(module, check):
 
 
 def log(clock_s, text, level=INFO, name='n.night_watch'):
-    """Return a log line."""
     clock_ns = round(clock_s * 1e9)
     return {'event': 'log', 'clock_ns': clock_ns, 'name': name, 'level': level, 'text': text}
 
@@ -41,7 +38,6 @@ def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
 
 
 def watches(level=lambda number: INFO if number % 5 else WARN, text='watch {}', first=1, step=1):
-    """Return the lines of a night."""
     numbers = [first + step * place for place in range(SECONDS)]
     return [(text.format(one), level(place)) for place, one in enumerate(numbers, 1)]
 
@@ -108,7 +104,6 @@ class TestNightWatch:
         ],
     )
     def test_wrong_number_is_explained(self, lines, cause_id):
-        """Each way to count wrongly has a name of its own."""
         assert cause_of(night_watch.lines_are_numbered, night(*lines)) == cause_id
 
     @pytest.mark.parametrize(
@@ -126,7 +121,6 @@ class TestNightWatch:
         ],
     )
     def test_wrong_level_is_explained(self, level, cause_id):
-        """Each kind of wrong warning has its own cause."""
         run = night(*watches(level))
 
         assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
@@ -184,8 +178,6 @@ class TestNightWatch:
 
 
 class TestHarbour:
-    """Reports of one node, once a period."""
-
     @staticmethod
     def keeper(*moments, code='create_timer(2.0, self.report)'):
         """Return a run in which the keeper reports at these moments [s]."""
@@ -219,8 +211,6 @@ class TestHarbour:
 
 
 class TestTalker:
-    """When greetings come, and what they say."""
-
     @staticmethod
     def run_of(texts, lost=0, period_s=0.5, code=''):
         """Return a run in which these greetings are heard, and some before them are not."""
@@ -253,7 +243,6 @@ class TestTalker:
         ],
     )
     def test_wrong_text_is_explained(self, texts, cause_id):
-        """Each way to count wrongly has a name of its own."""
         assert cause_of(talker.counts_its_greetings, self.run_of(texts)) == cause_id
 
     def test_greeting_that_nobody_could_hear_counts(self):
@@ -285,8 +274,6 @@ class TestTalker:
 
 
 class TestCourier:
-    """When the parcel comes, and to whom."""
-
     @staticmethod
     def run_of(
         *heard, code='', lost=0, lives=('delivered', 'end'), durability='VOLATILE', exit=None
@@ -405,8 +392,6 @@ class TestCourier:
 
 
 class TestRunningMean:
-    """Which mean it is instead."""
-
     @pytest.mark.parametrize(
         ('answers', 'cause_id'),
         [

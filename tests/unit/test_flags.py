@@ -1,7 +1,5 @@
 """Flags for instructors: facts about a run, and none for an honest program."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.scenario import FeedTopic, Offer, Scenario
@@ -18,7 +16,6 @@ def end(topic, node=NODE, kind='publisher'):
 
 
 def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete', **process):
-    """Return a recording with this graph."""
     ends = [end('/rosout'), end('/parameter_events'), *endpoints]
     graph = {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': ends}
     graph['count'] = count or len(ends)
@@ -27,7 +24,6 @@ def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete
 
 
 def test_honest_run_has_no_flag():
-    """A node with its two topics and a publisher has no flag."""
     assert flags_of(recording(endpoints=[end('/chatter')]), Scenario()) == ()
 
 
@@ -51,7 +47,6 @@ def test_honest_run_has_no_flag():
     ],
 )
 def test_what_is_odd_is_said(run, flag):
-    """Each oddity is one line."""
     scenario = Scenario(
         feed={'/input': FeedTopic('x/msg/X')}, steps=(Offer('late', '/offered', 'x/msg/X'),)
     )

@@ -1,7 +1,5 @@
 """Messages about a gradebook that cannot be used."""
 
-from __future__ import annotations
-
 from contextlib import closing
 from pathlib import Path
 import sqlite3
@@ -16,14 +14,12 @@ from autograder.layout import Layout
 
 
 def course(folder, url):
-    """Return a course with this gradebook."""
     text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
     (folder / 'nbgrader_config.py').write_text(text, encoding='utf-8')
     return Layout(folder)
 
 
 def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
-    """Reading does not create a gradebook."""
     with connected(course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')) as gradebook:
         assert gradebook is None
 
@@ -51,7 +47,6 @@ def filled(tmp_path):
 
 
 def execute(layout, *statements):
-    """Execute statements on the gradebook of a course."""
     with connected(layout) as gradebook:
         for statement in statements:
             gradebook.exec_driver_sql(statement)
@@ -69,7 +64,6 @@ def execute(layout, *statements):
     ],
 )
 def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advice):
-    """The message about a file does not mention a server."""
     with pytest.raises(GraderError) as caught:
         execute(filled, *statements)
 

@@ -1,7 +1,5 @@
 """Dated copies of the gradebook, and a gradebook that has lost its content."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 import subprocess
@@ -32,12 +30,10 @@ def course(tmp_path):
 
 
 def gradebook(layout):
-    """Return the file of the gradebook."""
     return layout.work / 'gradebook.db'
 
 
 def submit(layout, *students, fill=''):
-    """Enter submissions."""
     book = sqlite3.connect(gradebook(layout))
     book.execute('create table if not exists submitted_assignment (student text, fill text)')
     for student in students:
@@ -47,7 +43,6 @@ def submit(layout, *students, fill=''):
 
 
 def students(path):
-    """Return the students of a gradebook."""
     book = sqlite3.connect(path)
     found = [name for (name,) in book.execute('select student from submitted_assignment')]
     book.close()
@@ -172,7 +167,6 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
 
 
 def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
-    """The earlier copy stays the newest if only a full read finds the damage."""
     copy = keep_copy(course)
     data = bytearray(gradebook(course).read_bytes())
     page = 4096 * 3

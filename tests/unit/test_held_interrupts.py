@@ -13,7 +13,6 @@ def _interrupt():
 
 
 def test_an_interrupt_comes_when_the_step_is_done():
-    """The step is completed before the interrupt."""
     done = []
 
     def step():
@@ -57,7 +56,6 @@ def test_an_interrupt_that_came_before_is_delivered_where_it_is_allowed():
 
 
 def test_the_earlier_handler_is_back_afterwards():
-    """Later interrupts reach the kernel's own handler."""
     before = signal.getsignal(signal.SIGINT)
     with HeldInterrupts() as interrupts, interrupts.allowed():
         assert signal.getsignal(signal.SIGINT) is before

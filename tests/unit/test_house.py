@@ -1,7 +1,5 @@
 """Imports in the grader go one way: a folder imports only from the folders below it."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from functools import cache
@@ -56,7 +54,6 @@ def order() -> list[str]:
 
 
 def test_the_drawing_has_every_folder_and_module():
-    """The drawing has every folder and module, and no other."""
     there = {floor_of(name) for name in modules()} - {''}
 
     assert sorted(order()) == sorted(there)
@@ -64,7 +61,6 @@ def test_the_drawing_has_every_folder_and_module():
 
 @pytest.mark.parametrize('floor', order())
 def test_a_folder_imports_only_what_stands_below_it(floor):
-    """A folder can be read without the folders above it."""
     allowed = {'', *order()[order().index(floor) :]}
     above = {
         (name, other)
@@ -98,7 +94,6 @@ def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
 
 
 def test_no_folder_has_more_modules_than_can_be_seen_at_once():
-    """A folder with more than twelve modules has to be divided."""
     counts: dict[str, int] = {}
     for path in modules().values():
         if path.name != '__init__.py':

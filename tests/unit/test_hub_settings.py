@@ -1,7 +1,5 @@
 """The settings of a hub, and the files that give each kernel a separate ROS world."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import subprocess
@@ -52,7 +50,6 @@ def test_the_settings_of_the_course_can_be_read() -> None:
 def test_a_value_that_cannot_be_used_is_named(
     tmp_path: Path, changed: dict[str, str | None], said: str
 ) -> None:
-    """The error names the line and what it expects."""
     with pytest.raises(SettingsError, match=said):
         read(written(tmp_path, **changed))
 

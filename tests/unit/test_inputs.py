@@ -1,7 +1,5 @@
 """Drawn inputs: equal for all students, different for each purpose, and secret."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.errors import GraderError

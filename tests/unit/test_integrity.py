@@ -1,7 +1,5 @@
 """Changed cells are described in words, and ordinary work gives no line."""
 
-from __future__ import annotations
-
 import copy
 import json
 
@@ -12,7 +10,6 @@ from autograder.submission.submission import MOST_LINES, open_submission
 
 
 def cell(grade_id, source, kind='code', **marks):
-    """Return a cell as it is in a release."""
     marks = {'grade_id': grade_id, 'grade': False, 'solution': False, 'locked': True, **marks}
     return {'cell_type': kind, 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -33,12 +30,10 @@ TITLE, SPEC, ANSWER, CHECK = range(4)
 
 @pytest.fixture
 def student():
-    """Return a copy of the release with a student's changes."""
     return copy.deepcopy(RELEASE)
 
 
 def flags(notebook):
-    """Return the flags of a notebook."""
     text = notebook if isinstance(notebook, str) else json.dumps(notebook)
     release = copy.deepcopy(RELEASE)
     for one in release['cells']:
@@ -107,7 +102,6 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
     ],
 )
 def test_change_is_one_line(student, change, line):
-    """Each change is one line with the cell's name."""
     change(student['cells'])
 
     assert flags(student) == (line,)

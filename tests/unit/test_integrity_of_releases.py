@@ -5,8 +5,6 @@ An honest copy gives no line whatever wrote it; a damaged one never stops the gr
 changes a cell that is not an answer.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Refusals name the repair, weak modes need their name, and results state what they lack."""
 
-from __future__ import annotations
-
 import io
 import os
 from pathlib import Path
@@ -74,7 +72,6 @@ def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monk
 def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     said, tmp_path, monkeypatch
 ):
-    """The error repeats bubblewrap's message and adds the fix for this system."""
     program = tmp_path / 'bwrap'
     program.write_text(f'#!/bin/sh\necho "{said}" >&2\nexit 1\n', encoding='utf-8')
     program.chmod(0o755)
@@ -131,7 +128,6 @@ def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words
 
 
 def test_a_banner_says_what_is_not_protected():
-    """The banner names the mode and each protection that the mode lacks."""
     for mode in isolation.WEAK:
         text = isolation.banner(mode)
         assert mode in text
@@ -161,7 +157,6 @@ def weak_result() -> SubmissionResult:
 
 
 def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
-    """Pages, JSON, terminal and notebook show the weak mode."""
     result = weak_result()
     write_reports(tmp_path, '03_topics', [result])
     pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
@@ -250,7 +245,6 @@ def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_pa
 
 
 def test_a_folder_that_is_closed_to_others_is_named(tmp_path):
-    """The refusal names the folder that the temporary user cannot enter."""
     inner = tmp_path / 'closed' / 'python'
     inner.mkdir(parents=True)
     (tmp_path / 'closed').chmod(0o700)

@@ -1,7 +1,5 @@
 """The judge has no side effects, so recordings that are made by hand can test it."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.errors import ExamInvalid, GraderError
@@ -15,7 +13,6 @@ NOTHING = Recording({}, ())
 
 
 def make_exam(**options):
-    """Return an exam without checks."""
     facts = {'title': 'T', 'assignment': '01_x', 'part': 1, 'cells': ('a',), 'requires': ()}
     facts['scenario'] = Scenario()
     return Exam('sample', **{**facts, **options})
@@ -79,10 +76,7 @@ def test_more_precise_cause_is_given_if_the_program_does_its_act():
 
 
 class TestJudge:
-    """The verdicts, and the points of each check."""
-
     def test_passed_check_earns_its_points(self):
-        """A check that returns has passed."""
         exam = make_exam()
         exam.check(points=3)(passes)
 
@@ -148,7 +142,6 @@ class TestJudge:
         assert 'It fails.' in result.observed
 
     def test_share_gives_part_of_the_points(self):
-        """A share is a part of the check's points."""
         exam = make_exam()
 
         @exam.check(points=4)
@@ -168,8 +161,6 @@ class TestJudge:
 
 
 class TestWorthRunning:
-    """If the files alone decide every verdict, nothing is run."""
-
     def test_run_that_waits_for_a_failed_file_check_is_not_worth_it(self):
         """The only dynamic check needs a static one that fails."""
         exam = make_exam()
@@ -187,7 +178,6 @@ class TestWorthRunning:
         assert worth_running(exam, {})
 
     def test_blocking_passes_on(self):
-        """A check that needs a blocked one is blocked too."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1, needs=['fails'])(passes)
@@ -200,8 +190,6 @@ class TestWorthRunning:
 
 
 class TestExam:
-    """Mistakes in an exam are refused with their place."""
-
     def test_unknown_need_is_refused_with_the_earlier_names(self):
         """The message lists the names of earlier checks."""
         exam = make_exam()

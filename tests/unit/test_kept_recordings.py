@@ -1,7 +1,5 @@
 """A recording is complete or missing, and only missing ones are run again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -26,20 +24,16 @@ WHOLE = Recording(
 
 
 class Runs:
-    """Returns a recording, and counts its calls."""
-
     def __init__(self):
         self.count = 0
 
     def __call__(self):
-        """Return a recording."""
         self.count += 1
         return WHOLE, {}
 
 
 @pytest.fixture
 def path(tmp_path):
-    """Return the path of a recording."""
     return tmp_path / 'talker' / 'abc.jsonl'
 
 
@@ -92,8 +86,6 @@ def test_a_recording_of_an_older_format_is_made_again(path):
 
 
 def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):
-    """A killed run leaves no file under the name of the recording."""
-
     def dies():
         raise KeyboardInterrupt
 

@@ -1,7 +1,5 @@
 """The choice of the course, and the contents of course.toml."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -24,7 +22,6 @@ ROOT = Path(__file__).resolve().parents[2]
     ],
 )
 def test_a_mistake_in_the_file_is_refused_with_its_place(tmp_path, text, said):
-    """The error names the file and its wrong value."""
     (tmp_path / FILE).write_text(text)
 
     with pytest.raises(GraderError) as caught:
@@ -70,7 +67,6 @@ class TestHere:
     """The course that is used without a name."""
 
     def test_it_is_the_one_that_was_chosen(self, tmp_path, monkeypatch):
-        """The course that was chosen is used in every folder."""
         (tmp_path / FILE).touch()
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         assert Layout.here().root == tmp_path

@@ -1,7 +1,5 @@
 """What a learner's code contains: comments and strings do not count, nor does invalid Python."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.submission.code import learners_code
@@ -46,12 +44,10 @@ class TestTexts:
 
     @pytest.mark.parametrize('code', ['a = (', "a = 'open\n", 'if a:\n  b\n c\n', '\x00'])
     def test_what_is_no_python_stays_as_it_is(self, code):
-        """A file that is not Python is unchanged."""
         assert without_texts(code) == code
         assert not Code({'n.py': code}).calls
 
     def test_texts_and_calls_are_found_in_python_files_only(self):
-        """Strings and calls are found only in Python files."""
         files = {'n.py': "math.isnan(a) or 'Farenheit'", 'package.xml': "<a b='c'>isfinite(1)</a>"}
 
         assert Code(files).texts == {'Farenheit'}
@@ -101,7 +97,6 @@ class TestPauses:
         assert pause_in_callback(node(code, made)) == Pause('tick', 5)
 
     def test_what_a_callback_calls_belongs_to_it(self):
-        """A method that the callback calls and that sleeps is found."""
         files = node('self.work()\n    def work(self):\n        time.sleep(1.0)')
 
         assert pause_in_callback(files) == Pause('tick', 7)
@@ -115,7 +110,6 @@ class TestPauses:
         assert pause_in_callback({'n.py': other + code}) == Pause('tick', 8)
 
     def test_a_lambda_has_no_name(self):
-        """A lambda that sleeps is found too."""
         files = {'n.py': 'node.create_timer(1.0, lambda: time.sleep(1.0))'}
 
         assert pause_in_callback(files) == Pause('', 1)
@@ -136,7 +130,6 @@ class TestPauses:
         assert pause_in_callback(files) is None
 
     def test_a_function_that_ros_does_not_call_may_sleep(self):
-        """A function of the learner's own thread may sleep."""
         files = {'n.py': 'def work():\n    time.sleep(1.0)\nThread(target=work).start()\n'}
 
         assert pause_in_callback(files) is None

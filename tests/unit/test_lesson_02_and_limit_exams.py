@@ -1,7 +1,5 @@
 """The exams of lesson 02 and the one of limits, without a program: inputs, rules and causes."""
 
-from __future__ import annotations
-
 from itertools import combinations, groupby
 
 import pytest
@@ -23,7 +21,6 @@ def beat(at_s):
 
 
 def result(at_s, text='CAT'):
-    """Return a result."""
     return {**beat(at_s), 'topic': '/results', 'data': {'data': text}}
 
 
@@ -34,12 +31,9 @@ def run_of(exam, *events):
 
 
 class TestJoining:
-    """The latest of several topics."""
-
     rule = staticmethod(joining())
 
     def test_nothing_is_due_before_all_have_come(self):
-        """One topic is not enough."""
         assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
@@ -109,8 +103,6 @@ def test_command_before_both_have_come_is_told():
 
 
 class TestHeartbeat:
-    """Why heartbeats are missing."""
-
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
     def test_timer_that_waits_for_each_picture_is_told(self):
@@ -134,8 +126,6 @@ class TestHeartbeat:
 
 
 class TestLimits:
-    """What is in force after changes."""
-
     def test_node_is_judged_by_the_limits_that_it_accepts(self):
         """A node that accepts NaN warns of nothing after that, and loses those points once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]

@@ -1,7 +1,5 @@
 """Contents, next lesson and map follow from the outlines of the lessons."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import re
 

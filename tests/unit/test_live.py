@@ -1,7 +1,5 @@
 """Events are shown as one line each, whatever a student's code wrote into them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -68,7 +66,6 @@ def test_long_lines_are_cut():
 
 
 def test_every_kind_of_event_has_a_line():
-    """Every kind of event is shown, or is left out on purpose."""
     kinds = [
         kind['properties']['event']['const']
         for kind in SCHEMA['$defs'].values()

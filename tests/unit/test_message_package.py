@@ -1,7 +1,5 @@
 """The files of a message package, and the causes that a learner reads about them."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Failed, Run
@@ -83,14 +81,12 @@ class TestFields:
 
     @pytest.mark.parametrize('cause', MISTAKES)
     def test_each_mistake_has_a_name(self, cause):
-        """A single mistake has its own cause."""
         failed = failure(require_fields, RIGHT.replace(*MISTAKES[cause]), WANTED)
 
         assert failed.why.cause_id == cause
         assert failed.share < 0.6
 
     def test_the_bound_is_explained(self):
-        """The cause says what [<=4] means."""
         failed = failure(require_fields, RIGHT.replace('[<=4]', '[]'), WANTED)
 
         assert failed.why.try_this == '[<=4] is at most 4: float64[<=4] values'
@@ -116,7 +112,6 @@ class TestDeclarations:
 
     @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
     def test_each_line_is_needed(self, line):
-        """The cause names the line that is missing."""
         failed = failure(require_declarations, MANIFEST.replace(line, ''), 'words')
 
         assert failed.why.cause_id == 'manifest'
@@ -139,11 +134,8 @@ class TestDeclarations:
 
 
 class TestStation:
-    """The constants and the default of the weather station."""
-
     @pytest.mark.parametrize('cause', CONSTANTS)
     def test_each_mistake_in_a_constant_has_a_name(self, cause):
-        """One mistake among three right constants has its own cause."""
         text = STATES.replace(*CONSTANTS[cause])
 
         assert failure(station_message.names_the_states, station(text)).why.cause_id == cause
@@ -155,18 +147,14 @@ class TestStation:
 
     @pytest.mark.parametrize('cause', DEFAULTS)
     def test_each_mistake_in_the_default_has_a_name(self, cause):
-        """A mistake in the default has its own cause."""
         run = station(DEFAULTS[cause])
 
         assert failure(station_message.starts_at_the_lowest, run).why.cause_id == cause
 
 
 class TestBuild:
-    """The ends of a build have different causes."""
-
     @staticmethod
     def built(**process):
-        """Return the cause for a build that ended like this."""
         event = {
             'event': 'process',
             'exit': 1,
@@ -178,7 +166,6 @@ class TestBuild:
         return why_no_build(Run({'CMakeLists.txt': 'project(a)\n'}, Recording({}, (event,))))
 
     def test_a_limit_is_no_error_of_the_tools(self):
-        """If the grader ended the build, the cause says so."""
         cause = self.built(killed='cpu_limit', stderr='CMake Error: half a word')
 
         assert cause.cause_id == 'cpu_limit'
@@ -192,7 +179,6 @@ class TestBuild:
         assert 'nothing could end' in cause.text
 
     def test_a_known_error_is_named_with_its_line(self):
-        """The line of the file comes before the cause."""
         said = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"
         cause = self.built(stderr=said)
 
@@ -208,7 +194,6 @@ class TestBuild:
         assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
 
     def test_an_unknown_error_is_shown(self):
-        """An error that is in no table is shown."""
         cause = self.built(stderr='foo.c:1:2: error: no such thing\n')
 
         assert cause.cause_id == 'build'

@@ -1,7 +1,5 @@
 """What is said about values and stamps of the exam about one message type and another."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Failed, Run

@@ -1,7 +1,5 @@
 """Missing log lines: the cause says where they are, and blames no correct line."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run
@@ -14,7 +12,6 @@ WARNING = {'event': 'log', 'name': 'lab.a', 'level': WARN, 'text': 'Too warm: 37
 
 
 def run_of(*events, code='', **process):
-    """Return a run of the node /lab/a with these events and this output."""
     ends = [{'event': 'end', 'reason': 'complete'}, {'event': 'process', **process}]
     return Run({'a.py': code}, Recording({}, (GRAPH, *events, *ends)))
 

@@ -1,7 +1,5 @@
 """A running program that does not answer: its thread has ended, or a callback sleeps."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run
@@ -121,11 +119,9 @@ class TestSleep:
         assert found.line == 5
 
     def test_pause_in_an_endless_loop_is_the_loops_fault(self):
-        """An endless loop is the cause, whether it sleeps or not."""
         assert why_silent(run(code=f'{LOOPS}rclpy.spin(node)\n')).cause_id == 'blocked'
 
     def test_loop_that_serves_its_node_is_no_callback(self):
-        """A loop that spins the node is not a callback."""
         code = (
             'while rclpy.ok():\n    publisher.publish(message)\n    rclpy.spin_once(node)\n'
             '    time.sleep(0.5)\n'
@@ -136,5 +132,4 @@ class TestSleep:
             assert why_silent(run(code=other + code)).cause_id == 'blocked'
 
     def test_node_that_answers_is_not_told_to_sleep_less(self):
-        """If the node answers, its pauses are short enough."""
         assert why_silent(run(answered=True)) is None

@@ -1,7 +1,5 @@
 """Work that could not be collected is in the reports until the student hands in other work."""
 
-from __future__ import annotations
-
 from collect_sources import (
     CANVAS,
     GOOD,
@@ -72,7 +70,6 @@ def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path
 
 @pytest.mark.parametrize('write', [False, True])
 def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
-    """A dry run, and a collection into another folder, save nothing."""
     to = tmp_path / 'elsewhere' if write else layout.submitted
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, to, write=write)
 
@@ -80,7 +77,6 @@ def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
 
 
 def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
-    """If the assignment is unknown, the work is missing in each assignment."""
     collect(laid(tmp_path / 's', {'ann/essay.pdf': b'%PDF'}), layout, layout.submitted)
 
     for assignment in (TALK, LISTEN):
@@ -146,7 +142,6 @@ class TestShown:
         assert capsys.readouterr().out.endswith('Nothing to grade yet from: Ann <b>, bob\n')
 
     def test_a_student_is_named_once(self):
-        """A student is named once for all lessons."""
         two = [NotCollected('ann', TALK, PDF), NotCollected('ann', LISTEN, PDF)]
 
         assert names_to_write_to(two) == 'ann'

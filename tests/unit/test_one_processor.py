@@ -1,7 +1,5 @@
 """Runs are spread over the processors, and each stays on one."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The outline of a lesson, read from its notebook."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

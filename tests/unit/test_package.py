@@ -1,7 +1,5 @@
 """Packages are read safely and completely, or refused: a folder, a script or a zip."""
 
-from __future__ import annotations
-
 import stat
 import struct
 import zipfile

@@ -1,7 +1,5 @@
 """Causes read off the whole run: which inputs are answered, and what disturbs a rhythm."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -38,17 +36,14 @@ def run_of(*events, facts=None, code=''):
 
 
 def at(clock_s, kind='message', **fields):
-    """Return an event at a virtual time."""
     return {'event': kind, 'clock_ns': round(clock_s * 1e9), **fields}
 
 
 def message(clock_s, topic='/alive', **fields):
-    """Return a message of the node."""
     return at(clock_s, topic=topic, data={}, **fields)
 
 
 def why(check, *given):
-    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(*given)
     return failed.value.why
@@ -299,8 +294,6 @@ def test_warning_from_another_line_is_not_called_a_repetition():
 
 
 class TestHeartbeat:
-    """Why a heartbeat waits for pictures."""
-
     quiet = tuple(message(half / 2) for half in range(1, 7))
 
     def test_lock_that_both_callbacks_take_is_named(self):
@@ -341,14 +334,11 @@ def watched(*events):
 
 
 def logged(clock_s, level=WARN, line=30, after_input=None):
-    """Return a log line of the sensor's listener."""
     fields = {'name': 'sensor_watch', 'level': level, 'line': line, 'text': 'DEADLINE'}
     return at(clock_s, 'log', after_input=after_input, **fields)
 
 
 class TestSensor:
-    """Warnings and errors that come too often."""
-
     @pytest.mark.parametrize(
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
@@ -384,10 +374,7 @@ BEACON = {
 
 
 class TestManaged:
-    """What goes wrong between the states of a node."""
-
     def graph(self, when, *endpoints):
-        """Return what is in the graph at some moment."""
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 
     def test_second_configuration_that_creates_nothing_is_told(self):

@@ -6,8 +6,6 @@ tests try each pattern that is a single string in a call of ``re`` or in the tab
 texts that make a search start again at each letter.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path
@@ -111,7 +109,6 @@ def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
 
 @pytest.mark.slow
 def test_every_pattern_is_done_in_one_pass():
-    """However a text is made up, it is read once."""
     slow = {
         place: (pattern.pattern, text[:30])
         for place, pattern, method in written_patterns()

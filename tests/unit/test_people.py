@@ -1,7 +1,5 @@
 """Display names of students whose ids are numbers."""
 
-from __future__ import annotations
-
 import json
 
 from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a fixture
@@ -59,7 +57,6 @@ def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
 
 
 def test_names_are_text_of_one_line(layout):
-    """A name becomes one line of printable text."""
     keep_people(
         layout,
         {
@@ -99,7 +96,6 @@ def test_a_damaged_file_is_no_trouble(data, known, layout):
 
 
 def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
-    """The notebooks are collected if the names cannot be saved."""
     layout.people.mkdir(parents=True)
 
     rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)

@@ -1,7 +1,5 @@
 """A class in a pool: each submission gets its own result, whatever happens to others."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 import threading
@@ -69,7 +67,6 @@ def handed_in(student, word):
 
 
 def points(graded):
-    """Return the points by student, None for review."""
     return {one.result.student: None if one.result.fault else one.result.points for one in graded}
 
 
@@ -116,7 +113,6 @@ def test_progress_is_told_for_each_exam_of_each_student():
 
 
 def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
-    """The results are reported in their order, and only if they exist."""
     told, where = [], set()
     hold = threading.Event()
 

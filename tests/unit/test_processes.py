@@ -1,7 +1,5 @@
 """The state of a program, observed from outside."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager, suppress
 import os
 import signal
@@ -61,7 +59,6 @@ def reaches(process, wanted: bytes) -> bool:
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize(('program', 'threads'), [(SLEEPS, 1), (THREADS, 4)])
 def test_threads_that_wait_are_asleep(program, threads):
-    """A program sleeps if all its threads wait."""
     with started(program) as process:
         assert reaches(process, b'S')
         assert len(states(process.pid)) == threads
@@ -80,7 +77,6 @@ def test_a_program_that_computes_is_seen_in_its_parent():
 
 @pytest.mark.timeout(60)
 def test_a_stopped_program_is_seen_as_one():
-    """A stopped program is not asleep."""
     with started(COMPUTES) as process:
         process.send_signal(signal.SIGSTOP)
 
@@ -96,7 +92,6 @@ def test_child_that_has_ended_is_not_running():
 
 
 def test_a_program_that_has_ended_has_nothing():
-    """An ended program has no threads."""
     with started(SLEEPS) as process:
         process.kill()
         process.wait()

@@ -1,7 +1,5 @@
 """Progress: totals, one changing line on a terminal, and lines in a log."""
 
-from __future__ import annotations
-
 from collections import Counter
 import io
 import sys
@@ -42,7 +40,6 @@ def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monke
 
 
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
-    """A short grading ends before the first line."""
     with progress(2, 'x') as tell:
         tell('ann', done(2))
 
@@ -59,8 +56,6 @@ def test_a_line_in_a_log_has_counts_and_the_time_left():
 
 
 def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
-    """A log gets lines even if the first run takes long."""
-
     class Log(io.StringIO):
         """Notices the second line."""
 

@@ -1,7 +1,5 @@
 """Learners' Python is read by several threads at once."""
 
-from __future__ import annotations
-
 import ast
 from concurrent.futures import ThreadPoolExecutor
 import gc

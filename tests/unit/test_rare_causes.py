@@ -1,7 +1,5 @@
 """Causes that no sample submission shows, asked about recordings made by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
@@ -37,12 +35,10 @@ WATCHED = {
 
 
 def graph(nodes, endpoints=()):
-    """Return what was seen in the graph."""
     return {'event': 'graph', 'when': 'end', 'nodes': list(nodes), 'endpoints': list(endpoints)}
 
 
 def why(check, run):
-    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why

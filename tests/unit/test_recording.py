@@ -1,7 +1,5 @@
 """Recordings: what they answer, and how they are kept."""
 
-from __future__ import annotations
-
 import os
 
 from hypothesis import given, settings
@@ -13,7 +11,6 @@ from autograder.recording import header, Recording
 
 
 def end(topic, kind='publisher', node='/a', kind_of='x/msg/Y'):
-    """Return an endpoint as the probe writes it."""
     return {'topic': topic, 'kind': kind, 'node': node, 'type': kind_of, 'qos': {}}
 
 
@@ -38,8 +35,6 @@ SAMPLE = Recording(
 
 
 class TestAnswers:
-    """The questions checks ask."""
-
     def test_nodes_are_those_of_every_graph(self):
         """A node that came or went in between is still known."""
         assert SAMPLE.nodes == ('/a', '/b')
@@ -95,7 +90,6 @@ class TestFile:
     """A file is whole, ours and of this version, or it is refused."""
 
     def test_saved_recording_loads_equal(self, tmp_path):
-        """Saving and loading changes nothing."""
         path = tmp_path / 'deep' / 'r.jsonl'
         SAMPLE.save(path)
 

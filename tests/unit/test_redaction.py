@@ -5,8 +5,6 @@ A program is played, not run: for each step of the exam's scenario it does somet
 most of all it says again what it was sent.  Every check judges it, whatever it would wait for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import copy
 from dataclasses import dataclass, replace
@@ -100,7 +98,6 @@ class Played:
     """The recording of a program that follows a scenario in its own way."""
 
     def __init__(self, exam: Exam, program: Program) -> None:
-        """Play all of it."""
         self.exam, self.program = exam, program
         self.space = namespace_of(exam.scenario)
         names = NODES.get(exam.name, (exam.name,)) if program.nodes else ()
@@ -301,8 +298,6 @@ def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
 
 
 class TestWords:
-    """What takes the place of a secret."""
-
     @pytest.mark.parametrize(
         ('exam', 'program', 'check', 'words'),
         [

@@ -1,6 +1,8 @@
-"""What is committed fits together: notebooks, exams, and what students receive."""
+"""
+The check of a release: notebooks, exams, and what students receive fit together.
 
-from __future__ import annotations
+``make check`` runs it on this course.
+"""
 
 from dataclasses import dataclass
 
@@ -20,7 +22,6 @@ class FakeExam:
 
 
 def cell(grade_id, source, **marks):
-    """Return a code cell with nbgrader's marks."""
     return {
         'cell_type': 'code',
         'metadata': {'nbgrader': {'grade_id': grade_id, **marks}},
@@ -43,7 +44,6 @@ class TestCheckCells:
     """Each exam has one cell, below its answers, with its points."""
 
     def test_a_fitting_pair_is_fine(self):
-        """Nothing is said."""
         assert unfit(ANSWER, CHECK) == []
 
     @pytest.mark.parametrize(
@@ -58,7 +58,6 @@ class TestCheckCells:
         ],
     )
     def test_a_misfit_is_one_line(self, cells, said):
-        """It names the cell."""
         (line,) = [line for line in unfit(*cells) if said in line]
 
         assert line.startswith('x.ipynb')
@@ -92,8 +91,6 @@ def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
 
 
 class TestRelease:
-    """``make release`` packs a course that fits together."""
-
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
         """Return a course whose notebooks need no generating."""
@@ -113,17 +110,8 @@ class TestRelease:
         assert captured.err == 'course: nothing was packed. Try: fix this, then make release\n'
 
     def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
-        """In the end it says where."""
         monkeypatch.setattr(course, 'check', lambda layout: [])
         monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
 
         assert course.main(['release']) == 0
         assert 'student_bundle.zip holds 7 files' in capsys.readouterr().out
-
-
-class TestThisCourse:
-    """The real notebooks and exams."""
-
-    def test_everything_committed_fits_together(self):
-        """``make check`` finds no mistake in a notebook or an exam, whatever the secret draws."""
-        assert course.check(Layout.here()) == []

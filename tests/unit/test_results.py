@@ -1,7 +1,5 @@
 """Records survive the way through JSON, and sum up."""
 
-from __future__ import annotations
-
 import json
 
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
@@ -19,20 +17,17 @@ def through_json(record):
 
 
 def test_an_exam_result_is_the_same_after_json():
-    """Nothing is lost, verdicts are verdicts again."""
     assert through_json(EXAM) == EXAM
     assert through_json(EXAM).checks[0].verdict is Verdict.PASSED
 
 
 def test_a_submission_result_is_the_same_after_json():
-    """Problems and exams come back as records."""
     result = SubmissionResult('ann', '01', (EXAM,), (PROBLEM,), 'broken')
 
     assert through_json(result) == result
 
 
 def test_points_are_sums_over_checks_and_exams():
-    """Partial points count."""
     result = SubmissionResult('ann', '01', (EXAM, EXAM))
 
     assert (result.points, result.max_points) == (5.0, 12)

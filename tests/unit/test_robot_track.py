@@ -1,7 +1,5 @@
 """Where a robot is after some commands, and the picture of it."""
 
-from __future__ import annotations
-
 import math
 import re
 from xml.etree import ElementTree

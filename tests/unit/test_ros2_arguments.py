@@ -41,7 +41,6 @@ VERBS = {
 
 @pytest.mark.parametrize('group', VERBS)
 def test_help_lists_every_verb_and_its_options(group, capsys):
-    """Each group shows its verbs, and each verb its help."""
     for verb in ((), *((verb,) for verb in VERBS[group])):
         with pytest.raises(SystemExit) as ended:
             cli.main([group, *verb, '--help'])
@@ -76,7 +75,6 @@ def test_command_that_a_signal_ends_prints_no_error(monkeypatch, words):
 
 
 def test_group_without_verb_prints_its_help(capsys):
-    """`ros2 topic` alone is no error."""
     assert cli.main(['topic']) == 0
     assert 'Verbs:' in capsys.readouterr().out
 
@@ -145,7 +143,6 @@ class Graph:
         self.profiles = profiles
 
     def get_publishers_info_by_topic(self, topic):
-        """Return what echo reads of endpoints."""
         return [type('Info', (), {'qos_profile': profile}) for profile in self.profiles]
 
 

@@ -11,7 +11,6 @@ PACKAGE = 'my_robot_pkg'
 
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
-    """Return the folder of an installed package with one program."""
     marker = tmp_path / 'share' / 'ament_index' / 'resource_index' / 'packages' / PACKAGE
     program = tmp_path / 'lib' / PACKAGE / 'talker'
     for path in (marker, program):
@@ -66,7 +65,6 @@ def test_bare_node_starts_without_arguments(installed):
     ],
 )
 def test_launch_file_refused_says_why(installed, inside, said):
-    """In one line, without a traceback."""
     with pytest.raises(RuntimeError, match=said):
         read(installed, inside)
 

@@ -29,12 +29,10 @@ class Shell:
         self.callbacks = []
 
     def register(self, event, callback):
-        """Note a callback."""
         assert event == 'pre_run_cell'
         self.callbacks.append(callback)
 
     def unregister(self, event, callback):
-        """Forget a callback."""
         self.callbacks.remove(callback)
 
     def run_cell(self):
@@ -98,7 +96,6 @@ def test_claimed_domain_is_not_given_twice(name):
 
 
 def test_claim_ends_with_a_killed_process(claiming):
-    """Nothing has to be cleaned up."""
     holder, got = claiming()
     assert (got, claiming()[1]) == ('7', 'claimed')
 

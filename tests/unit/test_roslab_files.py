@@ -68,7 +68,6 @@ def test_texts_are_keyed_as_the_grader_keys_them(learner):
 
 @pytest.mark.parametrize('name', ['', 'Temp', '../x', 'a b', 'a__b', '1a', 'a_', 'a-b', 3])
 def test_package_name_that_ros_would_refuse_is_refused(name):
-    """The name of the package follows the rules of ROS 2."""
     with pytest.raises(NameRefusedError, match='my_robot_pkg'):
         package(name)
 
@@ -90,7 +89,6 @@ def run(code, tmp_path, deadline_s=20.0):
 
 
 def test_child_returns_its_output_and_code(tmp_path):
-    """Both streams are kept."""
     outcome = run('import sys; print(1); print(2, file=sys.stderr); sys.exit(3)', tmp_path)
 
     assert outcome.returncode == 3
@@ -99,7 +97,6 @@ def test_child_returns_its_output_and_code(tmp_path):
 
 @pytest.mark.slow
 def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
-    """Not even a grandchild stays."""
     family = (
         'import subprocess, sys, time\n'
         'p = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])\n'

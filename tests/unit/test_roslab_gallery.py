@@ -1,7 +1,5 @@
 """The gallery of errors: explain() finds its entries, and lesson 08 has a cell for each."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import json
@@ -120,7 +118,6 @@ def test_explain_looks_at_the_last_error(
 
 
 def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPatch) -> None:
-    """If nothing went wrong yet, explain() says how to give it a text."""
     monkeypatch.delattr(sys, 'last_value', raising=False)
 
     with pytest.raises(RoslabError, match='there was none'):

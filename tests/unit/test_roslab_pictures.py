@@ -42,7 +42,6 @@ LASTING = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def end(node, kind=STRING, qos=RELIABLE):
-    """Return an endpoint."""
     return Endpoint(node, kind, qos)
 
 
@@ -66,7 +65,6 @@ def words(page):
 
 
 def test_connected_pair_is_one_line_of_text_and_has_no_dashes():
-    """A talker and a listener that fit are joined by plain arrows."""
     graph = Graph(chatter([end('/talker')], [end('/listener')]))
 
     assert str(graph).splitlines()[0] == f'/talker --> /chatter [{STRING}] --> /listener'
@@ -169,7 +167,6 @@ def test_two_nodes_of_one_name_and_an_idle_one_are_told():
 
 
 def test_empty_graph_says_that_nothing_is_seen():
-    """A picture of nothing is a sentence."""
     assert str(Graph(Facts((), ()))) == 'No nodes are seen now.'
     assert words(Graph(Facts((), ()))._repr_html_())[-1] == 'No nodes are seen now.'
 
@@ -195,13 +192,11 @@ def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
 
 
 def table(page):
-    """Return the rows of the table below a picture."""
     found = ElementTree.fromstring(re.search(r'<table.*</table>', page, re.DOTALL)[0])
     return [[cell.text or '' for cell in row] for row in found.iter('tr')]
 
 
 def test_picture_has_its_data_in_a_table():
-    """Each row of it can be read without seeing the picture."""
     seen = Graph(chatter([end('/talker')], [end('/ear', 'std_msgs/msg/Int32')], ['/idle']))
     head, *rows = table(seen._repr_html_())
     names, *values = table(curve_html(Curve('/t value', ((0.5, 1.0), (1.0, 3.0)), 2.0, 2.0)))
@@ -374,7 +369,6 @@ def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
 
 
 def curve(*values, threshold=None):
-    """Return a curve with a value each second."""
     return Curve('/t data', tuple(enumerate(map(float, values))), 20.0, threshold)
 
 

@@ -1,7 +1,5 @@
 """What checks and quizzes found is remembered, shown and deleted."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 import json
 
@@ -41,8 +39,6 @@ def lessons(tmp_path):
 
 
 class TestRemember:
-    """One file with the last result of each exercise."""
-
     def test_last_result_of_each_exercise_is_kept(self, file):
         """A worse result replaces a better one."""
         remember('checks', 'talker', 8)
@@ -136,8 +132,6 @@ class TestBrokenFile:
 
 
 class TestProgress:
-    """The headline and one row per lesson."""
-
     def test_first_unfinished_part_comes_next(self, lessons):
         """A wrong answer to a quiz is an answer; an exercise needs all its points."""
         answered = {'01-a': False, '01-b': True}

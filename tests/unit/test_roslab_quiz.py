@@ -1,7 +1,5 @@
 """Practice questions: their files, their errors, and what a viewer without widgets shows."""
 
-from __future__ import annotations
-
 from collections import Counter
 import random
 import re

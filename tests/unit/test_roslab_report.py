@@ -77,7 +77,6 @@ def read(output, returncode=0):
 
 
 def test_verdicts_are_read_from_the_last_line_of_json():
-    """Noise before the verdict does not hide it."""
     answer = json.dumps(ExamResult('x', (PASSED,)).to_json())
 
     assert read(f'a warning\n{{"not": "it"}}\n{answer}\n')
@@ -93,7 +92,6 @@ def test_error_of_the_child_is_shown_as_one_line():
 
 @pytest.mark.parametrize('output', ['', 'Traceback\nKeyError: 1', '{"points": 3}', '{', '[1]\n'])
 def test_child_without_a_verdict_is_the_checkers_fault(output):
-    """Anything but a verdict is reported as the checker's fault and is not a success."""
     broken = read(output, 1)
 
     assert not broken
@@ -101,7 +99,6 @@ def test_child_without_a_verdict_is_the_checkers_fault(output):
 
 
 def test_deadline_is_named():
-    """A check that does not end says so."""
     assert 'no answer within 180 s' in str(read('', None))
 
 

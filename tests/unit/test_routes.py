@@ -1,7 +1,5 @@
 """The table of routes in environment.md: what it says was executed, by the command that did it."""
 
-from __future__ import annotations
-
 import json
 import re
 

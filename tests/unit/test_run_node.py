@@ -1,7 +1,5 @@
 """How a node file is started; no ROS is needed for it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import subprocess
 import sys

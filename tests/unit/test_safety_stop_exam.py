@@ -1,7 +1,5 @@
 """The exam of the safety stop, without a program: its rule, its inputs and a cause."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam import catalog

@@ -1,7 +1,5 @@
 """Scenarios as data: what the probe is told, and nothing else."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

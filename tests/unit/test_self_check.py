@@ -1,7 +1,5 @@
 """The proof on this machine: full marks for the reference, none for the release."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import json
 from pathlib import Path
@@ -40,7 +38,6 @@ class FakeEngine:
 
 
 def cell(source: str, **marks: object) -> dict[str, object]:
-    """Return a code cell as nbgrader marks it."""
     metadata = {'nbgrader': marks} if marks else {}
     return {'cell_type': 'code', 'metadata': metadata, 'source': source, 'id': 'x', 'outputs': []}
 

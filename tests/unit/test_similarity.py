@@ -1,7 +1,5 @@
 """Similar submissions are found in spite of other names, spacing, comments and order."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 import json
 
@@ -83,14 +81,12 @@ def main():
 
 
 def found(at_least=0.85, given_text='', **texts):
-    """Compare one file per student."""
     answers = {student: {'talker.py': text} for student, text in texts.items()}
     given_away = frozenset(line.raw for line in lines_of('given.py', given_text))
     return compare('01_talker', answers, given_away, at_least)
 
 
 def score(one, two):
-    """Return how alike two texts are."""
     (pair,) = found(0.0, one=one, two=two).pairs
     return pair.score
 

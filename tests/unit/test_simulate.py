@@ -16,7 +16,6 @@ LATCHED = {'reliability': 'RELIABLE', 'durability': 'TRANSIENT_LOCAL'}
 
 
 def end(kind, topic, name=STRING):
-    """Return an endpoint of a graph."""
     return {'kind': kind, 'topic': topic, 'type': name, 'node': '/echo', 'qos': LATCHED}
 
 
@@ -32,12 +31,10 @@ SEEN = Recording({}, [GRAPH])
 
 
 def steps_of(**wishes):
-    """Return the steps of a simulation of ten seconds."""
     return planned(order_of('echo.py', 10, **wishes), Scenario(), SEEN).steps
 
 
 def send(text):
-    """Return the step that sends a text."""
     return Feed('/in', ({'data': text},), every_s=0.0, rest_s=0.0)
 
 
@@ -136,7 +133,6 @@ def recorded(*events, reason='complete', over_ns=10_001_000_000, exit_code=None,
 
 
 def message(at_ns, text, **facts):
-    """Return the event of a message."""
     data = {'data': text}
     return {'event': 'message', 'clock_ns': at_ns, 'topic': '/out', 'data': data, **facts}
 

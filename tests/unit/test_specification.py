@@ -1,7 +1,5 @@
 """A specification computes the right answers and those of slips, and inputs tell them apart."""
 
-from __future__ import annotations
-
 import math
 import operator
 

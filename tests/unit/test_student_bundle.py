@@ -1,7 +1,5 @@
 """What students receive, and what stays with the instructors."""
 
-from __future__ import annotations
-
 from collections.abc import Container
 import os
 from pathlib import Path
@@ -53,11 +51,8 @@ def dead_links(name: str, path: Path, files: Container[str]) -> list[str]:
 
 
 class TestPacking:
-    """A small course with a file of every kind."""
-
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
-        """Return the course."""
         for name in (
             'README.md',
             'course.toml',
@@ -153,8 +148,6 @@ def names_in(copy):
 
 
 class TestThisCourse:
-    """The real bundle."""
-
     def test_every_named_file_and_folder_is_there(self):
         """A name that leads to nothing is a part that students lack."""
         missing = [one for one in student_bundle.ALLOWED if not (ROOT / one).exists()]

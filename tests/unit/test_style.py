@@ -1,7 +1,5 @@
 """The words that docs/style.md keeps out are in no page, no Python file and no lesson."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

@@ -1,19 +1,16 @@
 """Reading what students hand in: any bytes give a notebook that can be graded, or a reason."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
 
 from autograder.results import Problem, SubmissionResult
-from autograder.submission import notebook, submission
+from autograder.submission import submission
 from autograder.submission.notebook import read_notebook, StudentCell
 from autograder.submission.submission import open_submission, rebuild
 
 
 def cell(grade_id='', source='', kind='code', **marks):
-    """Return a cell as it is in a file."""
     metadata = {'nbgrader': {'grade_id': grade_id, **marks}} if grade_id else {}
     more = {'outputs': [], 'execution_count': None} if kind == 'code' else {}
     return {'cell_type': kind, 'metadata': metadata, 'source': source, **more}
@@ -46,7 +43,6 @@ def student_file(release, **changes):
 
 
 def source_of(notebook, grade_id):
-    """Return the text of one cell."""
     return next(
         one['source']
         for one in notebook['cells']
@@ -118,18 +114,9 @@ class TestReadNotebook:
         assert problems[0].line().startswith('submitted/ann/x.ipynb: expected ')
         assert '\n' not in problems[0].line()
 
-    def test_a_huge_file_is_refused_before_it_is_read(self, monkeypatch):
-        """The bound is on bytes."""
-        monkeypatch.setattr(notebook, 'MAX_BYTES', 10)
-
-        cells, problems = read_notebook(b'{"cells": []}', 'x')
-
-        assert cells is None
-        assert 'at most' in problems[0].expected
-
-    @pytest.mark.parametrize('part', ['[],', '"{}",', '"{}":0,', '"{}\\\\",'])
-    def test_many_tiny_parts_are_refused_before_they_fill_the_memory(self, part):
-        """A megabyte of empty lists or names would take a hundred."""
+    @pytest.mark.parametrize('part', ['"{}",', '"{}":0,', '"{}\\\\",'])
+    def test_many_tiny_strings_are_refused_before_they_fill_the_memory(self, part):
+        """One object with a million names would take two hundred megabytes."""
         parts = ''.join(part.format(number) for number in range(600_000))
 
         cells, problems = read_notebook(f'{{"cells": [{parts}'.encode(), 'x')
@@ -146,19 +133,6 @@ class TestReadNotebook:
 
         assert problems == ()
         assert found[0].source == 'x'
-
-    def test_a_number_with_a_million_digits_takes_no_time(self):
-        """Making it would; no number of a notebook is used."""
-        data = b'{"nbformat": ' + b'7' * 1_000_000 + b', "cells": []}'
-
-        assert read_notebook(data, 'x') == ((), ())
-
-    def test_deep_nesting_is_refused(self):
-        """The parser's own limit is no crash of ours."""
-        cells, problems = read_notebook(b'{"cells":' + b'[' * 100_000 + b']' * 100_000 + b'}', 'x')
-
-        assert cells is None
-        assert 'too deeply' in problems[0].got
 
     def test_parts_of_the_wrong_type_count_as_empty(self):
         """Odd JSON in one cell costs only that cell."""

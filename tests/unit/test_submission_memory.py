@@ -1,7 +1,5 @@
 """However much a class hands in, the grader holds one notebook at a time and keeps the answers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass

@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
+from temp_monitor_pkg import units
 from temp_monitor_pkg.heating_profile import Heating, SENSOR_MAX_C, SENSOR_MIN_C, SimulatedSensor
 from temp_monitor_pkg.threshold import Finding, judge
 from temp_monitor_pkg.units import from_celsius, to_celsius, UNITS
 
 PACKAGE = Path(__file__).parents[2] / 'temp_monitor_pkg'
+SOURCE = PACKAGE / 'temp_monitor_pkg'
 
 # Set no time limit for a single example: a busy machine must not make a test fail.
 untimed = settings(deadline=None)
@@ -125,7 +127,20 @@ def test_launch_file_is_python_with_the_expected_entry():
     assert functions == ['generate_launch_description']
 
 
+@pytest.mark.ros
+def test_built_package_is_the_source():
+    """What the tests and lessons import was built from the files in this project."""
+    installed = Path(units.__file__).parent
+    stale = [
+        path.name
+        for path in SOURCE.glob('*.py')
+        if (installed / path.name).read_bytes() != path.read_bytes()
+    ]
+
+    assert not stale, f'{stale}: changed since the build; run `make test` to build it again'
+
+
 def test_no_module_shadows_the_generated_package():
     """An __init__.py in the source folder would hide the messages from a python started there."""
-    assert not (PACKAGE / 'temp_monitor_pkg' / '__init__.py').exists()
+    assert not (SOURCE / '__init__.py').exists()
     assert not (PACKAGE / '__init__.py').exists()

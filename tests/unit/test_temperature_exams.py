@@ -1,7 +1,5 @@
 """The exams of lesson 07, asked about recordings made by hand: clocks, stamps and log lines."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -22,7 +20,6 @@ TIMER = 'self.create_timer(1.0, self.publish_reading)\n'
 
 
 def why(check, run):
-    """Return why a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why

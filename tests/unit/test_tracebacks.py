@@ -1,7 +1,5 @@
 """Find the exception that ended a program, and the learner's line, in the printed traceback."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.exam.exam import Run

@@ -1,7 +1,5 @@
 """Names that Python does not find are told with where they come from."""
 
-from __future__ import annotations
-
 import pytest
 
 from autograder.judging.causes import unknown_names as raised_names

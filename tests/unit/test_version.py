@@ -1,7 +1,5 @@
 """What a recording says it was made with: versions for people, left out where they are unknown."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import platform
@@ -26,7 +24,6 @@ GIT = pytest.mark.skipif(shutil.which('git') is None, reason='git is not install
 
 
 def git(folder, *arguments):
-    """Call git as nobody in particular."""
     who = ('-c', 'user.name=a', '-c', 'user.email=a@example.org', '-c', 'commit.gpgsign=false')
     subprocess.run(['git', *who, '-C', str(folder), *arguments], check=True, capture_output=True)
 

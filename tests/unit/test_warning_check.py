@@ -1,7 +1,5 @@
 """The exam of lesson 11: made runs, and what is said about checks that judge them wrongly."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import json
 
@@ -135,7 +133,6 @@ def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
 
 
 def test_graded_exam_asks_about_slips_that_learners_do_not_see():
-    """And about all that they do see."""
     visible, hidden = (
         {
             one.slip.cause_id

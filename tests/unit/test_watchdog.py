@@ -1,7 +1,5 @@
 """How long nothing may happen before a run ends."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

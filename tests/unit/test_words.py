@@ -1,7 +1,5 @@
 """The text files of exams have the words of each cause that the code names, and of no other."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 

@@ -1,7 +1,5 @@
 """A worked answer opens after full points or three tries, and only if the instructor packs it."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 
@@ -48,8 +46,6 @@ def check(monkeypatch, points, **facts):
 
 
 class TestOpening:
-    """After full points or three tries."""
-
     def test_third_try_opens_it(self, copy, monkeypatch, capsys):
         """The line below a check counts down, and then leads to the answer."""
         said = [str(check(monkeypatch, 0)).splitlines()[-1] for _ in range(TRIES)]
@@ -101,8 +97,6 @@ class TestOpening:
 
 
 class TestCopies:
-    """What an instructor packs."""
-
     def test_copy_without_answers_does_not_mention_them(self, copy, monkeypatch):
         """The default."""
         (copy / FOLDER / '03_topics.txt').unlink()

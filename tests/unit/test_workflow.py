@@ -1,7 +1,5 @@
 """What GitHub reads of a student's repository: annotations, a summary, points for Classroom."""
 
-from __future__ import annotations
-
 import base64
 from dataclasses import replace
 import json
@@ -32,13 +30,11 @@ KNOWN = 'label "ubuntu-24.04" is unknown'
 
 
 def notebook(source=SOURCE):
-    """Return a notebook as JupyterLab writes it."""
     cells = [{'source': ['import rclpy\n']}, {'source': source.splitlines(keepends=True)}]
     return json.dumps({'cells': cells}, indent=1)
 
 
 def checked(*checks, attempted=True, **more):
-    """Return the outcome of an exam."""
     result = replace(submission('ann', checks).exams[0], note='')
     return Checked('notebooks/a.ipynb', notebook(), SOURCE, attempted, result, **more)
 
