@@ -16,7 +16,7 @@ def _numbers(count: int) -> list[float]:
 
 # The first mean is below zero, the third one above it.
 _first = [-round(_draw.uniform(1.0, 290.0), 3), round(_draw.uniform(600.0, 900.0), 3)]
-MANY = 52
+MANY = 104
 exam = build(
     # The first number is sent twice, so the mean stays the same.
     [
