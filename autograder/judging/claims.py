@@ -162,7 +162,7 @@ def publishes(
     check: str = '',
     sentence: str = '',
     places: Collection[int] | None = None,
-    what: str = 'what is due',
+    what: str = 'the expected values',
 ) -> Judge:
     """
     Return the check that the messages after each input have the expected values.
@@ -174,7 +174,7 @@ def publishes(
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
-    sentence = sentence or f'What it publishes on {base} is right.'
+    sentence = sentence or f'It publishes the right messages on {base}.'
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), published(run, ask, topic, *fields)

@@ -18,7 +18,7 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.learners_code import Code
 
-_OF_A_CHECK = 'check_'  # a learner's check that has itself the mistake of a node
+_OF_A_CHECK = 'check_'  # prefix of a mistake of nodes that a learner's check makes too
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:

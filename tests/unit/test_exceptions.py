@@ -377,8 +377,8 @@ def test_whole_message_in_place_of_its_value_is_told(error):
     elsewhere = at(f'{SPEAKER}        compare(it)', f'TypeError: {error}')
 
     assert used.cause_id == 'whole_message'
-    assert used.try_this == 'Take the field: reading.data.'
-    assert elsewhere.try_this == 'Take the field: message.data.'
+    assert used.try_this == 'Use the field: reading.data.'
+    assert elsewhere.try_this == 'Use the field: message.data.'
 
 
 def test_whole_message_of_several_fields_or_of_text_is_told():
@@ -511,7 +511,7 @@ def test_raise_that_passes_an_exception_on_is_told():
     found = at(code, 'UnknownUnit: K')
 
     assert found.cause_id == 'exception'
-    assert 'a raise alone passes it on' in found.try_this
+    assert 'catches it and raises it again' in found.try_this
 
 
 def test_paths_of_the_machine_are_cut():

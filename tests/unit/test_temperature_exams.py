@@ -171,7 +171,7 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
 @pytest.mark.parametrize(
     ('code', 'cause_id', 'words'),
     [
-        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a variable of its own'),
+        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a separate variable'),
         ('# msg.timestamp = now', 'missing_stamp', 'never set'),
         ('msg.timestamp = Time()', 'empty_time', 'An empty Time is 0'),
         ('msg.timestamp = self.start', 'stale_stamp', 'before the clock ran, as in __init__, or'),
