@@ -57,7 +57,7 @@ def require_period(
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     begins_late = not sleeps and (late or more < -1.5)
     if sleeps and 'reset' in Code(run.files).calls:
-        sleeps = replace(sleeps, try_this='Remove reset(): it restarts the period after the sleep.')
+        sleeps = replace(sleeps, try_this='Remove reset(): it restarts the timer after the sleep.')
     rhythm = (
         why_disturbed(run, found, period_s, begins_late, what)
         or sleeps

@@ -344,8 +344,8 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
             "a set or sequence and each value of type 'float' and each double in [-17976931348623",
             'a list of such values',
         ),
-        ('m.data = reading', "of type 'float'", 'take reading.data.'),
-        ('out = Float64(data=reading)', "of type 'float'", 'take reading.data.'),
+        ('m.data = reading', "of type 'float'", 'use reading.data.'),
+        ('out = Float64(data=reading)', "of type 'float'", 'use reading.data.'),
     ],
 )
 def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):

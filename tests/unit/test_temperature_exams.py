@@ -387,10 +387,10 @@ class TestFahrenheit:
         ('code', 'hint'),
         [
             ("elif msg.unit == 'Farenheit':", "Your code has 'Farenheit'"),
-            ("if msg.unit == 'F': pass", 'Add a branch for the whole word'),
+            ("if msg.unit == 'F': pass", 'Add a branch for exactly this word'),
             ("if msg.unit == 'Farenheit': pass", "Your code has 'Farenheit'"),
-            ("if msg.unit != 'Celsius': error()", 'Add a branch for the whole word'),
-            ("if msg.unit.lower() == 'Fahrenheit': pass", 'Add a branch for the whole word'),
+            ("if msg.unit != 'Celsius': error()", 'Add a branch for exactly this word'),
+            ("if msg.unit.lower() == 'Fahrenheit': pass", 'Add a branch for exactly this word'),
         ],
     )
     def test_no_other_level_is_advised(self, check, code, hint):
