@@ -64,7 +64,7 @@ def _not_empty(secret: bytes, where: str) -> bytes:
     if not secret.strip():
         raise GraderError(
             f'{where}: expected the secret of the course, got an empty one.',
-            'Try: give it a value, or remove it; without one, a secret is made.',
+            'Try: give it a value, or remove it; without one, the grader creates a secret.',
         )
     return secret
 

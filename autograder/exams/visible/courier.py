@@ -69,7 +69,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
     lives = _lives(run, 'delivered')
     if not (found and lives):
         raise Failed(
-            expected='one message for a subscription that comes after some seconds',
+            expected='one message for a subscription that joins after some seconds',
             observed='a subscription that receives nothing' if lives else GONE,
             why=_why_nothing_first(run, lives),
         )
@@ -94,7 +94,7 @@ def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
         text = (
-            'Your node ended when a subscription had connected, perhaps before its message came.'
+            'Your node ended after a subscription connected, perhaps before its message was sent.'
         )
         return _why_gone(run, text)
     if found := parcels(run, 'first'):

@@ -238,7 +238,7 @@ def _require_warnings(run: Run, phase: str) -> None:
     if part.of('not_connected') or not part.of('input'):
         raise Failed(
             expected=f'a subscription on {TOPIC} of type {TYPE} while it is active',
-            observed='nobody listens',
+            observed='no subscription',
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
     asked, found = run.asked('warnings'), _followed(run)
