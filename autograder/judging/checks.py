@@ -241,8 +241,8 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 def _own_value(run: Run, value: Any) -> str:
     """Return the value of a field as text, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
-        return own_words(run, value, 'another text')[:40]
-    return 'another value' if run.secret else repr(value)[:40]
+        return own_words(run, value, 'a different text')[:40]
+    return 'a different value' if run.secret else repr(value)[:40]
 
 
 def field_of(message: Event, field: str) -> Any:
@@ -344,14 +344,14 @@ def require_answers(
         if answer['event'] == 'no_answer':
             raise Failed(
                 expected=f'an answer to {what}',
-                observed=f'none to number {number + 1}',
+                observed=f'no answer to call {number + 1}',
                 why=why_silent(run) or _why_no_service(run, service, answer),
             )
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
             due = 'the expected answer' if secret else _shown(fields)
             raise Failed(
-                expected=f'{what}: {due} to number {number + 1}',
+                expected=f'{what}: {due} in answer {number + 1}',
                 observed='a different answer' if secret else _shown(got),
                 why=explain(number) or why_silent(run),
             )

@@ -147,7 +147,7 @@ def one_for_one(
     :param topic: full name of a topic that the probe records
     :param places: indices of the inputs to check, by default all
     """
-    sentence = sentence or 'It publishes exactly what each input asks for, and nothing else.'
+    sentence = sentence or 'It publishes exactly the messages that each input requires.'
 
     def judge(run: Run) -> None:
         require_one_for_one(run, ask, topic, published(run, ask, topic), places)
@@ -212,7 +212,7 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
         their description in feedback
     :param logger: full name of the node whose log lines are judged
     """
-    sentence = sentence or 'It logs exactly the warnings that each input asks for.'
+    sentence = sentence or 'It logs exactly the warnings that each input requires.'
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), rows(run, ask, own_logs(run, logger))

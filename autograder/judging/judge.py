@@ -111,7 +111,7 @@ def closest(code: Code, why: Cause) -> Cause:
 
 
 def _place(code: Code, why: Cause, failure: Failed) -> str:
-    """Return the line that a cause speaks about, empty if no single line is known."""
+    """Return the line that a cause is about, empty if no single line is known."""
     if why.line:
         return Place(why.line).words
     known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))

@@ -86,8 +86,8 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
     """
     Return messages, and those that were published while the probe had no subscription.
 
-    The number of the first message after this time shows how many these are.  Their
-    distance is assumed to be that of most of the later ones.
+    The number of the first message after this time shows how many were missed.  They are assumed
+    to be as far apart as the later ones usually are.
 
     :param found: messages on one topic, in order
     """
@@ -104,7 +104,7 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
 
 def _missed(run: Run, found: Sequence[Event]) -> tuple[Event, int]:
     """
-    Return the first message after a time without a subscription, and how many it has missed.
+    Return the first message after a time without a subscription, and how many were missed.
 
     :returns: an empty event if no such time is recorded
     """

@@ -342,7 +342,7 @@ def require_warnings(
 def _why_from_elsewhere(
     came: Sequence[int | None], due: Sequence[int], followed: Sequence[Row | None], place: int
 ) -> Cause | None:
-    """Explain a needless WARN line that a different line of the code logs than all right ones."""
+    """Explain a needless WARN line from a line of code that logs no correct warning."""
     exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
     right = lines_of_code(_warnings(exact))
     others = sorted(lines_of_code(_warnings([followed[place]])) - right)
@@ -355,7 +355,7 @@ def _warnings(followed: Iterable[Row | None]) -> Row:
 
 def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
     """
-    Return the fraction of the points for correct results before the program ended during the run.
+    Return the fraction of the points for the correct results of a program that ended early.
 
     It is 0 if the run was complete, and at the CPU limit, because how far a program gets before
     this limit depends on the machine.

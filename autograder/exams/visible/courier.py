@@ -31,7 +31,7 @@ TEXT = 'for you'
 AFTER_S = 4.0  # enough for a node that polls with a timer [s]
 QUIET_S = 6.0  # without an expected parcel; long enough to notice a repeated one [s]
 ALONE_S = 2.0  # enough for a node to notice that all subscriptions have left [s]
-LATEST_S = 2.05  # a node that checks every two seconds is still in time [s]
+LATEST_S = 2.05  # a node that checks every two seconds is still on time [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
 

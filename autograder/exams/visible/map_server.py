@@ -242,7 +242,7 @@ def _named(run: Run, text: str) -> str:
     surveys = run.asked('maps').inputs
     if run.secret and text in surveys:
         return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
-    return repr(text) if text == FIRST else own_words(run, text[:40], 'another text')
+    return repr(text) if text == FIRST else own_words(run, text[:40], 'a different text')
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:

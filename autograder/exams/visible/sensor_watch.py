@@ -7,7 +7,7 @@ the number for each distance, one WARN line for each missed deadline, one ERROR 
 policy if a publisher offers too little.
 
 First, two publishers without a deadline appear, one after the other.  Then a compatible one sends
-some distances in time and falls silent.  The number of missed deadlines is known: the first is one
+some distances on time and falls silent.  The number of missed deadlines is known: the first is one
 period after the last distance, the others follow once per period.
 """
 

@@ -214,7 +214,7 @@ def answers_of(run: Run) -> list[bool | str]:
     truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
     # Any other text might contain parts of a hidden run.
     words = [
-        [one if str(one).isidentifier() else 'another text' for one in row or ()] for row in rows
+        [one if str(one).isidentifier() else 'other text' for one in row or ()] for row in rows
     ]
     return [truth.get(one, one) for one in map(', '.join, words)]
 

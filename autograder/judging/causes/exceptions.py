@@ -61,7 +61,7 @@ SIGNATURES = {
 
 WANTED = {
     'a set or sequence': 'Give it a list of such values: [1.0, 2.0].',
-    "sub message of type 'Time'": 'Add .to_msg(), which makes a stamp of a time: '
+    "sub message of type 'Time'": 'Add .to_msg(), which converts a time to a stamp: '
     'self.get_clock().now().to_msg().',
     r"sub message of type '(\w+)'": r'Put a whole \1 there, or fill in its fields one by one.',
     "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
