@@ -49,8 +49,8 @@ class Failed(Exception):
     :param at: virtual time of the first deviation [ns], if no single event shows it
     :param every_s: period of the expected messages [s], only used to draw the picture
     :param shown_by: log lines that show the failure; their place in the code helps to explain it
-    :param act: what a program does for this check, see :mod:`autograder.submission.code.acts`; a
-        slip without a row in ``judging/causes/places.txt`` is in that line
+    :param act: the act that this check judges, see :mod:`autograder.submission.code.acts`; it
+        locates a slip that has no row in ``judging/causes/places.txt``
     """
 
     expected: str
@@ -75,7 +75,7 @@ class Run:
 
     :param files: the student's files, relative path to text
     :param recording: everything that the probe saw
-    :param facts: what the checks need besides the recording, see :class:`Exam`
+    :param facts: other data that the checks need, see :class:`Exam`
     """
 
     files: Mapping[str, str]
@@ -212,7 +212,7 @@ class Exam:
             raise ExamInvalid(f'{where}: expected points > 0, got {check.points}.')
         if not (check.static or self.scenario.program):
             raise ExamInvalid(
-                f'{where}: the scenario runs nothing, so the files must answer it.',
+                f'{where}: the scenario runs no program, so only files can answer it.',
                 'Add it with static=True, or give the scenario a program.',
             )
         for need in check.needs:

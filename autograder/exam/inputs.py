@@ -24,7 +24,7 @@ from autograder.layout import Layout
 
 WATCH_S = 131
 """
-How long hidden exams watch a node that acts by itself [s].
+Time for which hidden exams watch a node that acts by itself [s].
 
 By then, a temperature that grows by one degree per second has left the range of common sensors,
 and a counter of one byte that grows twice a second has overflowed.
@@ -64,7 +64,7 @@ def _not_empty(secret: bytes, where: str) -> bytes:
     if not secret.strip():
         raise GraderError(
             f'{where}: expected the secret of the course, got an empty one.',
-            'Try: give it a value, or remove it; without one, a secret is made.',
+            'Try: give it a value, or remove it; without one, the grader creates a secret.',
         )
     return secret
 

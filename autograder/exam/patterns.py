@@ -1,8 +1,8 @@
 """
-Recognise how wrong answers are spread over the inputs: only the first, every second, from one on.
+Recognise patterns of missing or extra answers, such as only the first or every second input.
 
-A pattern explains the whole run, like a slip, but needs no rule of the exercise.  It says what
-came, and not why.
+A pattern explains the whole run, like a slip, but needs no rule of the exercise.  It describes the
+answers, not the reason for them.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from collections.abc import Sequence
 
 from autograder.exam.specification import Cause, in_order, Specification
 
-QUEUE = 'Drop nothing: a list or a queue of your own has no largest size and is never full.'
+QUEUE = 'Drop nothing: give your own list or queue no maximum size.'
 DEPTH = 'Give create_subscription() the depth 10, and store no message for later.'
 LONGEST = 5  # period of a pattern [inputs]
-EACH = 'Treat each message alike, without a counter, a flag and a list that grows.'
+EACH = 'Treat each message alike, without a counter, a flag or a list that grows.'
 BUSY = Cause(
     'drops_while_busy',
     'If several messages arrive at once, your node answers only the first: it drops those that '
     'arrive while it is busy.',
-    'Answer in the callback of the subscription, each time, without a flag for being busy.',
+    'Answer in the callback of the subscription, each time, without a busy flag.',
 )
 
 
@@ -27,7 +27,7 @@ def why_pattern(
     due: Sequence[int], came: Sequence[int | None], verb: str = 'answers', what: str = 'message'
 ) -> Cause | None:
     """
-    Explain counts of answers by the way in which they are spread over the inputs.
+    Explain counts of answers by a pattern over the inputs.
 
     :param due: expected number of messages or log lines after each input
     :param came: their real number, None for inputs that were not sent
@@ -92,7 +92,7 @@ def why_burst_cut(asked: Specification, came: tuple[object, ...]) -> Cause | Non
 
 
 def _dropping(cause_id: str, which: str, count: int, try_this: str) -> Cause:
-    """Return the cause for messages of a burst that have no answer, except some."""
+    """Return the cause for a burst of which only some messages are answered."""
     some = 'message' if count == 1 else f'{count} messages'
     text = f'If several messages arrive at once, your node answers only the {which} {some}.'
     return Cause(cause_id, text, try_this)

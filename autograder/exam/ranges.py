@@ -72,7 +72,7 @@ def range_slips(
 
 
 Limit = Callable[[float, float], float | None]
-"""Returns what a program makes of a number and its limit; None if it publishes nothing."""
+"""Returns the number that a program publishes, given a number and its limit; None for nothing."""
 
 
 def within(value: float, most: float) -> float:

@@ -36,7 +36,7 @@ class Qos:
     A QoS profile, as discovery announces it.
 
     :param depth: 0 keeps all messages
-    :param deadline_s: None is infinite, also for the other durations [s]
+    :param deadline_s: None means infinite, here and for the other durations [s]
     """
 
     reliability: str = 'RELIABLE'
@@ -134,7 +134,7 @@ class Step:
         yield from ()
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
-        """Yield what the step sends: the position in the step, the type or topic, the fields."""
+        """Yield each message or request: its position in the step, type or topic, and fields."""
         yield from ()
 
 

@@ -110,7 +110,7 @@ def _in_a_burst(rule: Rule, burst: int) -> tuple[Slip, ...]:
 
 
 Change = Callable[[float], float]
-"""Returns what a program makes of a number that it should leave unchanged."""
+"""Returns the number that a program publishes for one that it should leave unchanged."""
 
 
 def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -> tuple[Slip, ...]:

@@ -59,7 +59,7 @@ class Cause:
     :param cause_id: short stable name, for statistics and tests
     :param text: the reason, worded for the learner
     :param try_this: the next thing to do
-    :param about: names, texts or numbers that the program has there, which help to find the line
+    :param about: names, strings or numbers in the faulty line, which help to find it
     :param act: what the program does in that line, see :mod:`autograder.submission.code.acts`; by
         default, as in ``judging/causes/places.txt``
     :param line: that line, from 1, if the run shows it, as a traceback does
@@ -195,12 +195,12 @@ class Specification:
 
     def mistakes(self) -> Iterator[str]:
         """Yield slips that the inputs cannot distinguish from correct answers or other slips."""
-        rules = [('what is due', self.answers)]
+        rules = [('the correct answers', self.answers)]
         rules += [(slip.cause_id, answers) for slip, answers in self._slipped]
         for number, (name, answers) in enumerate(rules):
             for other, others in rules[:number]:
                 if other != name and all(map(self.like, answers, others)):
-                    yield f'no input tells {name} from {other}'
+                    yield f'no input distinguishes {name} from {other}'
 
 
 def together(answers: Sequence[Any]) -> Any:

@@ -1,7 +1,7 @@
 """
-Read the words of causes and slips from the text file beside a module.
+Read the texts of causes and slips from the text file next to a module.
 
-So an exam shows what it judges, and its text file what learners read.
+The module contains the rules of an exam, and the text file the sentences that learners read.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Causes:
     A row of the file has these lines: ``cause`` or ``cause|name``, if several have the same cause
     id; what is wrong; the repair.  Further lines are fields of
     :class:`autograder.exam.specification.Cause`: ``act: ...``, ``about:`` and ``closer:`` with
-    words, or names of causes, that blanks separate.
+    words, or names of causes, separated by spaces.
 
     :param module: path of the module, ``__file__``; its text file has the same name
     :param words: values for the names in braces

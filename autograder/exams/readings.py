@@ -63,7 +63,7 @@ class Reading:
 
     @property
     def numbers(self) -> tuple[float, float]:
-        """Return the value as it came and in Celsius."""
+        """Return the value as received and in Celsius."""
         return self.value, self.value if self.celsius is None else self.celsius
 
     def is_in(self, text: str) -> bool:

@@ -20,7 +20,7 @@ from autograder.results import CheckResult, ExamResult, Problem, Verdict
 HEADS = {
     Verdict.PASSED: '\N{CHECK MARK} Passed',
     Verdict.FAILED: '\N{BALLOT X} Failed',
-    Verdict.NOT_RUN: '\N{EN DASH} Not looked at',
+    Verdict.NOT_RUN: '\N{EN DASH} Not checked',
 }
 _EDGES = {Verdict.PASSED: '#2e8b57', Verdict.FAILED: '#d64545', Verdict.NOT_RUN: '#8a8a8a'}
 _BOX = 'border-left: 4px solid {edge}; padding: 1px 0 1px 12px; margin: 10px 0'

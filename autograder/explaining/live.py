@@ -50,7 +50,7 @@ def _graph(event: Event) -> str:
         for end in event['endpoints']
         if not end['topic'].endswith(('/rosout', '/parameter_events'))
     ]
-    seen = ', '.join(ends[:6]) or ', '.join(event['nodes'][:6]) or 'nobody'
+    seen = ', '.join(ends[:6]) or ', '.join(event['nodes'][:6]) or 'no node'
     return f'graph at {event["when"]}: {seen}'
 
 

@@ -122,7 +122,7 @@ def _connections(exam: Exam, run: Run, result: CheckResult) -> Mapping[str, Any]
         right = {one for _, one, _ in wanted}
         others = [end for end in run.recording.endpoints(kind) if end['topic'] not in right]
         arrows += [
-            _arrow(end['node'], end['topic'], end['type'], outward, True, 'not asked for')
+            _arrow(end['node'], end['topic'], end['type'], outward, True, 'not required')
             for end in others[:3]
         ]
     if not arrows:
@@ -136,7 +136,7 @@ def _reason(
 ) -> str:
     """Return why an endpoint differs from the required one; empty if it does not."""
     if not ends:
-        return 'expected here, and nothing is there'
+        return 'expected here, but missing'
     if not any(end['type'] == type_name for end in ends):
         return f'expected {type_name}, but yours is {ends[0]["type"][:LONGEST_NAME]}'
     about = [event for event in run.recording.events if event.get('topic') == topic]
@@ -156,7 +156,7 @@ def _reason(
         return ''
     qos = ends[0]['qos']
     yours = f'yours is {qos["reliability"]}, {qos["durability"]}'
-    return f'the quality of service does not fit; {yours}'
+    return f'the quality of service does not match; {yours}'
 
 
 def _about_qos(result: CheckResult) -> bool:

@@ -80,7 +80,7 @@ def _timeline(picture: Mapping[str, Any]) -> str:
     if picture.get('deviation') is not None:
         parts.append(_deviation(place(float(picture['deviation'])), bottom, left, right))
     data = [(*row, svg.listed(one['times'])) for *row, one in zip(labels, amounts, rows)]
-    title, words = f'What was seen, {against}', timeline_words(picture)
+    title, words = f'Observed events, {against}', timeline_words(picture)
     return svg.picture(_WIDTH, bottom + 26, title, words, parts, [('row', 'amount', head), *data])
 
 

@@ -115,7 +115,7 @@ def require_partner(ends: Iterable[Event]) -> None:
         if end['qos'][policy] == wrong:
             base = end['topic'].rpartition('/')[2]
             raise Failed(
-                expected=f'a {end["kind"]} that a {partner} of depth 10 is connected to',
+                expected=f'a {end["kind"]} that connects to a {partner} of depth 10',
                 observed=f'{policy} {wrong}',
                 why=cause_of(cause_id, on=base, about=[wrong, base]),
             )
@@ -125,7 +125,7 @@ _UNUSUAL = {
     'publisher': ('reliability', 'BEST_EFFORT', 'offers_too_little', 'subscription'),
     'subscription': ('durability', 'TRANSIENT_LOCAL', 'asks_too_much', 'publisher'),
 }
-"""By kind of endpoint: a policy, the value that most partners do not match, the cause, them."""
+"""By kind of endpoint: a policy, its value that few partners match, the cause, the partner."""
 
 
 def require_reached(run: Run, topic: str, kind: str) -> None:
@@ -241,8 +241,8 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 def _own_value(run: Run, value: Any) -> str:
     """Return the value of a field as text, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
-        return own_words(run, value, 'another text')[:40]
-    return 'another value' if run.secret else repr(value)[:40]
+        return own_words(run, value, 'a different text')[:40]
+    return 'a different value' if run.secret else repr(value)[:40]
 
 
 def field_of(message: Event, field: str) -> Any:
@@ -344,15 +344,15 @@ def require_answers(
         if answer['event'] == 'no_answer':
             raise Failed(
                 expected=f'an answer to {what}',
-                observed=f'none to number {number + 1}',
+                observed=f'no answer to call {number + 1}',
                 why=why_silent(run) or _why_no_service(run, service, answer),
             )
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
-            due = 'what is due' if secret else _shown(fields)
+            due = 'the expected answer' if secret else _shown(fields)
             raise Failed(
-                expected=f'{what}: {due} to number {number + 1}',
-                observed='another answer' if secret else _shown(got),
+                expected=f'{what}: {due} in answer {number + 1}',
+                observed='a different answer' if secret else _shown(got),
                 why=explain(number) or why_silent(run),
             )
 

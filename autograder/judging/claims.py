@@ -147,7 +147,7 @@ def one_for_one(
     :param topic: full name of a topic that the probe records
     :param places: indices of the inputs to check, by default all
     """
-    sentence = sentence or 'It publishes exactly what each input asks for, and nothing else.'
+    sentence = sentence or 'It publishes exactly the messages that each input requires.'
 
     def judge(run: Run) -> None:
         require_one_for_one(run, ask, topic, published(run, ask, topic), places)
@@ -162,7 +162,7 @@ def publishes(
     check: str = '',
     sentence: str = '',
     places: Collection[int] | None = None,
-    what: str = 'what is due',
+    what: str = 'the expected values',
 ) -> Judge:
     """
     Return the check that the messages after each input have the expected values.
@@ -174,7 +174,7 @@ def publishes(
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
-    sentence = sentence or f'What it publishes on {base} is right.'
+    sentence = sentence or f'It publishes the right messages on {base}.'
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), published(run, ask, topic, *fields)
@@ -212,7 +212,7 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
         their description in feedback
     :param logger: full name of the node whose log lines are judged
     """
-    sentence = sentence or 'It logs exactly the warnings that each input asks for.'
+    sentence = sentence or 'It logs exactly the warnings that each input requires.'
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), rows(run, ask, own_logs(run, logger))

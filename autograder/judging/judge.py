@@ -18,7 +18,7 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.learners_code import Code
 
-_OF_A_CHECK = 'check_'  # a learner's check that has itself the mistake of a node
+_OF_A_CHECK = 'check_'  # prefix of a mistake of nodes that a learner's check makes too
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
@@ -111,7 +111,7 @@ def closest(code: Code, why: Cause) -> Cause:
 
 
 def _place(code: Code, why: Cause, failure: Failed) -> str:
-    """Return the line that a cause speaks about, empty if no single line is known."""
+    """Return the line that a cause is about, empty if no single line is known."""
     if why.line:
         return Place(why.line).words
     known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))

@@ -113,13 +113,13 @@ def _bound_of(wanted: str) -> str:
     for pattern, text in _BOUNDS:
         if match := pattern.search(wanted):
             return text.format(match[1])
-    return 'No bound is asked for'
+    return 'The table has no bound'
 
 
 _DECLARATIONS = """
 <buildtool_depend>ament_cmake</buildtool_depend>
 buildtool_depend
-ament_cmake builds this package, and has to be there first.
+ament_cmake builds this package, and must be installed first.
 
 <buildtool_depend>rosidl_default_generators</buildtool_depend>
 buildtool_depend|build_depend|depend
@@ -144,7 +144,7 @@ Rows of three lines: a declaration that ``package.xml`` needs (REP 149), valid t
 """
 _BUILD_TYPES = {
     'ament_cmake': 'Only packages of type ament_cmake can have messages.',
-    'ament_python': 'By this type colcon knows that the package is built with setup.py.',
+    'ament_python': 'This type tells colcon to build the package with setup.py.',
 }
 
 

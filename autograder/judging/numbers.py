@@ -12,7 +12,7 @@ from autograder.exam.slips import Change
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.judging.causes.text_table import cause_of
 
-COUNT_IN = 'Make self.count once, in __init__(), as 0, and add 1 in the callback, once.'
+COUNT_IN = 'Set self.count = 0 once, in __init__(), and add 1 once, in the callback.'
 _NUMBER = re.compile(
     r'[-+]?(?:\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)', re.IGNORECASE
 )
@@ -67,11 +67,11 @@ def rounded(rule: Callable[[Change], Rule]) -> Slip:
 
 def shown(inputs: Sequence[Any], numbers: Callable[[Any], Sequence[float]]) -> Specification:
     """
-    Return the specification of log lines, of which each shows the number of one input.
+    Return the specification of log lines that each show the number of one input.
 
-    An answer has all numbers in the lines.
+    An answer contains all numbers in the lines.
 
-    :param numbers: returns the numbers of an input, of which its lines must show one
+    :param numbers: returns the numbers of an input; its lines must show one of them
     """
 
     def rule(change: Change) -> Rule:

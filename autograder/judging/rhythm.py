@@ -57,7 +57,7 @@ def require_period(
     sleeps = why_it_sleeps(run) if more <= 1.5 else None
     begins_late = not sleeps and (late or more < -1.5)
     if sleeps and 'reset' in Code(run.files).calls:
-        sleeps = replace(sleeps, try_this='Leave out reset(): it begins a new period after that.')
+        sleeps = replace(sleeps, try_this='Remove reset(): it restarts the timer after the sleep.')
     rhythm = (
         why_disturbed(run, found, period_s, begins_late, what)
         or sleeps
@@ -86,8 +86,8 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
     """
     Return messages, and those that were published while the probe had no subscription.
 
-    The number of the first message after this time shows how many these are.  They are taken to be
-    as far apart as most of the later ones.
+    The number of the first message after this time shows how many were missed.  They are assumed
+    to be as far apart as the later ones usually are.
 
     :param found: messages on one topic, in order
     """
@@ -104,7 +104,7 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
 
 def _missed(run: Run, found: Sequence[Event]) -> tuple[Event, int]:
     """
-    Return the first message after a time without a subscription, and how many it has missed.
+    Return the first message after a time without a subscription, and how many were missed.
 
     :returns: an empty event if no such time is recorded
     """
@@ -122,7 +122,7 @@ def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | N
     after, missed = _missed(run, found)
     if missed or after not in found:
         return None
-    # A node that skips its first calls has published nothing until then, heard or not.
+    # A node that skips its first calls publishes nothing at first, even to a subscription.
     if after is found[0] and not place_of(Code(run.files), 'get_subscription_count()'):
         return None
     in_rhythm = _is(period_s, *_gaps(_seconds(found[found.index(after) :])))
@@ -192,7 +192,7 @@ def _end_s(run: Run, found: Sequence[Event]) -> float:
 
 
 def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[float]]:
-    """Return the moments of what else happens in a run, each with its description [s]."""
+    """Return the moments of other events in a run [s], by their description."""
     moments: dict[str, list[float]] = {}
     for one in run.recording.events:
         if one['event'] == 'input':

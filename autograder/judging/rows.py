@@ -43,9 +43,9 @@ from autograder.judging.rhythm import seconds_between
 from autograder.recording import Event, INFO, WARN
 
 Row = list[Event]
-LATE_S = 0.015  # a message that a callback publishes at once comes earlier [s]
+LATE_S = 0.015  # a message that a callback publishes at once arrives earlier [s]
 ANSWER = 'if:publish() | def:publish()'
-AT_START_S = 0.25  # a message that __init__ publishes comes earlier [s]
+AT_START_S = 0.25  # a message that __init__ publishes arrives earlier [s]
 
 
 def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
@@ -112,7 +112,7 @@ def seconds_after_join(run: Run, topic: str, listener: str) -> float:
 
 def delays(run: Run, ask: str, topic: str) -> list[list[float]]:
     """
-    Return how long after each input, or after a burst, each message on a topic came [s].
+    Return how long after each input, or after a burst, each message on a topic arrived [s].
 
     :returns: nothing for an exam with a slow callback, which delays messages by itself
     """
@@ -206,7 +206,7 @@ def require_values(
     asked: Specification,
     came: Sequence[tuple[Any, ...] | None],
     places: Collection[int] | None = None,
-    what: str = 'what is due',
+    what: str = 'the expected values',
 ) -> None:
     """
     Fail unless each input is answered with the expected values, as in :func:`require_one_for_one`.
@@ -237,8 +237,8 @@ def require_all_sent(run: Run, found: Sequence[object]) -> None:
     """Fail if a run ended before all inputs were sent."""
     if found and found[-1] is None:
         raise Failed(
-            expected='a node that goes on to the last input',
-            observed='a run that ended before',
+            expected='a node that runs until the last input',
+            observed='a run that ended earlier',
             why=why_silent(run),
         )
 
@@ -333,7 +333,7 @@ def require_warnings(
         or why_pattern(asked.answers, came, 'warns about', 'high value')
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
-        blocks=not any(came),  # a node that warns is at work, so its other mistakes count alone
+        blocks=not any(came),  # judge the other checks of a node that warns at all
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
         act=acts_by_cause()['false_alarm'],
     )
@@ -342,7 +342,7 @@ def require_warnings(
 def _why_from_elsewhere(
     came: Sequence[int | None], due: Sequence[int], followed: Sequence[Row | None], place: int
 ) -> Cause | None:
-    """Explain a needless WARN line that a different line of the code logs than all right ones."""
+    """Explain a needless WARN line from a line of code that logs no correct warning."""
     exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
     right = lines_of_code(_warnings(exact))
     others = sorted(lines_of_code(_warnings([followed[place]])) - right)
@@ -355,7 +355,7 @@ def _warnings(followed: Iterable[Row | None]) -> Row:
 
 def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> float:
     """
-    Return the fraction of the points for correct results before the program ended during the run.
+    Return the fraction of the points for the correct results of a program that ended early.
 
     It is 0 if the run was complete, and at the CPU limit, because how far a program gets before
     this limit depends on the machine.

@@ -29,7 +29,7 @@ def require_stamps(
     run: Run, found: Iterable[tuple[Event, int]], clock: RosClock, field: str = 'timestamp'
 ) -> None:
     """
-    Fail unless messages have the ROS time of their moment as stamp.
+    Fail unless the stamps of messages are the ROS time of their moment.
 
     :param found: messages, each with the virtual time of the earliest valid stamp [ns]; the latest
         valid stamp is the time of the message
@@ -42,7 +42,7 @@ def require_stamps(
         if first_ns <= stamp_ns <= now_ns and clock.shows(stamp_ns):
             continue
         raise Failed(
-            expected='a stamp of the ROS time of that moment'
+            expected='a stamp with the ROS time of that moment'
             if run.secret
             else f'a stamp of {now_ns / SECOND:g} s, the ROS time of that moment',
             observed=_described(run, stamp_ns / SECOND, now_ns / SECOND),
@@ -53,7 +53,7 @@ def require_stamps(
 def _described(run: Run, seconds: float, now: float) -> str:
     # System time differs from run to run, so describe such a stamp without its value.
     if seconds > SYSTEM_TIME_S:
-        return "a stamp of this computer's own time of day"
+        return "a stamp from this computer's system time"
     # The fraction of an old stamp would reveal when a hidden clock began.
     if run.secret and seconds % 1:
         return f'a stamp of {"an earlier" if seconds < now else "a later"} moment'

@@ -27,7 +27,7 @@ GRAPH = {
             'remark': remark,
         }
         for topic, matched, remark in (
-            ('/chatter', False, 'expected here, and nothing is there'),
+            ('/chatter', False, 'expected here, but missing'),
             (LONG, True, EVIL),
         )
     ],
@@ -164,9 +164,9 @@ def test_everything_has_a_name(feedback: Path, page: Any) -> None:
     page.goto(feedback.as_uri())
 
     assert page.evaluate(WITHOUT_WORDS) == []
-    expect(page.get_by_role('img', name='What was seen, against time')).to_have_count(1)
+    expect(page.get_by_role('img', name='Observed events, against time')).to_have_count(1)
     expect(page.get_by_role('img', name='first difference at 2 s')).to_have_count(1)
-    expect(page.get_by_role('img', name='expected here, and nothing is there')).to_have_count(1)
+    expect(page.get_by_role('img', name='expected here, but missing')).to_have_count(1)
     expect(page.get_by_role('region', name='Checks: talker')).to_have_count(1)
     expect(page.get_by_role('heading', level=1)).to_have_text('topics: 1 of 6 points')
     expect(page.get_by_role('navigation', name='What was graded')).to_contain_text(

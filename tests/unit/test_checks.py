@@ -261,7 +261,7 @@ class TestAnswers:
         with pytest.raises(Failed) as failed:
             checks.require_answers(run, self.SERVICE, [{'success': True}] * 2, 'two transitions')
 
-        assert failed.value.expected == 'two transitions: success True to number 2'
+        assert failed.value.expected == 'two transitions: success True in answer 2'
         assert failed.value.observed == 'success False'
 
     def test_missing_service_is_the_cause(self):

@@ -340,8 +340,8 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
             "a set or sequence and each value of type 'float' and each double in [-17976931348623",
             'a list of such values',
         ),
-        ('m.data = reading', "of type 'float'", 'take reading.data.'),
-        ('out = Float64(data=reading)', "of type 'float'", 'take reading.data.'),
+        ('m.data = reading', "of type 'float'", 'use reading.data.'),
+        ('out = Float64(data=reading)', "of type 'float'", 'use reading.data.'),
     ],
 )
 def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
@@ -373,8 +373,8 @@ def test_whole_message_in_place_of_its_value_is_told(error):
     elsewhere = at(f'{SPEAKER}        compare(it)', f'TypeError: {error}')
 
     assert used.cause_id == 'whole_message'
-    assert used.try_this == 'Take the field: reading.data.'
-    assert elsewhere.try_this == 'Take the field: message.data.'
+    assert used.try_this == 'Use the field: reading.data.'
+    assert elsewhere.try_this == 'Use the field: message.data.'
 
 
 def test_whole_message_of_several_fields_or_of_text_is_told():
@@ -506,7 +506,7 @@ def test_raise_that_passes_an_exception_on_is_told():
     found = at(code, 'UnknownUnit: K')
 
     assert found.cause_id == 'exception'
-    assert 'a raise alone passes it on' in found.try_this
+    assert 'catches it and raises it again' in found.try_this
 
 
 def test_paths_of_the_machine_are_cut():

@@ -101,8 +101,8 @@ class TestGraph:
         }
 
         assert picture['kind'] == 'graph'
-        assert ('/lab/talker', TOPIC, False, 'expected here, and nothing is there') in shown
-        assert ('/lab/talker', '/lab/chater', True, 'not asked for') in shown
+        assert ('/lab/talker', TOPIC, False, 'expected here, but missing') in shown
+        assert ('/lab/talker', '/lab/chater', True, 'not required') in shown
         assert '/chatter' not in {topic for _, topic, _, _ in shown}
 
     def test_another_type_names_both(self):
@@ -156,7 +156,7 @@ class TestGraph:
         )
         arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
 
-        assert any('does not fit' in arrow['remark'] for arrow in arrows) is shown
+        assert any('does not match' in arrow['remark'] for arrow in arrows) is shown
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
@@ -173,7 +173,7 @@ class TestGraph:
         )
         arrows = picture['arrows'] if picture and picture['kind'] == 'graph' else []
 
-        assert any('does not fit' in arrow['remark'] for arrow in arrows) is not matched
+        assert any('does not match' in arrow['remark'] for arrow in arrows) is not matched
 
     def test_a_value_in_a_message_needs_no_picture(self):
         failure = Failed(expected="unit 'Celsius' in every message", observed='others')

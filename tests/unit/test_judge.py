@@ -225,7 +225,7 @@ class TestExam:
         exam = make_exam(scenario=Scenario(program=''))
         exam.check(points=1, static=True)(passes)
 
-        with pytest.raises(ExamInvalid, match='runs nothing'):
+        with pytest.raises(ExamInvalid, match='runs no program'):
             exam.check(points=1)(fails)
 
         assert not worth_running(exam, {})

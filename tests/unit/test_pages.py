@@ -65,7 +65,7 @@ class TestPages:
         text = read(tmp_path / '01_talker' / page_name('ann')).text
         assert 'Passed:' in text
         assert 'Failed:' in text
-        assert 'Not looked at:' in text
+        assert 'Not checked:' in text
         assert 'waits forIt warns.' in text
 
     def test_mode_timing_and_flags_stand_apart(self, tmp_path):

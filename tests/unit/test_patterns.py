@@ -255,7 +255,7 @@ TURNS = 'rclpy.spin_once(a)\nrclpy.spin_once(b)\n'
     ('code', 'every_s', 'cause_id', 'advice'),
     [
         (TWO, 3.0, 'not_each_tick', 'Give create_timer() the period 1.0, and send'),
-        (TWO, 2.5, 'wrong_rate', 'Each call of the callback'),
+        (TWO, 2.5, 'wrong_rate', 'Send one message in each call'),
         (TWO.replace('1.0', '2.5'), 2.5, 'wrong_rate', 'The first argument of create_timer()'),
         (TWO.replace('% 3', '> 3'), 3.0, 'not_each_tick', 'Give create_timer()'),
         (TURNS, 2.0, 'spun_in_turn', 'Add each node to one executor'),

@@ -329,7 +329,7 @@ class TestWords:
                 'map_server',
                 'repeats in other words',
                 'publishes_each_survey',
-                'What is published is not the text of a survey.',
+                'A published map is not the text of a survey.',
             ),
             ('sensor_watch', 'is mute', 'logs_each_distance', 'the number of distance 1'),
             (

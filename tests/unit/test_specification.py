@@ -108,11 +108,17 @@ class TestMistakes:
 
     def test_edge_that_is_not_tried(self):
         """Without the limit itself, no input shows whether it is included."""
-        assert 'no input tells warns_at_threshold from what is due' in asked(29.0, 31.0).mistakes()
+        assert (
+            'no input distinguishes warns_at_threshold from the correct answers'
+            in asked(29.0, 31.0).mistakes()
+        )
 
     def test_two_slips_that_look_alike(self):
         """With one hot value, two slips give the same answers."""
-        assert 'no input tells warns_of_changes from warns_once' in asked(20.0, 31.0).mistakes()
+        assert (
+            'no input distinguishes warns_of_changes from warns_once'
+            in asked(20.0, 31.0).mistakes()
+        )
 
     def test_two_of_one_name_may_look_alike(self):
         """Two slips with one id have one text, so they may give the same answers."""

@@ -168,7 +168,7 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
 @pytest.mark.parametrize(
     ('code', 'cause_id', 'words'),
     [
-        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a variable of its own'),
+        ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a separate variable'),
         ('# msg.timestamp = now', 'missing_stamp', 'never set'),
         ('msg.timestamp = Time()', 'empty_time', 'An empty Time is 0'),
         ('msg.timestamp = self.start', 'stale_stamp', 'before the clock ran, as in __init__, or'),
@@ -384,10 +384,10 @@ class TestFahrenheit:
         ('code', 'hint'),
         [
             ("elif msg.unit == 'Farenheit':", "Your code has 'Farenheit'"),
-            ("if msg.unit == 'F': pass", 'Add a branch for the whole word'),
+            ("if msg.unit == 'F': pass", 'Add a branch for exactly this word'),
             ("if msg.unit == 'Farenheit': pass", "Your code has 'Farenheit'"),
-            ("if msg.unit != 'Celsius': error()", 'Add a branch for the whole word'),
-            ("if msg.unit.lower() == 'Fahrenheit': pass", 'Add a branch for the whole word'),
+            ("if msg.unit != 'Celsius': error()", 'Add a branch for exactly this word'),
+            ("if msg.unit.lower() == 'Fahrenheit': pass", 'Add a branch for exactly this word'),
         ],
     )
     def test_no_other_level_is_advised(self, check, code, hint):

@@ -93,7 +93,7 @@ MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
             'Is the spelling the same',
         ),
         ('print(limit)', "name 'limit' is not defined", '', 'separate file'),
-        ('self.x = 1', "name 'self' is not defined", '', 'Only a method has it'),
+        ('self.x = 1', "name 'self' is not defined", '', 'Only methods have self'),
     ],
 )
 def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above, words):
@@ -133,7 +133,7 @@ def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above,
             'Did you mean QoSProfile?',
         ),
         ("cannot import name 'QosProfile' from 'rclpy.qos'", 'import', 'help(rclpy.qos)'),
-        ("No module named 'rospy'", 'ros_1', 'here it is rclpy'),
+        ("No module named 'rospy'", 'ros_1', 'In ROS 2, write import rclpy'),
         ("No module named 'station_interfaces'", 'message_not_built', 'build_messages()'),
         ("No module named 'rclpy.nodes'", 'import', 'Did you mean rclpy.node?'),
         ("No module named 'std_msg'", 'import', 'Did you mean std_msgs?'),

@@ -5,6 +5,6 @@ from autograder.exams.visible.inspector import build
 
 _draw = generator('inspector', 'pictures')
 _drawn = [''.join(_draw.choices('bcdfghjklmnprstvwz', k=6)) for _ in range(12)]
-# A repeated picture, an earlier one, and names that are empty or have blanks around them are
+# A repeated picture, an earlier one, and names that are empty or have spaces around them are
 # ordinary inputs.  The burst needs a queue of more than five.
 exam = build([*_drawn[:3], _drawn[2], '', _drawn[0], f' {_drawn[3]} ', *_drawn[4:]], burst=6)

@@ -39,7 +39,7 @@ def fahrenheit(draw: random.Random) -> list[Reading]:
     ]
     draw.shuffle(warm)
     draw.shuffle(cold)
-    # Alternate: a node that warns only of changes would miss the second of two warm readings.
+    # Alternate: a node that warns only about changes would miss the second of two warm readings.
     return [one for pair in zip(warm, cold) for one in pair]
 
 
@@ -53,7 +53,7 @@ def odd(draw: random.Random) -> list[Reading]:
     units = [
         *[(f'C{rest}', UNKNOWN)] * 2,
         (f'F{rest[::-1]}', UNKNOWN),
-        ('celsius', 'a reading in celsius, in small letters'),
+        ('celsius', 'a reading in celsius, in lower case'),
         ('', 'a reading without a unit'),
     ]
     draw.shuffle(units)
@@ -88,7 +88,7 @@ exam = build(
         Reading(int(_draw.uniform(200.0, 900.0)) + 0.4, f'a reading far above {THRESHOLD_C:g} °C'),
         *(cool(_draw), cool(_draw)),
         *edges(_draw),
-        # Send a cool reading first: otherwise a node that warns only of changes could also miss
+        # Send a cool reading first: otherwise a node that warns only about changes could also miss
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),

@@ -72,7 +72,7 @@ _wanted += [(kind, name) for kind, names in SHOWN_BY.items() for name in names]
 _runs = [_run(kind, name, number) for number, (kind, name) in enumerate(_wanted)]
 _runs += [replace(_run(PLAIN, '', 0), slip=LAGS, lag_s=0.2), _run(ODD, '', 3)]
 _draw.shuffle(_runs)
-# A check that keeps what it has stored is right until the first wrong run.
+# A check that never resets its state fails only after a wrong run, so begin with a correct one.
 _right = next(place for place, run in enumerate(_runs) if run.slip is None)
 _runs.insert(0, _runs.pop(_right))
 exam = build(_runs)

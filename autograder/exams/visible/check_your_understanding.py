@@ -93,8 +93,8 @@ def every_question_is_answered(run: Run) -> None:
     """
     Every question has a letter.
 
-    This point is for the form alone and does not count: each question is graded later, with one
-    point, and any letter passes here.
+    This check tests only the form, and its point does not count: any letter passes here.  Each
+    question is graded later, with one point.
     """
     found: list[Failed] = []
     for question in QUESTIONS:

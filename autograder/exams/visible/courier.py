@@ -31,7 +31,7 @@ TEXT = 'for you'
 AFTER_S = 4.0  # enough for a node that polls with a timer [s]
 QUIET_S = 6.0  # without an expected parcel; long enough to notice a repeated one [s]
 ALONE_S = 2.0  # enough for a node to notice that all subscriptions have left [s]
-LATEST_S = 2.05  # a node that checks every two seconds is still in time [s]
+LATEST_S = 2.05  # a node that checks every two seconds is still on time [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
 
@@ -69,7 +69,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
     lives = _lives(run, 'delivered')
     if not (found and lives):
         raise Failed(
-            expected='one message for a subscription that comes after some seconds',
+            expected='one message for a subscription that joins after some seconds',
             observed='a subscription that receives nothing' if lives else GONE,
             why=_why_nothing_first(run, lives),
         )
@@ -94,7 +94,7 @@ def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
         text = (
-            'Your node ended when a subscription had connected, perhaps before its message came.'
+            'Your node ended after a subscription connected, perhaps before its message was sent.'
         )
         return _why_gone(run, text)
     if found := parcels(run, 'first'):

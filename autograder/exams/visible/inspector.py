@@ -64,7 +64,7 @@ def why_starved(run: Run) -> Cause | None:
 
 
 def keeps_its_rhythm(run: Run) -> None:
-    """A heartbeat comes every 0.5 s, also while a picture is inspected."""
+    """It publishes a heartbeat every 0.5 s, even while it inspects a picture."""
     found, seconds = run.recording.messages(ALIVE), run.facts['seconds']
     waited_s = seconds_between(run.recording.of('seen'), found)
     require_period(
@@ -73,19 +73,19 @@ def keeps_its_rhythm(run: Run) -> None:
 
 
 def inspects_one_at_a_time(run: Run) -> None:
-    """Each inspection takes its 1.2 s, and the next one begins when it has ended."""
+    """Each inspection takes 1.2 s, and the next one begins after it has ended."""
     sent = [one['clock_ns'] / SECOND for one in run.recording.of('input')]
     ends = _moments(run, TARGET)
     if any(end - begun < INSPECT_S - GRAIN_S for begun, end in zip(sent, ends)):
         raise Failed(
             expected=f'a result {INSPECT_S:g} s after its picture, or later',
-            observed='a result that comes earlier',
+            observed='an earlier result',
             why=WHY['not_inspected'],
         )
     if any(later - earlier < INSPECT_S - GRAIN_S for earlier, later in pairwise(ends)):
         raise Failed(
             expected=f'{INSPECT_S:g} s or more between two results',
-            observed='two results that come closer together',
+            observed='two results closer together',
             why=WHY['overlaps'],
         )
 
@@ -95,7 +95,7 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     Return the exam for some pictures.
 
     :param pictures: texts; one is sent twice in a row, one again later, one is empty, and
-        one has blanks around it
+        one has spaces around it
     :param burst: number of pictures at the end that are sent at once
     """
     sent = [{'data': picture} for picture in pictures]
@@ -121,7 +121,7 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
         one_for_one('pictures', TARGET, sentence='Each picture has exactly one result.')
     )
     exam.check(points=1, needs=['one_for_one'], read=EXERCISE)(
-        publishes('pictures', TARGET, sentence='Each result is what inspect() returns.')
+        publishes('pictures', TARGET, sentence='Each result is the string that inspect() returns.')
     )
     exam.check(points=3, needs=['one_for_one'])(inspects_one_at_a_time)
     exam.check(points=3, needs=['reads_and_writes'])(keeps_its_rhythm)

@@ -88,7 +88,7 @@ def parameter(run: Run) -> tuple[int, float | None]:
 
 
 def takes_the_file(run: Run) -> None:
-    """The parameter max_speed has the value of config/limiter.yaml, 0.5."""
+    """The parameter max_speed has the value from config/limiter.yaml, 0.5."""
     kind, value = parameter(run)
     if value != IN_FILE:
         raise Failed(
@@ -196,7 +196,7 @@ def build(
         takes_the_file
     )
     exam.check(points=1, needs=['reads_and_writes'])(
-        one_for_one('speeds', target, sentence='It answers each message with exactly one.')
+        one_for_one('speeds', target, sentence='It answers each message with exactly one message.')
     )
     exam.check(points=4, needs=['one_for_one'])(limits_the_speed)
     exam.check(points=3, needs=['limits_the_speed'])(follows_the_parameter)

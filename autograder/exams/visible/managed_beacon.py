@@ -56,14 +56,14 @@ def publishers(run: Run, when: str) -> list[Event]:
 
 
 def is_managed(run: Run) -> None:
-    """It is a lifecycle node, and it waits unconfigured."""
+    """It is a lifecycle node, and it starts in the state unconfigured."""
     wanted = {'current_state.label': 'unconfigured'}
     service, what = f'{run.facts["node"]}/get_state', 'the request for its state'
     require_answers(run, service, [wanted], what, explain=lambda place: WHY['acts_alone'])
 
 
 def creates_its_publisher(run: Run) -> None:
-    """Configuring it creates the publisher on beacon_signal, and nothing creates it before."""
+    """It creates the publisher on beacon_signal when it is configured, and not earlier."""
     if not publishers(run, 'configured'):
         _require_transitions(run, 1)
     require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
@@ -103,7 +103,7 @@ def _require_transitions(run: Run, count: int) -> None:
 
 
 def publishes_while_active(run: Run) -> None:
-    """Active, it publishes once a second."""
+    """While active, it publishes once a second."""
     first, again = ACTIVE
     _require_beat(run, first, None, None)
     _require_beat(run, again, WHY['mute_again'], WHY['timer_left'])

@@ -150,7 +150,7 @@ def tells_why(run: Run) -> None:
     found = [str(line['text']) for line in told]
     if len(found) != len(refused) or not all(map(shows, found, refused)):
         raise Failed(
-            expected=f'{len(refused)} refused, each with one ERROR line that shows the limit',
+            expected=f'{len(refused)} refusals, each with one ERROR line that shows the limit',
             observed=lines(len(found), ERROR) + '; NaN was accepted' * taken,
             why=lifecycle.LET_THROUGH if taken else _why_untold(run, found, refused),
             shown_by=told,
@@ -238,7 +238,7 @@ def _require_warnings(run: Run, phase: str) -> None:
     if part.of('not_connected') or not part.of('input'):
         raise Failed(
             expected=f'a subscription on {TOPIC} of type {TYPE} while it is active',
-            observed='nobody listens',
+            observed='no subscription',
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
     asked, found = run.asked('warnings'), _followed(run)

@@ -87,7 +87,7 @@ def compared(run: Run) -> list[Maps | None]:
 
 
 def has_a_map_from_the_start(run: Run) -> None:
-    """A subscription before the first survey gets the map unknown, once and at once."""
+    """A subscription that joins before any survey gets the map 'unknown' at once, only once."""
     found = texts_of(run.recording.messages('/map', 'early'))
     before = [text for text in found if text not in run.asked('maps').inputs]
     if found[:1] != (FIRST,) or found.count(FIRST) != 1:
@@ -122,7 +122,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
 
 
 def _replaces_empty(run: Run) -> bool:
-    """Return whether the text of the first map comes again only after empty surveys."""
+    """Return whether the text of the first map is published again only after empty surveys."""
     asked = run.asked('maps')
     again = [
         asked.inputs[one['after_input']]
@@ -176,7 +176,7 @@ def _why_other_maps(run: Run) -> Cause | None:
     if others and bare[0] in bare[1:]:
         return WHY['text_changed']
     if others:
-        said = own_words(run, others[0][:40], 'What is published')
+        said = own_words(run, others[0][:40], 'A published map')
         return WHY.of('wrong_text', said=said)
     joined = [one['clock_ns'] for one in run.recording.of('joined', listener='late')]
     at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
@@ -196,7 +196,7 @@ def _why_unconnected(run: Run, answered: bool) -> Cause | None:
 
 
 def keeps_only_the_newest(run: Run) -> None:
-    """A subscription after the surveys gets the newest map at once, and no older one."""
+    """A subscription that joins after the surveys gets the newest map at once, and no other."""
     lifespans = [end['qos']['lifespan_ns'] for end in run.recording.endpoints('publisher', '/map')]
     if any(lifespans):
         raise Failed(
@@ -242,7 +242,7 @@ def _named(run: Run, text: str) -> str:
     surveys = run.asked('maps').inputs
     if run.secret and text in surveys:
         return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
-    return repr(text) if text == FIRST else own_words(run, text[:40], 'another text')
+    return repr(text) if text == FIRST else own_words(run, text[:40], 'a different text')
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:

@@ -82,7 +82,7 @@ def divides_by_a_thousand(run: Run) -> None:
     for place in asked.wrong(came)[:1]:
         raise Failed(
             expected='the number divided by 1000, with its fraction',
-            observed=shown_values(run, came[place], 'another value'),
+            observed=shown_values(run, came[place], 'a different value'),
             why=asked.cause(came, place) or _why_near(asked, came),
         )
 
@@ -114,7 +114,7 @@ def names_unit_and_sensor(run: Run) -> None:
         unnamed = all('' in asked.answers[one] for one in wrong)
         raise Failed(
             expected='the description of the Num in sensor_id',
-            observed=own_words(run, next(others, ''), 'another text')[:60],
+            observed=own_words(run, next(others, ''), 'a different text')[:60],
             why=asked.cause(came, place) or (WHY['fills_empty'] if unnamed else WHY['sensor_id']),
         )
 

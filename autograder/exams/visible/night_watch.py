@@ -128,7 +128,7 @@ def _has_another(text: str) -> bool:
 
 
 def lines_are_numbered(run: Run) -> None:
-    """The lines carry the number of the watch: 1, 2, 3, and so on."""
+    """The lines contain the number of the watch: 1, 2, 3, and so on."""
     found = _enough(run)
     texts = [str(entry['text']) for entry in found]
     for place, text in enumerate(texts):

@@ -214,19 +214,19 @@ def first_complete(asked: Specification) -> int:
 
 
 def waits_for_both(run: Run) -> None:
-    """It publishes nothing until a speed and a turn have come."""
+    """It publishes nothing until a speed and a turn have arrived."""
     asked, _ = commands(run)
     first = require_messages(run, topic=TARGET)[0]['after_input']
     if first is None or first < first_complete(asked):
         raise Failed(
-            expected='no command before a speed and a turn have come',
+            expected='no command before a speed and a turn have arrived',
             observed='a command before that',
             why=WHY['begins_early'],
         )
 
 
 def keeps_its_rhythm(run: Run) -> None:
-    """Once both have come, a command comes every 0.5 s."""
+    """Once both have arrived, it publishes a command every 0.5 s."""
     asked, came = commands(run)
     begins = first_complete(asked)
     messages = run.recording.messages(TARGET)

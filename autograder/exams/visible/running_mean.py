@@ -225,7 +225,7 @@ def build(numbers: Sequence[float], burst: int = 0, pause: int = 0) -> Exam:
             'means',
             TARGET,
             check='publishes_the_mean',
-            sentence='Each message is the mean of all numbers so far, the newest included.',
+            sentence='Each message is the mean of all numbers so far, including the newest.',
             places=before,
             what='the mean of all numbers so far',
         )

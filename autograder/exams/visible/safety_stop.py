@@ -1,10 +1,10 @@
 """
 Lesson 05, part 6: a node between a driver and a robot, which notices silence.
 
-The specification, as the lesson gives it: node ``safety_stop``; each ``geometry_msgs/msg/Twist``
-of ``cmd_vel_raw`` is published at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 to 0.5
-and ``angular.z`` unchanged; 0.5 s after the last command, even one of zeros, at most 0.1 s later,
-one ``Twist`` with zeros, then nothing until the next command; nothing before the first command.
+Specification from the lesson: node ``safety_stop``; it publishes each ``geometry_msgs/msg/Twist``
+from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 to 0.5 and
+``angular.z`` unchanged; 0.5 s to 0.6 s after the last command, even one of zeros, it publishes one
+``Twist`` with zeros, then nothing until the next command; nothing before the first command.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Command(NamedTuple):
 
 
 def right_pair(one: Command) -> Pair:
-    """Return what a right node makes of a command: speed and turn."""
+    """Return the speed and the turn that a correct node publishes for a command."""
     return within(one.speed, LIMIT), one.turn
 
 
@@ -65,12 +65,13 @@ def guarding(
     for_good: Sequence[Pair] | None = None,
 ) -> Rule:
     """
-    Return the rule of a safety stop; without parameters, it is the right one.
+    Return the rule of a safety stop; with the default values, the correct one.
 
-    :param pair: what is published for a command, None for nothing
-    :param stops: what is published in a silence, by the last command and the number of silences
+    :param pair: returns the speed and turn to publish for a command, None for nothing
+    :param stops: returns what to publish in a silence, given the last command and the number of
+        silences so far
     :param after_s: length of a pause that counts as a silence [s]
-    :param for_good: what is published for each command after the first silence; None: as before it
+    :param for_good: published for each command after the first silence; None for no change
     """
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
@@ -90,7 +91,7 @@ def guarding(
 
 
 def limiting(cut: Limit) -> Rule:
-    """Return the rule of a safety stop that limits the speed with a function."""
+    """Return the rule of a safety stop that limits the speed with the given function."""
 
     def pair(one: Command) -> Pair | None:
         speed = cut(one.speed, LIMIT)
@@ -100,7 +101,7 @@ def limiting(cut: Limit) -> Rule:
 
 
 def skipping(instead: Sequence[Pair]) -> Rule:
-    """Return the rule of a safety stop that does not pass on what equals the last command."""
+    """Return the rule of a safety stop that skips a command that equals the previous one."""
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
         again = [False, *(one[:2] == two[:2] for one, two in pairwise(inputs))]
@@ -172,7 +173,12 @@ def _came(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
 
 
 def places(asked: Specification, silent: bool, fast: bool = False) -> list[int]:
-    """Return the places of the commands before a silence, or of the others of one kind."""
+    """
+    Return the indices of the commands before a silence, or of other fast or slow commands.
+
+    :param silent: whether to return those before a silence, with the burst
+    :param fast: whether the others are those above the speed limit
+    """
     singles = asked.inputs[: len(asked.inputs) - asked.burst]
     if silent:
         long = [place for place, one in enumerate(singles) if one.lasts_s > SILENCE_S]
@@ -185,7 +191,7 @@ def places(asked: Specification, silent: bool, fast: bool = False) -> list[int]:
 
 
 def passes_commands_on(run: Run) -> None:
-    """Each command is passed on once, with its turn; nothing comes before the first."""
+    """It passes each command on once, with its turn, and publishes nothing before the first."""
     asked, came = _came(run)
     require_one_for_one(run, 'commands', TARGET, came, ())
     plain = places(asked, silent=False)
@@ -200,13 +206,13 @@ def passes_commands_on(run: Run) -> None:
 
 
 def limits_the_speed(run: Run) -> None:
-    """The speed is limited to -0.5 to 0.5, and the turn is not."""
+    """It limits the speed to -0.5 to 0.5, but not the turn."""
     asked, came = _came(run)
     require_values(run, asked, came, places(asked, silent=False, fast=True))
 
 
 def stops_in_silence(run: Run) -> None:
-    """In each silence of more than 0.5 s comes exactly one Twist with zeros."""
+    """In each silence longer than 0.5 s, it publishes exactly one Twist with zeros."""
     asked, came = _came(run)
     silent = places(asked, silent=True)
     for place in silent:
@@ -218,17 +224,17 @@ def stops_in_silence(run: Run) -> None:
 
 
 def keeps_its_times(run: Run) -> None:
-    """A command is passed on at once; a stop comes 0.5 s to 0.6 s after the last command."""
+    """It passes a command on at once, and stops 0.5 s to 0.6 s after the last command."""
     sent = [one['clock_ns'] for one in run.recording.of('input')]
     stops_s = []
     for message in require_messages(run, topic=TARGET):
-        if message['after_input'] is None:  # another check is about these
+        if message['after_input'] is None:  # a different check reports these
             continue
         late_s = (message['clock_ns'] - sent[message['after_input']]) / SECOND
         values = message['data']['linear']['x'], message['data']['angular']['z']
         if values != STOP and late_s > GRAIN_S:
             raise Failed(
-                expected='a command that is published when it comes',
+                expected='a command that is published when it arrives',
                 observed=f'a command {late_s:.2g} s later',
                 why=WHY['passed_late'],
             )
@@ -237,7 +243,7 @@ def keeps_its_times(run: Run) -> None:
     least_s, most_s = SILENCE_S - GRAIN_S, SILENCE_S + LATE_S + GRAIN_S
     for late_s in stops_s:
         if not least_s <= late_s <= most_s:
-            # A timer that each command resets is late by the same time in each silence.
+            # A timer that each command resets is equally late in each silence.
             rarely = min(stops_s) >= least_s and max(stops_s) - min(stops_s) > GRAIN_S
             raise Failed(
                 expected=f'a stop {SILENCE_S:g} s to {SILENCE_S + LATE_S:g} s after the command',
@@ -250,7 +256,7 @@ def build(commands: Sequence[Command]) -> Exam:
     """
     Return the exam for some commands.
 
-    :param commands: the last :data:`BURST` of them come at once
+    :param commands: the last :data:`BURST` of them are sent at once
     """
     data = [{'linear': {'x': one.speed}, 'angular': {'z': one.turn}} for one in commands]
     singles = [
@@ -283,15 +289,14 @@ def build(commands: Sequence[Command]) -> Exam:
 
 def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     """
-    Return commands with four silences among them, one of them after a command of zeros.
+    Return commands with four silences, one of them after a command of zeros.
 
-    The first command comes twice, and the last ones in a burst.
+    The first command is sent twice, and the last ones form a burst.  Before a silence, speed and
+    turn are small, so that a wrong limit does not affect the checks of silences.
 
-    A mistake in the limit costs nothing in a silence: before one, speed and turn are small.
-
-    :param speeds: 13 numbers, the third, fourth and eighth above the limit or below it, no other
-    :param turns: 13 numbers, different and not 0.0, from the eleventh on and in the fifth, seventh
-        and tenth place at most 0.5
+    :param speeds: 13 numbers, of which only the third, fourth and eighth are outside the limits
+    :param turns: 13 different numbers other than 0.0; the fifth, the seventh and those from the
+        tenth on are at most 0.5
     """
     short, long = SHORT_S
     pauses = (short, long, short, long, LONG_S, short, MIDDLE_S, long, short, LONG_S)

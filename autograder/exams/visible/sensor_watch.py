@@ -7,7 +7,7 @@ the number for each distance, one WARN line for each missed deadline, one ERROR 
 policy if a publisher offers too little.
 
 First, two publishers without a deadline appear, one after the other.  Then a compatible one sends
-some distances in time and falls silent.  The number of missed deadlines is known: the first is one
+some distances on time and falls silent.  The number of missed deadlines is known: the first is one
 period after the last distance, the others follow once per period.
 """
 
@@ -43,8 +43,8 @@ BY_RCLPY = 'New publisher discovered on topic'
 """Start of the line that rclpy's default callback logs for an incompatible publisher."""
 REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
-    'DURABILITY': 'Leave durability out: the sensor keeps nothing for latecomers.',
-    'DEADLINE': 'Request deadline=Duration(seconds=0.3), which is what the sensor promises.',
+    'DURABILITY': 'Leave durability out: the sensor keeps nothing for late subscriptions.',
+    'DEADLINE': 'Request deadline=Duration(seconds=0.3), as the sensor promises.',
     'LIVELINESS': 'Leave liveliness out: the sensor does not assert it by hand.',
 }
 LOGGED = each(lambda distance: (distance,))
@@ -81,7 +81,7 @@ def missed_deadlines(run: Run) -> int:
 
 
 def logs_each_distance(run: Run) -> None:
-    """Each distance gives one INFO line that contains the number."""
+    """It logs each distance in one INFO line that contains the number."""
     distances = run.asked('distances').inputs
     for index, distance in enumerate(distances):
         found = [
@@ -103,7 +103,7 @@ def logs_each_distance(run: Run) -> None:
 
 def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
     """
-    Explain a distance without a line of its own.
+    Explain a distance without its own line.
 
     :param later: whether a line shows the same number at another moment
     """
@@ -195,7 +195,7 @@ def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | No
 
 
 def names_the_policy(run: Run) -> None:
-    """A publisher that offers too little gives one ERROR line with the name of the policy."""
+    """For each publisher that offers too little, it logs one ERROR line that names the policy."""
     for publisher in LAZY:
         lazy = run.recording.of('offered', publisher=publisher)
         if lazy and lazy[0]['matched']:
@@ -273,7 +273,7 @@ def build(distances: Sequence[float]) -> Exam:
             TOPIC,
             TYPE,
             'asks_for_no_more_than_is_offered',
-            'It subscribes to distance, so that it hears a best-effort sensor.',
+            'It subscribes to distance so that it can receive from a best-effort sensor.',
             reliability='BEST_EFFORT',
             durability='VOLATILE',
             liveliness='AUTOMATIC',

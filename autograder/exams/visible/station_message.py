@@ -117,7 +117,7 @@ def _lines(text: str) -> list[str]:
 
 
 def starts_at_the_lowest(run: Run) -> None:
-    """A new message has the temperature -40.0, by a default in the file, and no other default."""
+    """A new message has the temperature -40.0, the only default in the file."""
     lines = _lines(run.files.get(MSG, ''))
     words = [line.split() for line in lines if '=' not in line.replace('<=', '')]
     defaults = {
@@ -155,12 +155,12 @@ def _why_default(defaults: Mapping[str, str], lines: Sequence[str]) -> Cause:
 
 
 def declares_its_dependencies(run: Run) -> None:
-    """package.xml declares what generating and using the message needs."""
+    """package.xml declares everything that is needed to generate and use the message."""
     require_declarations(run.files.get(MANIFEST, ''), PACKAGE)
 
 
 def builds_the_type(run: Run) -> None:
-    """The package builds with colcon, and the built type is the one that is asked for."""
+    """The package builds with colcon, and the built type is the required one."""
     ends = run.recording.endpoints('publisher', '/echo_out')
     if TYPE_HASH in {str(end.get('type_hash', '')) for end in ends if end['type'] == TYPE}:
         require_registered(run.files.get(CMAKE, ''))

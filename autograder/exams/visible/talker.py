@@ -122,7 +122,7 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
 
     :param space: namespace in which the node is started, such as ``/lab``
     :param seconds: duration of the recording [s]
-    :param comes: whether halfway another subscription joins, and a service is called
+    :param comes: whether another subscription joins, and a service is called, halfway through
     """
     # Neither must affect the messages: a loop with spin_once() ends its pause for each event.
     service = 'rcl_interfaces/srv/GetParameters'

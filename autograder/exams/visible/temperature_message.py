@@ -41,7 +41,7 @@ def defines_the_fields(run: Run) -> None:
 
 
 def declares_its_dependencies(run: Run) -> None:
-    """package.xml declares what generating and using the message needs."""
+    """package.xml declares everything that is needed to generate and use the message."""
     require_declarations(run.files.get(MANIFEST, ''), 'temp_monitor_pkg')
 
 

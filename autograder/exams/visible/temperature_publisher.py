@@ -181,7 +181,7 @@ def readings_are_plausible(run: Run) -> None:
         )
     if len(set(values)) == 1:
         raise Failed(
-            expected='readings that change from one to the next, as a real sensor has',
+            expected='readings that change from one to the next, as with a real sensor',
             observed=f'{values[0]:.4g} °C in all {len(values)} readings',
             why=WHY['constant'],
         )

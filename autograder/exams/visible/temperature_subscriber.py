@@ -118,8 +118,8 @@ def stays_quiet_otherwise(run: Run) -> None:
     if len(handled) < len(cool):
         raise Failed(
             expected='INFO lines for cool readings and no warning',
-            observed=f'{len(handled)} of {len(cool)} cool readings have INFO lines; a missing '
-            'warning counts only with them',
+            observed=f'{len(handled)} of {len(cool)} cool readings have INFO lines; a reading '
+            'without a warning counts only with an INFO line',
             why=_why_deaf(run),
             share=share(run, [one.row for one in groups], len(handled), len(cool)),
         )
@@ -203,7 +203,7 @@ def _why_unit_refused(run: Run, group: Followed) -> Cause | None:
     written = close_name('Fahrenheit', Code(run.files).texts)
     if written in ('', 'Fahrenheit'):
         return WHY['fahrenheit_refused']
-    hint = f"Your code has '{written}'; the unit is 'Fahrenheit', letter by letter."
+    hint = f"Your code has '{written}'; the unit is spelled 'Fahrenheit'."
     return replace(WHY['fahrenheit_refused'], try_this=hint)
 
 
@@ -218,7 +218,7 @@ def _can_warn(run: Run) -> None:
 
 
 def reports_an_unknown_unit(run: Run) -> None:
-    """It logs one ERROR for an unknown unit, none for a known one, no warning, and goes on."""
+    """It logs one ERROR for an unknown unit, none for a known one, no warning, and continues."""
     groups = sent(run)
     for group in sent(run, 'unknown'):
         if group.count(WARN) or group.count(ERROR) != 1:

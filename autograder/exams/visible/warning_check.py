@@ -70,12 +70,12 @@ OWN = (
 )
 """Names of slips that a check itself may contain when it computes the expected warnings."""
 
-BY_READING = 'For each reading, compare the warnings at its time with those that are due.'
+BY_READING = 'For each reading, compare the warnings at its time with the expected ones.'
 UNHELPFUL = ('exception', 'assertion')
 """Causes whose text is about a node that ended with an exception."""
 ACCEPTS_ALL = WHY.slip('accepts_all', each(lambda run: True))
 REFUSES_ALL = WHY.slip('refuses_all', each(lambda run: False))
-OTHER_FIXES = {'unknown_unit': 'No warning is due for a unit that is neither of the two.'}
+OTHER_FIXES = {'unknown_unit': 'Expect no warning for a unit other than Celsius and Fahrenheit.'}
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ SLIPS = (
     *(
         Slip(
             f'check_{slip.cause_id}',
-            f'What your check takes for due has itself this mistake. {slip.text}',
+            f'Your check expects the warnings of a node with this mistake: {slip.text}',
             OTHER_FIXES.get(slip.cause_id, slip.try_this),
             *(compares(due=rule) for rule in slip.rules),
         )
@@ -214,7 +214,7 @@ def answers_of(run: Run) -> list[bool | str]:
     truth: dict[str, bool | str] = {'True': True, 'False': False, '': 'no answer'}
     # Any other text might contain parts of a hidden run.
     words = [
-        [one if str(one).isidentifier() else 'another text' for one in row or ()] for row in rows
+        [one if str(one).isidentifier() else 'other text' for one in row or ()] for row in rows
     ]
     return [truth.get(one, one) for one in map(', '.join, words)]
 
@@ -280,7 +280,7 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
 
 
 def _kind(right: bool) -> str:
-    return 'right' if right else 'wrong'
+    return 'correct' if right else 'wrong'
 
 
 def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
@@ -292,7 +292,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     own = asked.cause(came, place)
     if slip is None:
         return own or WHY['refuses_right']
-    does = f'The node of this run is wrong. Its author is told: {slip.text}'
+    does = f'The node of this run is wrong. Feedback to its author: {slip.text}'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
     more = '' if own.cause_id == f'check_{slip.cause_id}' else f' {does}'
@@ -331,10 +331,10 @@ def build(runs: Sequence[MadeRun]) -> Exam:
     )
     exam.check(points=1)(returns_true_or_false)
     for points, name, places, sentence in (
-        (4, 'accepts_right_nodes', right, 'It accepts each run of a right node.'),
+        (4, 'accepts_right_nodes', right, 'It accepts each run of a correct node.'),
         (2, 'refuses_missing_warnings', missing, 'It refuses a run that lacks a warning.'),
         (3, 'refuses_other_warnings', other, 'It refuses a run with a wrong warning.'),
-        (2, 'refuses_wrong_units', units, 'It refuses a run with a mistaken unit.'),
+        (2, 'refuses_wrong_units', units, 'It refuses a run whose node mistakes a unit.'),
     ):
         judged = claim(name, sentence, partial(_require, places=places, due=places is right))
         exam.check(points=points, needs=['returns_true_or_false'])(judged)

@@ -53,7 +53,7 @@ MARK = 'run_package: '
 
 MISSING_AMENT_PACKAGE = Diagnosis(
     'missing_ament_package',
-    'The package was built, but ROS 2 cannot find it: nothing was registered.',
+    'The package was built, but ROS 2 cannot find it: it was not registered.',
     'Make ament_package() the last line of CMakeLists.txt.',
     'CMakeLists.txt',
 )
@@ -194,7 +194,7 @@ def _why_no_executable(run: Run) -> Cause:
         folder = 'bin/' if name in there['bin'] else f'lib/{others[0]}/'
         return cause_of('script_folder', executable=name, folder=folder, package=package)
     if 'setup.py' in run.files and 'CMakeLists.txt' not in run.files:
-        has = f'; it makes {", ".join(there["lib"])}' if there['lib'] else ''
+        has = f'; it defines {", ".join(there["lib"])}' if there['lib'] else ''
         return cause_of('entry_point_missing', executable=name, has=has, package=package)
     return cause_of('executable_not_installed', executable=name)
 

@@ -258,4 +258,4 @@ def how_to_look(run: Run) -> str:
     tools = ', run logs() in a cell,'
     if topics:
         tools = f" and run echo('{min(topics)}') in a cell, or ros2 topic echo in a terminal,"
-    return f'Try it: start your node{tools} and compare with what is expected.'
+    return f'Try it: start your node{tools} and compare the output with what is expected.'

@@ -61,13 +61,13 @@ SIGNATURES = {
 
 WANTED = {
     'a set or sequence': 'Give it a list of such values: [1.0, 2.0].',
-    "sub message of type 'Time'": 'Add .to_msg(), which makes a stamp of a time: '
+    "sub message of type 'Time'": 'Add .to_msg(), which converts a time to a stamp: '
     'self.get_clock().now().to_msg().',
     r"sub message of type '(\w+)'": r'Put a whole \1 there, or fill in its fields one by one.',
     "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
-    'node: self.get_clock().now().to_msg(). A number with a fraction is made whole by int(value).',
-    "type 'int'": 'It needs a whole number: int(value), or // where you divide.',
-    "type 'str'": "It needs a string: str(value), or an f-string: f'{value}'.",
+    'node: self.get_clock().now().to_msg(). int(value) removes the fraction of a number.',
+    "type 'int'": 'Use a whole number: int(value), or // instead of /.',
+    "type 'str'": "Use a string: str(value), or an f-string: f'{value}'.",
     "type 'float'": 'The field needs a float, and 25 is an integer: write 25.0, or float(value).',
     "type 'bool'": 'Write True or False, without quotes.',
     r' in \[': 'The number is outside the range of this field: keep it within the limits.',
@@ -92,7 +92,7 @@ def _how_to_find(trace: Traceback) -> str:
     if trace.spun or not code:
         return 'Start the node in a cell: the traceback there shows the lines that led to it.'
     if re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
-        return 'Your code catches it, and a raise alone passes it on: remove that line.'
+        return 'Your code catches it and raises it again: remove the line with only raise.'
     if code.startswith('raise'):
         return (
             f'Your own line raises it: {code}. An exception that leaves a callback ends the '
@@ -151,9 +151,9 @@ def _by_name_cause(name: str, said: str, trace: Traceback) -> Cause | None:
     example = f'{name}({field or "field"}=...)' if package else BY_NAME.get(name, '')
     if not example:
         return None
-    text = f'{name}() takes only named values, but gets one without a name.'
+    text = f'{name}() takes only keyword arguments, but gets a value without a name.'
     if said.startswith('got'):
-        text = f'{name}() has no value of that name: {said}.'
+        text = f'{name}() has no argument with that name: {said}.'
     fields = f' {_show(name, package)}' if package and not field else ''
     return Cause('by_name', text, f'Write the name before the value: {example}.{fields}')
 
@@ -206,7 +206,7 @@ def _field_cause(trace: Traceback) -> Cause | None:
     matches = ((re.search(says, trace.error), advice) for says, advice in WANTED.items())
     advice = next(match.expand(advice) for match, advice in matches if match)
     if given and field and 'sub message' not in wanted:
-        advice = f'{given[1]} is the whole message: take {given[1]}.{field}.'
+        advice = f'{given[1]} is the whole message: use {given[1]}.{field}.'
     return Cause('field_value', text, advice)
 
 

@@ -135,7 +135,7 @@ def _on_stdout(run: Run, belongs: Belongs | None) -> Iterator[tuple[str, str, st
     """
     for line in str(run.recording.process.get('stdout', '')).splitlines():
         found = _LOGGED.search(line)
-        printed = line[: found.start()] if found else line  # print(..., end='') comes first
+        printed = line[: found.start()] if found else line  # text from print(..., end='')
         parts = [('', '', printed)] if printed.strip() else []
         parts += [(found[1], found[2], found[3])] if found else []
         for part in parts:

@@ -37,8 +37,8 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
     """
     Return a result of a hidden exam without the arguments of the program in its texts.
 
-    Names of nodes and topics lose the namespace; the namespace alone is replaced by a description.
-    The student's text about it and the values of parameters become an ellipsis.
+    Names of nodes and topics lose the namespace, and a description replaces the words ``the
+    namespace /lab``.  Elsewhere, the namespace and the values of parameters become an ellipsis.
     """
     space = namespace_of(scenario).strip('/')
     settings = [one.partition(':=')[2] for one in scenario.arguments if ':=' in one]
@@ -53,7 +53,7 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
             return text
         text = re.sub(rf'the namespace /{space}(?![\w/])', 'the namespace that we chose', text)
         text = re.sub(rf'/?{space}/(?=\w)', '', text)
-        return text.replace(space, '…')  # random letters, which occur in no word
+        return text.replace(space, '…')  # random letters: no other word contains them
 
     return replace(
         check,

@@ -1,4 +1,4 @@
-"""Read the tables of causes, text files with readable rows; compare code with one of them."""
+"""Read the tables of causes, and compare code with the conditions in ``by_code.txt``."""
 
 from __future__ import annotations
 

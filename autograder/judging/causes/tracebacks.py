@@ -1,5 +1,5 @@
 """
-Read from standard error which exception ended a program, and in which line of the learner.
+Read from standard error which exception ended a program, and in which line of the learner's code.
 
 If there are several tracebacks, the last one ended the program.  Two kinds are skipped: exceptions
 that Python reports as ignored, and an ``except`` or ``finally`` block that fails because a name

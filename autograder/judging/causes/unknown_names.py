@@ -112,7 +112,7 @@ def import_cause(trace: Traceback) -> Cause | None:
     elif meant := _MEANT.search(trace.error):
         advice = f'Did you mean {meant[1]}? Upper and lower case matter.'
     else:
-        advice = f'Check the spelling of the name; help({module}) lists what it has.'
+        advice = f'Check the spelling of the name; help({module}) lists its names.'
     return cause_of('not_in_module', module=module, missing=name, advice=advice)
 
 
@@ -159,7 +159,7 @@ def _import_line(name: str, trace: Traceback) -> str:
 def _how_to_define(name: str, trace: Traceback) -> str:
     """Return the advice for a name that is in no known module."""
     if name == 'self':
-        return 'Only a method has it, as its first argument, and further right than its def.'
+        return 'Only methods have self, as their first argument: indent the line below its def.'
     if name == 'main':
         return 'Write def main(args=None): at the left margin, above the lines that call it.'
     if name in NOTEBOOK.split() and f'{name}(' in trace.bare_code:
