@@ -90,7 +90,7 @@ def test_program_that_ends_at_once_gets_no_inputs():
             'the program never subscribes to this topic. Try: /in',
         ),
         ({'late': {'in': 1}}, '/in: the program never publishes on this topic. Known: /out.'),
-        ({'inputs': {'in': [(0.5, {})]}}, 'expected a time from 0.63 s on, got 0.5 s'),
+        ({'inputs': {'in': [(0.5, {})]}}, 'expected a time of at least 0.63 s, got 0.5 s'),
         ({'late': {'out': 1}, 'inputs': {'in': [(1.1, {})]}}, 'expected a time from 1.2 s on'),
         (
             {'inputs': {'in': [(11, {})]}},

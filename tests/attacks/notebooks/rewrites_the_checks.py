@@ -3,7 +3,7 @@ Tries: unlock the check cells and let them say the score.
 
 Stopped by: the notebook is rebuilt from the release; only the texts of answers survive
 Deserves: 0
-Flag: has a different text
+Flag: has different text
 Flag: a different value of locked
 """
 
