@@ -213,7 +213,7 @@ class TestCommands:
             assert archive.namelist() == ['ann_7_88_t_feedback.html']
             page = archive.read('ann_7_88_t_feedback.html').decode()
         assert '44 of 55 points</h1>' in page
-        assert '54 points, less 10 for being late.' in page
+        assert '54 points, minus 10 for being late.' in page
         assert f'no mark: {ASSIGNMENT}: zoe: nothing handed in' in said
         assert f'late: {ASSIGNMENT}: ann: 10 points off, 44 left' in said
         assert not list(graded.work.glob('feedback_*'))
