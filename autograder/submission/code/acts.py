@@ -177,7 +177,7 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
 
 
 def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
-    """Yield the innermost statement around each place of an act, or around calls to it."""
+    """Yield the innermost statement around each place of an act or each call to its function."""
     left, seen = list(_find(program, word)), set[str]()
     for node in left:
         around = (one for one in program.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
