@@ -37,8 +37,8 @@ folders, beside = os.environ.get('PATH', '').split(os.pathsep), str(Path(sys.pre
 if folders[0] != beside:  # this file is read often
     os.environ['PATH'] = os.pathsep.join([beside, *folders])
 
-# SQLite and the exchange need their folders. COURSE_EXCHANGE names another exchange, for students
-# who share this machine: docs/exchange.md.
+# SQLite and the exchange need their folders. COURSE_EXCHANGE names a different exchange, for
+# students who share this machine: docs/exchange.md.
 for folder in ('exchange', 'submitted'):
     (course.work / folder).mkdir(parents=True, exist_ok=True)
 exchange = exchange_root(root, os.environ)
@@ -73,7 +73,7 @@ c.Autograde.autograde_preprocessors = [
 c.GradeOutside.root = str(root)
 c.SaveGrades.root = str(root)
 
-# SQLAlchemy about queries of nbgrader's own, which give the right result.
+# SQLAlchemy warns about nbgrader's own queries, whose results are correct.
 warnings.filterwarnings('ignore', message='Object of type .* not in session')
 
 # Students' Markdown is shown to instructors by feedback and formgrader.
@@ -82,10 +82,10 @@ c.HTMLExporter.filters = {
     'markdown2html': 'autograder.gradebook.nbgrader_plugin.safe_markdown',
     'clean_html': 'autograder.gradebook.nbgrader_plugin.safe_output',
 }
-# Our own page for students: nothing is loaded from elsewhere, and it is readable in the dark.
-# HTMLExporter itself is left alone: formgrader uses it, with a template of its own.
+# The course's own page for students loads nothing from elsewhere and supports dark mode.
+# HTMLExporter itself is unchanged, because formgrader uses it with a separate template.
 c.GenerateFeedback.exporter_class = 'autograder.gradebook.nbgrader_plugin.FeedbackExporter'
-# Marks change without a new submission: by hand, for an appeal, with an edited exam.
+# Marks can change without a new submission: by hand, after an appeal, or with an edited exam.
 c.GenerateFeedback.force = True
 c.GenerateFeedback.preprocessors = [
     'autograder.gradebook.nbgrader_plugin.GradesToShow',

@@ -34,7 +34,7 @@ COMMANDS = {
     'run': ('run:run', 'run exams on one script, package, zip file or notebook'),
     'collect': (
         'collect:run',
-        'import submissions from a folder, a zip file of an LMS or an exchange',
+        'import submissions from a folder, a zip file from an LMS, or an exchange',
     ),
     'rejudge': (
         'rejudge:run',
@@ -42,7 +42,7 @@ COMMANDS = {
     ),
     'forget': ('forget:run', 'list all data about a student; --yes removes it'),
     'explain': ('explain:run', 'show the evidence behind a verdict'),
-    'report': ('stats:report', 'write the statistics page of a class again'),
+    'report': ('stats:report', 'rewrite the statistics page of a class'),
     'stats': ('stats:run', 'print statistics of the last grading: marks, checks, causes'),
     'similar': ('similar:run', 'list similar submissions for you to compare'),
     'export': ('export:run', 'export the results of the last grading'),

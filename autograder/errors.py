@@ -4,7 +4,7 @@ Define the exceptions for faults of the grader.
 ::
 
     GraderError                  the grader failed: the submission is for review and has no score
-    |- SandboxUnavailable        no isolation mode works that may run hidden exams; has the fix
+    |- SandboxUnavailable        no isolation mode that may run hidden exams works here
     |- ProbeFailed               the probe failed, so there is no evidence to judge
     |- TooBusy                   the machine gave a program too little processor time
     |- RecordingInvalid          a recording is damaged or has a different format
@@ -50,7 +50,7 @@ def of_system(error: OSError, where: str = 'the system') -> GraderError:
     """
     Convert an error of the operating system to a grader error with a one-line explanation.
 
-    :param where: the file or place for the message, if the error does not name a file
+    :param where: location to show in the message if the error does not name a file
     """
     where = where if error.filename is None else error.filename
     if is_disk_full(error):
@@ -80,7 +80,7 @@ def defect(error: Exception, where: str) -> GraderError:
 
 def line_in(folder: Path, error: BaseException) -> str:
     """
-    Return file and line of the innermost frame of a traceback in a folder; empty if there is none.
+    Return the file and line of the innermost traceback frame in a folder; empty if there is none.
 
     :param folder: a folder such as that of the exams; paths are relative to its parent
     """

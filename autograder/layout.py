@@ -39,11 +39,11 @@ class Facts:
     :param name: name of the course in nbgrader
     :param exams: dotted name of the Python package with the ``visible`` and ``hidden`` exams,
         importable from the root
-    :param package: the course's own ROS package, a folder of the root; ``''`` if there is none.
+    :param package: the course's own ROS package, a folder in the root; ``''`` if there is none.
         Student programs can import only its messages, because its nodes are solutions
     :param work: folder for everything that grading writes, relative to the root
-    :param messages: the course's own message types to the field that feedback suggests if a
-        student uses a whole message instead of a value
+    :param messages: the course's own message types, each with the field that feedback suggests
+        if a student uses a whole message instead of a value
     :param sections: sections of lessons that explain errors, named as in the ``read`` of a check,
         each with the ids of the causes that it explains
     """
@@ -74,7 +74,7 @@ def read_facts(path: Path) -> Facts:
     """
     Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
 
-    :param path: the file; if it is missing, the result is all defaults
+    :param path: the file; if it is missing, every field has its default
     :raises GraderError: if the file is not valid TOML, or has a wrong name or type
     """
     try:
@@ -133,7 +133,7 @@ class Layout:
     class_list = Below('work', 'class_list.csv')
     """The file with the students of the class, which instructors write."""
     extensions = Below('work', 'extensions.csv')
-    """The file with the extra time of single students, which instructors write."""
+    """The file with the extra time of individual students, which instructors write."""
     delivered = Below('work', 'delivered.json')
     """The file with the names that platforms gave to collected files."""
     recordings = Below('work', 'recordings')
@@ -187,7 +187,7 @@ class Layout:
 
         :param name: with or without the number: ``07_temperature_monitor`` or
             ``temperature_monitor``
-        :raises GraderError: if there is no such assignment, with the most similar name
+        :raises GraderError: if there is no such assignment; the error suggests a similar name
         """
         known = self.assignments()
         for one in known:
@@ -203,7 +203,7 @@ class Layout:
         """
         Return the released notebook of an assignment.
 
-        :raises FileNotFoundError: if the assignment has no released notebook, with the fix
+        :raises FileNotFoundError: if the assignment has no released notebook
         """
         found = sorted((self.notebooks / assignment).glob('*.ipynb'))
         if not found:
@@ -218,6 +218,6 @@ def _course(root: Path, written_ns: int) -> Layout:
     """
     Return the course in a folder; its ``course.toml`` is read once.
 
-    :param written_ns: when the file was last written, so that a new version is read again
+    :param written_ns: when the file was last written [ns]; a newer file is read again
     """
     return Layout(root)

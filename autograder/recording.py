@@ -104,7 +104,7 @@ class Recording:
 
     def answers(self, service: str) -> list[Event]:
         """
-        Return the outcomes of all calls of a service, in order, including missing answers.
+        Return the outcomes of all calls to a service, in order, including missing answers.
 
         :param service: full name, such as ``/thermometer/get_state``
         """
@@ -186,7 +186,7 @@ class Recording:
         first, _, rest = data.partition(b'\n')
         try:
             found = json.loads(first)
-            # One call for all lines is three times faster; the seal has their number.
+            # Parse all lines in one call, which is three times faster.
             events = json.loads(b'[' + b','.join(rest.splitlines()) + b']')
         except ValueError as error:
             raise RecordingInvalid(f'{where}: not readable as JSON Lines ({error}).') from error
@@ -222,7 +222,7 @@ class Recording:
             raise RecordingInvalid(f'{path}: cannot be read ({error.strerror}).') from error
 
 
-AGAIN = 'Try: grade again, which records it again.'
+AGAIN = 'Try: grade again, which makes a new recording.'
 
 
 def _seal(count: int, events: bytes) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """
 Define the results of grading as immutable data classes, which the stages of the grader exchange.
 
-This module does not depend on ROS, Jupyter or nbgrader.  Results, with all
-objects in them, convert to and from JSON types.
+This module does not depend on ROS, Jupyter or nbgrader.  Results and all objects in them convert
+to and from JSON types.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Problem:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Problem:
-        """Return the problem for the output of :func:`dataclasses.asdict`."""
+        """Create a problem from the output of :func:`dataclasses.asdict`."""
         return cls(**{**data, 'cells': tuple(data.get('cells', ()))})
 
 
@@ -107,7 +107,7 @@ class CheckResult:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> CheckResult:
-        """Return the result for one check in the output of :meth:`ExamResult.to_json`."""
+        """Create a result from one check in the output of :meth:`ExamResult.to_json`."""
         return cls(**{**data, 'verdict': Verdict(data['verdict'])})
 
 
@@ -165,7 +165,7 @@ class ExamResult:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ExamResult:
-        """Return the result for the output of :meth:`to_json`."""
+        """Create a result from the output of :meth:`to_json`."""
         texts = {name: tuple(data.get(name, ())) for name in ('flags', 'not_protected')}
         checks = tuple(CheckResult.from_json(check) for check in data['checks'])
         return cls(**{**data, **texts, 'checks': checks})
@@ -219,7 +219,7 @@ class SubmissionResult:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> SubmissionResult:
-        """Return the result for the output of :meth:`to_json`."""
+        """Create a result from the output of :meth:`to_json`."""
         exams = tuple(ExamResult.from_json(exam) for exam in data['exams'])
         problems = tuple(Problem.from_json(problem) for problem in data['problems'])
         noticed = tuple(data.get('noticed', ()))

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
-ADVICE = 'Try: correct it, or name further packages in environment/messages.txt'
+ADVICE = 'Try: correct it, or add the missing package to environment/messages.txt'
 _ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
 

@@ -38,7 +38,7 @@ class AddFrame(NbGraderPreprocessor):
 
 
 def outlines(folder: Path) -> list[Outline]:
-    """Return the outlines of all lessons of ``solutions/`` or ``notebooks/``, in order."""
+    """Return the outlines of all lessons in ``solutions/`` or ``notebooks/``, in order."""
     return [read_outline(path) for path in lesson_files(folder)]
 
 
@@ -73,7 +73,7 @@ def next_lesson(lessons: Sequence[Outline], here: int) -> str:
     """Return the Markdown of the last cell of a lesson: a link to the next lesson or the map."""
     if here + 1 == len(lessons):
         there = (lessons[here].path.parents[1] / START_HERE).is_file()
-        link = f' [START_HERE](../{START_HERE}) shows what you have reached.' if there else ''
+        link = f' [START_HERE](../{START_HERE}) shows your progress.' if there else ''
         return f'This was the last lesson.{link}'
     return f'*Next lesson:* {_link(lessons[here + 1], "../")}'
 

@@ -42,16 +42,16 @@ class Portions:
     def line(self, lesson: str) -> str:
         """Return the figures of the lesson as one line of text."""
         return (
-            f'{lesson:28} {len(self.words):3} texts, median {median(self.words):4g} words;  '
-            f'{len(self.lines):3} cells of code, median {median(self.lines):3g} lines, '
-            f'most {max(self.lines)}'
+            f'{lesson:28} {len(self.words):3} text cells, median {median(self.words):4g} words;  '
+            f'{len(self.lines):3} code cells, median {median(self.lines):3g} lines, '
+            f'maximum {max(self.lines)}'
         )
 
     def problems(self) -> Iterator[str]:
         """Yield one sentence for each figure outside its range."""
         for what, values, (least, most) in (
-            ('words a text cell', self.words, WORDS),
-            ('lines a code cell', self.lines, LINES),
+            ('words per text cell', self.words, WORDS),
+            ('lines per code cell', self.lines, LINES),
         ):
             if not least <= median(values) <= most:
                 yield f'expected a median of {least} to {most} {what}, got {median(values):g}.'
@@ -60,7 +60,7 @@ class Portions:
             ('file', self.file_lines, MOST_LINES_IN_A_FILE),
         ):
             if values and max(values) > limit:
-                yield f'expected no {what} above {limit} lines, got one of {max(values)}.'
+                yield f'expected no {what} longer than {limit} lines, got one of {max(values)}.'
 
 
 def portions(notebook: Notebook) -> Portions:

@@ -57,8 +57,8 @@ def drift(layout: Layout) -> Iterator[str]:
     there = _contents(layout.notebooks)
     for name in sorted(wanted.keys() | there.keys()):
         if wanted.get(name) != there.get(name):
-            got = 'another text' if name in wanted and name in there else 'none'
-            expected = 'what solutions/ gives' if name in wanted else 'no such file'
+            got = 'different content' if name in wanted and name in there else 'none'
+            expected = 'the release of solutions/' if name in wanted else 'no such file'
             got = got if name in wanted else 'a file'
             yield f'notebooks/{name}: expected {expected}, got {got}. Try: make release.'
 
@@ -167,8 +167,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GraderError as error:
         print(f'course: {error}', file=sys.stderr)
         return 2
-    print(f'notebooks/ holds {", ".join(assignments)}.')
-    print(f'{bundle.relative_to(layout.root)} holds {count} files for students.')
+    print(f'notebooks/ contains {", ".join(assignments)}.')
+    print(f'{bundle.relative_to(layout.root)} contains {count} files for students.')
     return 0
 
 

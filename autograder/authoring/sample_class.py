@@ -9,7 +9,7 @@ differs from the reference solution, as plain files without their magic line, an
      "failed": {exam: {check: cause_id}}, "in_class": true}
 
 A submission with ``"in_class": false`` is only for tests and is not in the class that ``make
-grade`` grades in a new clone.  ``notebook`` names a damage to the notebook as a whole, see
+grade`` grades in a new clone.  ``notebook`` names the kind of damage to the whole notebook, see
 :data:`DAMAGES`.
 """
 
@@ -34,7 +34,7 @@ from autograder.submission.reading import read_file
 from autograder.submission.submission import rebuild
 
 DAMAGES = ('', 'renamed_cell', 'duplicated_cell', 'truncated', 'not_a_notebook')
-"""Damages to a notebook as a whole; one that is not a notebook is JupyterLab's web page."""
+"""Kinds of damage to a whole notebook; ``not_a_notebook`` replaces it by a web page."""
 NOT_A_NOTEBOOK = (
     b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
 )
@@ -132,7 +132,7 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
     Write all sample submissions as a class of students.
 
     :param folder: folder that receives ``<outcome>__<cause>/<assignment>/<notebook>.ipynb``
-    :param force: whether notebooks that somebody has changed may be replaced
+    :param force: whether changed notebooks may be replaced
     :returns: number of submissions
     :raises GraderError: if this copy of the course has no sample submissions, the folder is that
         of a real class, or a notebook in it was changed; then nothing is written
@@ -153,7 +153,7 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
     there = students_in(folder, layout.assignments()) if graded else ()
     if others := sorted({*there} - {path.parts[-3] for path in made}):
         raise GraderError(
-            f'{folder}: this is the folder of a class, with {first_of(others, 3)}.',
+            f'{folder}: this folder contains other students: {first_of(others, 3)}.',
             'Try: --to with a new folder',
         )
     refuse_existing(

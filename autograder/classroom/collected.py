@@ -1,10 +1,10 @@
 """
-Remember what ``collect`` saw in a source, and find who handed in nothing.
+Store the deliveries that ``collect`` saw in a source, and find students without a submission.
 
-Platforms take feedback back only under the names that they gave to files, which hold numbers of
-their own.  A delivery that could not be collected is remembered until a submission of that student
-is collected.  Otherwise a file in the wrong format would appear only in the table of one
-collection, and later reports could not explain why the student is missing.
+Platforms accept feedback only under the names that they gave to files, which contain the
+platform's own numbers.  A delivery that could not be collected is stored until a submission of
+that student is collected.  Otherwise a file in the wrong format would appear only in the table of
+one collection, and later reports could not explain why the student is missing.
 """
 
 from __future__ import annotations
@@ -122,9 +122,9 @@ def not_collected(
     layout: Layout, assignment: str, graded: Collection[str]
 ) -> tuple[NotCollected, ...]:
     """
-    Return the students who are missing in the results of an assignment.
+    Return the students who are missing from the results of an assignment.
 
-    These are students whose delivery could not be collected, and students on the class list.
+    Their delivery could not be collected, or they are on the class list and handed in nothing.
 
     :param graded: students who have a result
     :raises GraderError: if the class list is wrong

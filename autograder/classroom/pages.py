@@ -133,7 +133,7 @@ def _common(
     people: Mapping[str, str],
     missing: Sequence[NotCollected],
 ) -> dict[str, Any]:
-    """Return what both pages of a class show; unreadable submissions come first."""
+    """Return the data that both pages of a class show, with unreadable submissions first."""
     unusable = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
     return {
         'flagged': [*unusable, *((one.student, one.flags) for one in results if one.flags)],
@@ -166,7 +166,7 @@ def histogram(marks: Marks) -> str:
         parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
     parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
     words = ', '.join(f'{label}: {count}' for label, count in _labels(marks) if count)
-    title = f'How the points of {marks.count} submissions are distributed'
+    title = f'Distribution of the points of {marks.count} submissions'
     return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
 
 

@@ -1,8 +1,8 @@
 """
-Read who is in the class, who has more time, and the names of students whose id is a number.
+Read the class list, the extensions, and the names of students whose id is a number.
 
 The first two are CSV files that the instructor writes in the work folder; each is optional.
-``class_list.csv`` has the columns ``student`` and, if wanted, ``name``.  ``extensions.csv`` has
+``class_list.csv`` has the columns ``student`` and, optionally, ``name``.  ``extensions.csv`` has
 ``student``, ``assignment`` and ``hours``; an empty assignment means all of them.  Other columns
 are ignored, so that downloads of learning platforms need only a renamed column.  ``collect`` saves
 the names that it finds.
@@ -49,7 +49,7 @@ def class_list(layout: Layout) -> dict[str, str]:
 
 def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
-    Return the extra time of single students, by student and assignment.
+    Return the extra time of individual students, by student and assignment.
 
     :returns: None if there is no such file, so that extensions in the gradebook count
     :raises GraderError: if the file cannot be read, or has an unknown assignment or no hours
@@ -121,7 +121,7 @@ def read_people(layout: Layout) -> dict[str, str]:
     """
     Return the known names, by student id: from the class list, else from ``collect``.
 
-    Platforms shorten names, as Canvas does to ``exampleann``; the list has them as people do.
+    Platforms may shorten names, as Canvas does to ``exampleann``; the class list has full names.
 
     :raises GraderError: if the class list is wrong
     """

@@ -62,9 +62,9 @@ def results_of_others(
 
 def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     """
-    Return the last results of one assignment, or of all that were graded.
+    Return the last results of one assignment, or of all graded assignments.
 
-    :param name: name of the assignment; None for all that were graded
+    :param name: name of the assignment; None for all graded assignments
     :raises GraderError: if the assignment is unknown, or there are no results yet
     """
     wanted = layout.assignments() if name is None else (layout.assignment_named(name),)

@@ -139,7 +139,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
 
 
 def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
-    """Return the nodes of the course's own package, and all of it, if the lesson asks for them."""
+    """Return the nodes of the course's package that the lesson asks for, and all its modules."""
     package = layout.facts.package
     modules = {
         path.name: path.read_text(encoding='utf-8')

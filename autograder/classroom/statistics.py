@@ -115,7 +115,7 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     """
     Return the statistics of a class.
 
-    :param layout: where the recordings are, whose headers name digests, and the class list
+    :param layout: the course, with its class list and the recordings, whose headers name digests
     :raises GraderError: if the class list is wrong
     """
     results = graded.results

@@ -1,4 +1,4 @@
-"""Read CSV files that people and learning platforms write, and notes of the grader in JSON."""
+"""Read CSV files from people and learning platforms, and the grader's own JSON files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Table:
     A CSV file, cell by cell; the first row is the header.
 
     :param delimiter: comma, semicolon or tab
-    :param newline: how its lines end
+    :param newline: its line ending
     :param bom: whether it begins with a byte order mark
     """
 

@@ -3,8 +3,8 @@ Select one notebook per student and assignment.
 
 A *delivery* is everything that one student handed in at one time.  Notebooks with cells of the
 assignment take precedence, then the newest delivery.  Within a delivery, the notebook with the
-most grade ids of the assignment is selected, whatever its file name.  If several have the same
-number, the file name decides, and then the newest attempt.
+most grade ids of the assignment is selected, regardless of its file name.  If several have the
+same number, the file name decides, and then the newest attempt.
 
 A notebook without any cell of the course is collected only if no other notebook was handed in for
 the assignment: the grader can explain a broken notebook, but private notes must not replace the
@@ -39,7 +39,7 @@ NAMES_SHOWN = 3
 @dataclass(frozen=True, eq=False)
 class Seen:
     """
-    Facts about a notebook, without its content: the notebooks of a class can exceed the memory.
+    Facts about a notebook, without its content: the notebooks of a class may not fit in memory.
 
     :param handed: the delivery that contains the notebook
     :param shared: number of grade ids in the notebook, by assignment
@@ -60,7 +60,7 @@ class Seen:
 
     @property
     def about(self) -> str:
-        """Return the assignment by the cells or else by the name, or an empty string."""
+        """Return the assignment that the cells, or else the name, suggest; empty if none."""
         return self.content or self.named
 
 
@@ -112,7 +112,8 @@ def choose(
 
     :param delivered: the deliveries, each with its notebooks from :func:`look`
     :param wanted: the only assignment to collect; empty to recognise it from the source
-    :param single: whether the source has only this assignment, so that others in it are mistakes
+    :param single: whether the source is for one assignment, so that notebooks of others are
+        mistakes
     :returns: the selected notebooks, and a row for each entry that was not, or only partly,
         collected
     """
@@ -213,7 +214,7 @@ def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen
             -len(file.parts),
         )
 
-    # Of two files with the same name, consider only the newer one, whatever it contains.
+    # Of two files with the same name, consider only the newer one, regardless of its content.
     by_turn = sorted(candidates, key=lambda one: one.piece.turn)
     newest = {(one.handed.places, one.piece.file.parts): one for one in by_turn}
     best = max(newest.values(), key=merit)
@@ -224,7 +225,7 @@ def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen
     if best.shared and not all(one.shared for one in older):
         notes[0] += ' with a cell of the assignment'
     if len(beside) > 1:
-        notes.append(f'{file.path} of {len(beside)} notebooks for it')
+        notes.append(f'{file.path}, one of {len(beside)} notebooks for the assignment')
     notes += _said(best.handed)
     if course.cells[assignment] and not best.shared:
         notes.append('it contains no cell of the assignment')
@@ -248,7 +249,7 @@ def _why_another(one: Seen, best: Seen) -> str:
     if not _is_attempt(one, best):
         return f'{one.piece.file.path[:80]}: {best.piece.file.path} counts'
     odd = best.shared and not one.shared
-    return 'a different one was collected' if odd else 'an earlier one'
+    return 'a different one was collected' if odd else 'a newer one was collected'
 
 
 def _time(

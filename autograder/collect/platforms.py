@@ -1,5 +1,5 @@
 """
-The platforms: the form of the names in their exports, and who handed in what.
+Describe the names in each platform's exports, and read the deliveries from them.
 
 Canvas names files ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.  The student id is the
 user's number, which is also in Canvas's gradebook file.  With anonymous grading, the name is
@@ -63,7 +63,7 @@ class Reading(NamedTuple):
     One interpretation of a file name.
 
     :param attachment: number of the attachment as text, empty for text or a link
-    :param file: the student's name of the file; ``text`` or ``link`` if there is no file
+    :param file: file name that the student chose; ``text`` or ``link`` if there is no file
     """
 
     name: str
@@ -159,7 +159,7 @@ def _of_user(
         yield Handed(user, tuple(pieces), '', person, late=late, notes=notes)
 
 
-# A file's name ends with what the student chose, so the name and number are matched as early as
+# The student chose the end of a file name, so the name and number are matched as early as
 # possible.
 _MOODLE = re.compile(
     r'(?P<name>[^/]+?)_(?P<number>\d+)_assignsubmission_(?P<kind>[a-z0-9]+)(_?/|_(?P<file>[^/]+))'

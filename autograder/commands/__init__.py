@@ -63,7 +63,7 @@ def show(as_json: bool, data: Any, text: str) -> None:
 STUDENT = option('student', 'id or name of the student', metavar='STUDENT')
 ASSIGNMENT = option('assignment', 'assignment', metavar='ASSIGNMENT')
 ASSIGNMENT_OR_ALL = option(
-    'assignment', 'assignment (default: all that were graded)', nargs='?', metavar='ASSIGNMENT'
+    'assignment', 'assignment (default: all graded assignments)', nargs='?', metavar='ASSIGNMENT'
 )
 SUBMITTED = option('--submitted', 'folder of submissions, as for grade', type=Path, metavar='DIR')
 TO_SUBMITTED = option(

@@ -39,7 +39,7 @@ LAST_WORDS = 4
 MOST_LINES = 40
 WIDEST = 120
 HOW = {
-    'named': 'the check names this moment',
+    'named': 'the check reported its failure at this event',
     'cut': 'the recording up to this event already leads to this verdict',
     'ended': 'the run ended early here',
     'end': 'only the whole run leads to this verdict',
@@ -184,7 +184,7 @@ def _now(
 
 def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
     process = recording.process
-    # stderr says more than stdout, unless it is empty.
+    # Prefer stderr, which usually explains more; it may be empty.
     texts = [str(process.get(name, '')) for name in ('stderr', 'stdout')]
     said = next((text for text in texts if text.strip()), '')
     return {

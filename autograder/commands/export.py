@@ -90,7 +90,7 @@ def _marks(layout: Layout, chosen: argparse.Namespace) -> list[Mark]:
     ]
     for mark in found:
         if mark.late_points:
-            lost = f'{number(mark.late_points)} points less, to {number(mark.points or 0.0)}'
+            lost = f'{number(mark.late_points)} points off, {number(mark.points or 0.0)} left'
             _warn(f'late: {mark.assignment}: {mark.student}: {lost}')
     return found
 

@@ -252,8 +252,8 @@ class Grading:
         """
         Grade one assignment.
 
-        :returns: the results, and why some were not entered in the gradebook or written, empty if
-            all were
+        :returns: the results, and the reason why some were not entered in the gradebook or not
+            written; empty if there is none
         """
         layout, lesson = self.layout, load_lesson(self.layout, assignment, self.engine)
         class_ = discover(self.submitted, assignment, lesson.notebook, layout.assignments())
@@ -294,7 +294,7 @@ class Grading:
     def _about_others(
         self, results: Sequence[SubmissionResult], others: Sequence[SubmissionResult]
     ) -> Iterator[str]:
-        """Yield whose work was not graded, and who is not on the class list."""
+        """Yield sentences about ungraded work and about students not on the class list."""
         folders = without_notebooks(self.submitted, self.layout.assignments())
         for said, names in (
             ('Not on the class list', not_listed(self.layout, [one.student for one in results])),
@@ -316,7 +316,7 @@ class Grading:
         """
         Write the reports of all students, and print the table of those graded now.
 
-        :returns: why the reports could not be written, empty if they were
+        :returns: why the reports could not be written; empty if they were
         """
         layout, told = self.layout, self.told
         everybody = sorted((*results, *others), key=lambda one: one.student)
@@ -348,5 +348,5 @@ def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: floa
 
 
 def short(path: Path, layout: Layout) -> str:
-    """Return a path relative to the course; a path elsewhere is unchanged."""
+    """Return a path relative to the course; unchanged if it is outside the course."""
     return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)

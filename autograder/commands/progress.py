@@ -62,7 +62,7 @@ def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
 
 
 def kind_of(outcome: Outcome) -> str:
-    """Return how a run is counted."""
+    """Return the key under which a run is counted."""
     if isinstance(outcome, GraderError):
         return 'for review'
     return 'full marks' if outcome.points >= outcome.max_points else 'less'
@@ -124,10 +124,10 @@ def text_of(counts: Mapping[str, int]) -> str:
 
 def slowest_text(seconds: Mapping[str, float]) -> str:
     """
-    Return who had the longest run time, as text; empty if it is unknown.
+    Return the student with the longest run time, as text; empty if no time is known.
 
-    Students with equal files share a recording and its time: the first by name is the slowest,
-    whatever the order of the runs.
+    Students with equal files share a recording and its time.  Of these, the first by name is
+    returned, regardless of the order of the runs.
 
     :param seconds: run time by student [s]
     """

@@ -1,8 +1,9 @@
 """
 Export all results of the last grading as JSON; docs/results.schema.json describes the format.
 
-``points`` of a submission and of its exams and checks are null while there is no mark: it is for
-review, or only visible checks were run.  ``missing`` names the students without a submission.
+``points`` of a submission and of its exams and checks are null while there is no mark: the
+submission is for review, or only visible checks were run.  ``missing`` names the students without
+a submission.
 """
 
 from __future__ import annotations

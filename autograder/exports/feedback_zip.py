@@ -1,5 +1,5 @@
 """
-Pack feedback pages under the names with which Canvas and Moodle take them back.
+Pack feedback pages under the file names that Canvas and Moodle expect in an upload.
 
 Canvas (``infer_comment_context_from_filename`` of an assignment) reads the first two numbers of
 a name: the user's and the attachment's.  It ignores names whose last part begins with ``link``.
@@ -30,7 +30,7 @@ def name_in_zip(student: str, delivered: Delivered | None) -> str:
 
 
 def feedback_zip(pages: Mapping[str, bytes], names: Mapping[str, Delivered]) -> bytes:
-    """Return the zip file of pages; pages and names on the platforms are by student id."""
+    """Return the zip file of the pages; both mappings have student ids as keys."""
     return zip_bytes(
         {name_in_zip(one, names.get(one)): (page, 0o644) for one, page in pages.items()}
     )

@@ -19,9 +19,9 @@ class Filled:
 
     :param platform: its name in messages
     :param column: header of the column
-    :param row: what messages call a row
-    :param kept: texts of cells that are kept, with the reason
-    :param replaced: student, what the cell held, what it holds now
+    :param row: the word for a row in messages
+    :param kept: values of cells that are kept, each with the reason
+    :param replaced: student, old value and new value of each changed cell
     :param left_out: student, and why nothing was entered
     :param untouched: rows of students without a submission
     """
@@ -63,7 +63,7 @@ class Filled:
 
 
 def add_names(lines: dict[str, set[int]], text: str, row: int) -> None:
-    """Note that a row has this id, also as ``collect`` writes ids that nbgrader refuses."""
+    """Add a row under an id, and under the id into which ``collect`` converts it."""
     for name in {text.strip(), student_id(text.strip())} - {''}:
         lines.setdefault(name, set()).add(row)
 
@@ -74,8 +74,8 @@ def matched(
     """
     Return the row of each student; leave out students with no row or with several.
 
-    :param lines: the rows that have an id
-    :param columns: the columns with ids, as messages name them
+    :param lines: the rows with each id
+    :param columns: name of the columns with ids in messages
     """
     found: dict[int, list[Mark]] = {}
     for mark in marks:

@@ -10,7 +10,7 @@ container must allow: without user namespaces only weaker isolation works, and i
 ``results.json`` has a score for each test, and their sum.  Text from students is always shown as
 plain text, never as HTML.  Only instructors see the standard output of the grader.  By default,
 students see the tests of the hidden exam when grades are published.  If they saw the tests
-earlier, they could find out with many submissions what is tested.
+earlier, they could submit many times to find out what is tested.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def autograder_zip(
         name: (path.read_bytes(), 0o755 if path.stat().st_mode & stat.S_IXUSR else 0o644)
         for name, path in paths.items()
     }
-    files |= {name: (files[name][0], 0o755) for name in EXECUTABLE}  # a wheel may lose the bit
+    files |= {name: (files[name][0], 0o755) for name in EXECUTABLE}  # a wheel may lose this bit
     files[SETTINGS] = json_bytes(settings), 0o644
     files[str(layout.secret.relative_to(layout.root))] = course_secret(), 0o600
     return zip_bytes(files)
@@ -192,7 +192,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> SubmissionResult:
     """
-    Grade the notebook in a folder with the full exams.
+    Use the full exams to grade the notebook in a folder.
 
     :param folder: folder with the student's upload
     :raises GraderError: if no isolation mode that may run hidden exams works here

@@ -30,14 +30,14 @@ TIMEOUT_S = 30.0
 @dataclass(frozen=True)
 class Platform:
     """
-    A learning platform, as it registered this grader as a tool.
+    A learning platform on which this grader is registered as a tool.
 
     :param client_id: the tool's id on the platform
     :param token_url: where the tool gets access tokens
     :param key: file with the tool's private RSA key (PEM), relative to the settings
     :param members_url: the course's list of members
     :param line_items: URL of the column of the platform's gradebook, by assignment
-    :param audience: expected in requests for tokens, if it is not ``token_url``
+    :param audience: audience of requests for tokens, if it is not ``token_url``
     :param key_id: the ``kid`` of the key, if the platform needs it
     """
 
@@ -54,7 +54,7 @@ def read_platform(path: Path) -> Platform:
     """
     Read the settings of a platform.
 
-    :param path: a TOML file with the names of :class:`Platform`
+    :param path: a TOML file whose keys are the fields of :class:`Platform`
     :raises GraderError: if the file or its key cannot be read, a value is missing or wrong, or a
         URL would send marks unencrypted
     """
@@ -132,7 +132,7 @@ def _connector(platform: Platform) -> Any:
     import requests
 
     class Session(requests.Session):
-        """A session that does not wait for ever for a platform that is silent."""
+        """A session with a timeout, so that a silent platform cannot block it forever."""
 
         def request(self, *given: Any, **more: Any) -> requests.Response:
             return super().request(*given, **{'timeout': TIMEOUT_S, **more})
@@ -163,7 +163,7 @@ def _members(connector: Any, url: str) -> list[Mapping[str, Any]]:
 def _by_member(
     members: Sequence[Mapping[str, Any]], marks: Sequence[Mark], done: Filled
 ) -> dict[int, Mark]:
-    """Return the marks to send, by the position of the member."""
+    """Return the marks to send, by the index of the member."""
     by_id: dict[str, set[int]] = {}
     for row, member in enumerate(members):
         if member.get('status', 'Active') == 'Active' and member.get('user_id'):

@@ -38,8 +38,8 @@ class Mark:
     The mark of a student in an assignment.
 
     :param points: None if there is no mark yet, which is not the same as zero
-    :param status: one of the words above; why there is none
-    :param late_points: what nbgrader's late policy subtracted; the points are without it
+    :param status: one of the strings above; says why if there is no mark
+    :param late_points: points that nbgrader's late policy has already subtracted from ``points``
     :param result: the last result; None for a student without a submission
     """
 
@@ -57,8 +57,8 @@ def marks(layout: Layout, graded: ClassResults, source: str) -> list[Mark]:
     Return the marks in the order of the results, then the students who have no result.
 
     :param source: one of :data:`SOURCES`
-    :raises GraderError: if the gradebook is wanted and does not have the assignment, or if the
-        class list is wrong
+    :raises GraderError: if the source is the gradebook and it does not have the assignment, or if
+        the class list is wrong
     """
     if source == AUTOMATIC:
         found = [automatic(result) for result in graded.results]

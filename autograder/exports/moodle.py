@@ -1,11 +1,11 @@
 """
 Fill the grades in a grading worksheet from Moodle.
 
-What Moodle writes and reads again (its own ``mod/assign/gradingtable.php`` and
+Moodle exports and imports this format (``mod/assign/gradingtable.php`` and
 ``feedback/offline/importgradeslib.php``): a header in the user's language, the column
 ``Identifier`` first with ``Participant 4711``, the grade, the maximum grade right after it, and
-the time of the last change, which Moodle compares.  The number is the one in the names of
-downloaded submissions, so ``collect`` knows it.  Moodle reads a decimal point in every language.
+the time of the last change, which Moodle compares.  The names of downloaded submissions contain
+the same number, so ``collect`` knows it.  Moodle reads a decimal point in every language.
 """
 
 from __future__ import annotations
@@ -39,11 +39,12 @@ def fill(
     Enter marks in a grading worksheet.
 
     :param data: the file from Moodle
-    :param where: how to name it in messages
-    :param numbers: participants' numbers by student id, as far as ``collect`` has seen them
+    :param where: name of the file in messages
+    :param numbers: participants' numbers by student id, if ``collect`` has seen them
     :param column: header of the grades, in the language of the worksheet
-    :param scale: convert the points if Moodle has another maximum
-    :raises GraderError: if this is not such a file, or the points differ
+    :param scale: whether to convert the points if Moodle has a different maximum
+    :raises GraderError: if the data is not a grading worksheet, the column is missing, or the
+        maxima differ and ``scale`` is False
     """
     table = _read(data, where)
     index = _grade(table, where, column)
@@ -62,7 +63,7 @@ def fill(
 def _lines(
     table: Table, index: int, marks: Sequence[Mark], numbers: Mapping[str, str]
 ) -> dict[str, set[int]]:
-    """Return the rows that have a student's number, else the student's id."""
+    """Return the rows of each student by number or, if the number is unknown, by id."""
     by_number: dict[str, set[int]] = {}
     by_id: dict[str, set[int]] = {}
     for row, cells in enumerate(table.rows[1:], start=1):
@@ -91,7 +92,7 @@ def _read(data: bytes, where: str) -> Table:
 
 
 def _grade(table: Table, where: str, column: str) -> int:
-    """Return the index of the grades."""
+    """Return the index of the column with the grades."""
     if table.header.count(column) != 1:
         raise GraderError(
             f'{where}: there is no column {column!r}.',

@@ -275,4 +275,4 @@ def _logged(doing: str) -> Iterator[logging.Logger]:
         said = [line for line in lines if 'traceback' not in line]
         if (more := len(said) - MAX_LINES) > 0:
             said[MAX_LINES:] = [f'(and {more} more lines)']
-        raise GraderError(f'nbgrader failed in {doing}: {" ".join(said) or error}') from error
+        raise GraderError(f'nbgrader failed while {doing}: {" ".join(said) or error}') from error

@@ -2,7 +2,7 @@
 The database of the gradebook: its settings, a connection, and dated copies of the file.
 
 Nothing here imports nbgrader, which takes seconds.  Manual grades exist only in the gradebook, so
-a gradebook that has lost its content is refused.  One on a server is not copied; see
+a gradebook that has lost its content is refused.  A gradebook on a server is not copied; see
 ``docs/gradebook.md``.
 """
 
@@ -64,7 +64,7 @@ def load_config(layout: Layout) -> Config:
 
 
 def address(layout: Layout) -> str:
-    """Return the URL of the gradebook, perhaps with a password."""
+    """Return the URL of the gradebook, which may contain a password."""
     return str(load_config(layout).CourseDirectory.db_url)
 
 
@@ -310,6 +310,6 @@ def how_to_dump(layout: Layout) -> str:
     url = make_url(address(layout))
     plain = url.set(drivername=url.get_backend_name(), password=None).render_as_string()
     return (
-        'The gradebook is on a server and not copied here; before --yes: pg_dump --format=custom '
-        f'--file=gradebook.dump {shlex.quote(plain)}'
+        'The gradebook is on a server and not copied here. Before --yes, run: pg_dump '
+        f'--format=custom --file=gradebook.dump {shlex.quote(plain)}'
     )

@@ -113,12 +113,12 @@ class Journal:
 
     @cached_property
     def _shown(self) -> Rows:
-        """Return the values in the gradebook when they are first needed."""
+        """Return the values in the gradebook, which are read on first use."""
         return shown(self.layout, self.lesson.assignment)
 
     @cached_property
     def _more(self) -> Mapping[tuple[str, str], timedelta] | None:
-        """Return the extra time of single students."""
+        """Return the extra time of individual students."""
         return extensions(self.layout)
 
     @cached_property

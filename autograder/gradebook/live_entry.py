@@ -1,9 +1,9 @@
 """
 Enter finished submissions in the gradebook while others still run, and protect its marks.
 
-nbgrader takes about 30 ms per submission, and seconds to import.  The coordinating process uses
-the time in which it would otherwise only wait for runs.  A mark that would fall is found by
-comparing the current mark with the mark after the entry, both with manual grades and late
+nbgrader takes about 30 ms per submission, and seconds to import.  The coordinating process does
+this while it would otherwise only wait for runs.  To find marks that would fall, this module
+compares the current mark with the mark after the entry, both with manual grades and late
 penalties.
 """
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from nbgrader.api import SubmittedAssignment
 
 TOGETHER = 10
-"""Submissions entered together; the fixed cost is then a tenth of the time for the entry."""
+"""Number of submissions entered together; the fixed cost is then a tenth of the entry time."""
 
 
 def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> dict[str, str]:

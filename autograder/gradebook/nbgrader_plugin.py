@@ -7,7 +7,7 @@ nbgrader itself runs student code and tests in one kernel and trusts the outputs
   the release plus the student's answers;
 * :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
   and writes each check cell's feedback and score as outputs;
-* :class:`SaveGrades` records them, and nothing where there is no score, and extra time;
+* :class:`SaveGrades` records scores and extra time; a cell without a score needs manual grading;
 * :class:`ClearSolutionsByKind` creates the stubs of a release.
 
 nbgrader's formgrader, feedback and export work unchanged.
@@ -191,7 +191,7 @@ class GradesToShow(GetGrades):
 class OfCourse(NbGraderPreprocessor):
     """A plug-in that needs the folders of the course."""
 
-    root = Unicode('', help='Folder of the course; empty for the one of this package.').tag(
+    root = Unicode('', help='Folder of the course; empty for the course in this project.').tag(
         config=True
     )
 

@@ -210,7 +210,7 @@ def grade_class(
             graded.append(Graded(submission, opened[index], result))
             on_graded(graded[-1])
     finally:
-        # After Ctrl-C, no new run starts; the current runs end at the latest at their limits.
+        # After Ctrl-C, no new run starts; the current runs end at their limits at the latest.
         pool.shutdown(wait=False, cancel_futures=True)
     return tuple(graded)
 
@@ -221,7 +221,7 @@ def _tell(on_done: Callable[[str, Outcome], None], student: str, task: Future[Ou
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:
-    """Run one exam; return an error of the grader instead of raising it, so others continue."""
+    """Run one exam; return an error of the grader, not raise it, so that others can continue."""
     try:
         return engine.run(exam, files)
     except GraderError as error:

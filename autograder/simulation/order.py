@@ -63,7 +63,7 @@ def order_of(
     :param inputs: topic to pairs of a time [s] and a message, which may be a dict of its fields
     :param late: topic to the time at which an additional subscription joins it [s]
     :param arguments: arguments of the program, after ``--ros-args``
-    :raises UsageError: if an argument has another form, or a time is invalid
+    :raises UsageError: if an argument has a different form, or a time is invalid
     """
     try:
         sent = [

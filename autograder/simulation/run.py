@@ -103,8 +103,8 @@ def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int)
     for at_ns, step in moments:
         if at_ns < now_ns:
             raise UsageError(
-                f'{step.topic}: expected a time from {now_ns / 1e9:g} s on, got '
-                f'{at_ns / 1e9:g} s. Before it, the program or a late subscription is connecting.'
+                f'{step.topic}: expected a time of at least {now_ns / 1e9:g} s, got '
+                f'{at_ns / 1e9:g} s. Earlier, the program or a late subscription is connecting.'
             )
         if at_ns > now_ns:
             yield Advance((at_ns - now_ns) / 1e9)
@@ -119,7 +119,10 @@ def _type_of(one: Input, types: Mapping[str, str]) -> str:
     if expected is None:
         raise _nobody('subscribes to', one.topic, types)
     if one.type not in ('', expected):
-        raise UsageError(f'{one.topic}: the program subscribes to {expected}, got {one.type}.')
+        raise UsageError(
+            f'{one.topic}: the program subscribes with the type {expected}, but the input has the '
+            f'type {one.type}.'
+        )
     return expected
 
 

@@ -17,8 +17,8 @@ def named_id(text: str) -> str:
     """
     Return the id of a student whom an instructor names, by the name or by the student's id.
 
-    :func:`student_id` would replace an id that it has made itself, because it cannot know that
-    the text is not a name.
+    :func:`student_id` would replace even an id that it has created itself, because it cannot know
+    that the text is not a name.
     """
     return text if is_student_id(text) and _REPLACED.fullmatch(text) else student_id(text)
 

@@ -31,7 +31,7 @@ class Submission:
     One student's submission of one assignment.
 
     :param student: name of the student's folder, which is the student id in the gradebook
-    :param folder: the folder in which the notebook was searched
+    :param folder: the folder that was searched for the notebook
     :param data: content of the notebook if it has no file
     :param problems: problems in the search for the notebook
     :param recordable: False if the name is not a valid id for the gradebook

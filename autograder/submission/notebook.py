@@ -72,7 +72,7 @@ def too_large(where: str, size: int) -> Problem:
 
 
 def _content_of(data: bytes, repeated: list[str]) -> object:
-    """Parse JSON, and add to a list each repeated key, whose value depends on the program."""
+    """Parse JSON; add to a list each repeated key, whose value would depend on the parser."""
 
     def make(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         made = dict(pairs)
@@ -88,7 +88,7 @@ def _content_of(data: bytes, repeated: list[str]) -> object:
     if data.count(b'[') + data.count(b'{') + quotes > MAX_PARTS:
         raise _RefusedError(notebook, 'far too many parts', FRESH_COPY)
     try:
-        # The grader needs only small numbers, and int() takes hours for a number of megabytes.
+        # The grader needs only small numbers, and int() takes hours for millions of digits.
         return json.loads(
             data.decode('utf-8-sig'),
             parse_int=small_number,

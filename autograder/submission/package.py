@@ -2,9 +2,9 @@
 Read the files of a ROS package: a folder on disk, or a handed-in script, folder or zip.
 
 The result is the text of each file by its relative path.  A zip is never unpacked on the grader's
-disk (:mod:`autograder.submission.tree`).  No link is followed: what contains a link, a special
-file or an unsafe path is refused, because without the linked file the grader would judge another
-program.
+disk (:mod:`autograder.submission.tree`).  No link is followed: a submission with a link, a special
+file or an unsafe path is refused, because without the linked file the grader would judge a
+different program.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def read_handed_in(path: Path) -> dict[str, str]:
         return {path.name: _script(path)}
     if path.is_dir() or path.suffix == '.zip':
         return in_package(_texts(path), str(path))
-    kind = 'another file' if path.exists() else 'no file or folder of this name'
+    kind = 'a different file' if path.exists() else 'no file or folder of this name'
     raise NotTakenInError(
         f'{path}: expected a Python script, a package folder, a zip file or a notebook, '
         f'got {kind}.'

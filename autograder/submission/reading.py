@@ -46,4 +46,4 @@ def read_file(
 def unreadable(where: str, error: OSError) -> Problem:
     """Return the problem of a file that the operating system cannot read."""
     reason = (error.strerror or type(error).__name__).lower()
-    return Problem(where, 'something that can be read', reason, 'check its permissions')
+    return Problem(where, 'a readable file or folder', reason, 'check its permissions')

@@ -127,7 +127,7 @@ def _fill_in(
     answer = copies[0]
     if len(answer.source.encode()) > MAX_ANSWER_BYTES:
         limit = f'an answer of at most {MAX_ANSWER_BYTES // 1024} KiB'
-        yield Problem(spot, limit, 'a longer one', 'leave out generated data', (grade_id,))
+        yield Problem(spot, limit, 'a longer answer', 'leave out generated data', (grade_id,))
         return
     if len(copies) > 1:
         got = f'{len(copies)}; the first one counts'
@@ -187,7 +187,7 @@ def _about(released: Notebook, grade_id: str, copies: Sequence[StudentCell]) -> 
     wanted = {key: marks[key] for key in MARKS if marks.get(key) is not None}
     for cell in copies[:1]:
         if not answer and cell.source.strip() != released['source'].strip():
-            yield f'{name} has a different text'
+            yield f'{name} has different text'
         if cell.cell_type != released['cell_type']:
             yield f'{name} is a {cell.cell_type[:20]!r} cell'
         for key, value in wanted.items():

@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def checked(layout: Layout, lessons: Sequence[str], sandbox: Sandbox) -> Iterator[Checked]:
     """
-    Yield the outcome of each exam; an answer that is not written is not run.
+    Yield the outcome of each exam; an exercise that was not attempted is not run.
 
     :raises GraderError: for a fault of the grader
     """
@@ -78,7 +78,7 @@ def _of_notebook(
     """Yield the outcome of each exam of a notebook."""
     name = path.relative_to(layout.root).as_posix()
     data, problems = read_file(path, path.name)
-    release = read_release(path)  # the student's own: a repository has no other
+    release = read_release(path)  # the student's copy, because the repository has no other
     opened = open_submission(data, release, path.name, problems)
     sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in release['cells']}
     for exam, files in zip(exams, extract(opened, exams, release, path.name).values()):
@@ -94,7 +94,7 @@ def _of_notebook(
 
 
 def _unwritten(name: str, exam: Exam, sandbox: Sandbox, problems: tuple[str, ...] = ()) -> Checked:
-    """Return an exam without points; nothing is run, because no file is there."""
+    """Return an exam without points; nothing is run, because there is no file."""
     result: ExamResult = examine(exam, {}, sandbox=sandbox)
     return Checked(name, '', '', False, result, problems)
 

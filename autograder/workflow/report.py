@@ -48,7 +48,7 @@ class Checked:
 
 
 def error_commands(found: Sequence[Checked]) -> Iterator[str]:
-    """Yield a workflow command for each problem and each failed check of a written answer."""
+    """Yield a workflow command for each problem and each failed check of an attempted exercise."""
     for one in found:
         for problem in one.problems:
             yield _command(one, 1, one.result.exam, problem)
@@ -59,7 +59,7 @@ def error_commands(found: Sequence[Checked]) -> Iterator[str]:
 
 def line_in_file(text: str, source: str, line: int) -> int:
     """
-    Return the line of a notebook's file that holds a line of a cell.
+    Return the line of a notebook's file that contains a line of a cell.
 
     :param text: the file; notebooks have one JSON string per line of a cell
     :param source: text of the cell
@@ -75,7 +75,7 @@ def line_in_file(text: str, source: str, line: int) -> int:
 
 
 def summary(found: Sequence[Checked]) -> str:
-    """Return the job summary in Markdown: points, and a row per check of each written answer."""
+    """Return the job summary in Markdown: points, and a row per check of attempted exercises."""
     parts = [f'# {_points(found)} points in the visible checks', '']
     for one in found:
         points = f'{number(one.result.points)} of {number(one.result.max_points)}'
@@ -155,7 +155,7 @@ def _safe(text: str) -> str:
 
 
 def _string(line: str) -> str | None:
-    """Return the JSON string that a line of a notebook's file holds, or None."""
+    """Return the JSON string that a line of a notebook's file contains, or None."""
     text = line.strip().removesuffix(',')
     if not text.startswith('"'):
         return None

@@ -296,7 +296,7 @@ def repeats_keys(student, solved, blank):
     )
 
 
-@attack(REBUILT, 0, 'has a different text', 'a different value of locked')
+@attack(REBUILT, 0, 'has different text', 'a different value of locked')
 def rewrites_the_checks(student, solved, blank):
     """Unlock the check cells and let them say the score."""
     for one in checks(blank):

@@ -194,7 +194,7 @@ class TestCommands:
         assert mine.read_bytes() == before
         said = capsys.readouterr()
         assert 'not entered: eve: for review' in said.out
-        assert said.err == f'late: {ASSIGNMENT}: ann: 2 points less, to 53\n'
+        assert said.err == f'late: {ASSIGNMENT}: ann: 2 points off, 53 left\n'
         assert command.main([*arguments, '--to', str(mine), '--force']) == command.USAGE
 
     def test_feedback_is_packed_under_the_names_of_the_download(self, graded, tmp_path, capsys):
@@ -210,9 +210,9 @@ class TestCommands:
             assert archive.namelist() == ['ann_7_88_t_feedback.html']
             page = archive.read('ann_7_88_t_feedback.html').decode()
         assert '44 of 55 points</h1>' in page
-        assert '54 points, less 10 for being late.' in page
+        assert '54 points, minus 10 for being late.' in page
         assert f'no mark: {ASSIGNMENT}: zoe: nothing handed in' in said
-        assert f'late: {ASSIGNMENT}: ann: 10 points less, to 44' in said
+        assert f'late: {ASSIGNMENT}: ann: 10 points off, 44 left' in said
         assert not list(graded.work.glob('feedback_*'))
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):

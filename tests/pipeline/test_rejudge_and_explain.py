@@ -272,7 +272,7 @@ class TestExplain:
         """The check names the moment, since no single message is wrong."""
         found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
 
-        assert found['deviation']['how'] == 'the check names this moment'
+        assert found['deviation']['how'] == 'the check reported its failure at this event'
         assert found['deviation']['clock_ns'] == 800_000_000  # half a second too early
 
     def test_a_program_that_died_is_shown_with_its_last_words(self, layout, now):
@@ -357,7 +357,7 @@ class TestCommands:
         """Reports and account are there, then the reason; exit code 2."""
 
         def refuse(*_):
-            raise GraderError('nbgrader failed in recording: no disk.')
+            raise GraderError('nbgrader failed while recording: no disk.')
 
         exam = build(20, 0.07, 1.25)
         exam.checks = [replace(check, points=7) for check in exam.checks]
@@ -367,7 +367,7 @@ class TestCommands:
         assert command.main(['rejudge', '--write']) == command.USAGE
         said = capsys.readouterr()
         assert 'the gradebook did not accept all of the 4 that changed.' in said.out
-        assert said.err == 'autograder: nbgrader failed in recording: no disk.\n'
+        assert said.err == 'autograder: nbgrader failed while recording: no disk.\n'
         points = {one.student: one.points for one in last_results(layout, ASSIGNMENT)}
         assert points['pass__reference'] == 7 * len(exam.checks)
         page = (layout.reports / ASSIGNMENT / 'class.html').read_text(encoding='utf-8')
@@ -375,7 +375,7 @@ class TestCommands:
 
         assert command.main(['rejudge', '--write', '--json']) == command.USAGE
         (account,) = json.loads(capsys.readouterr().out)
-        assert account['refused'] == 'nbgrader failed in recording: no disk.'
+        assert account['refused'] == 'nbgrader failed while recording: no disk.'
 
     def test_explain_prints_evidence(self, capsys):
         """Or all of it as JSON; who is not there is one line."""

@@ -169,7 +169,7 @@ class TestTheRightOne:
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)
 
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
-        assert f'old/{TALK}/x.ipynb of 2 notebooks for it' in row.notes
+        assert f'old/{TALK}/x.ipynb, one of 2 notebooks for the assignment' in row.notes
 
     @pytest.mark.parametrize('wanted', ['', TALK])
     def test_of_equal_ones_the_name_counts(self, wanted, tmp_path, layout):
@@ -234,7 +234,7 @@ class TestTheRightOne:
         assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
         assert [row.done for row in rows] == [LEFT, TAKEN, LEFT]
         assert [row.notes[0] for row in rows] == [
-            'an earlier one',
+            'a newer one was collected',
             'the newest of 3 with a cell of the assignment',
             'a different one was collected',
         ]

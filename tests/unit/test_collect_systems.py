@@ -48,7 +48,7 @@ class TestCanvas:
             f'wrong assignment: listen.ipynb is {LISTEN}',
         )
         assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2',)
-        assert said['exampleann_1001_55001_talk.ipynb'] == ('an earlier one',)
+        assert said['exampleann_1001_55001_talk.ipynb'] == ('a newer one was collected',)
         assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf',)
         assert said['evans_1005_55005_My work (2).ipynb'] == (
             "the file was called 'My work (2).ipynb'",

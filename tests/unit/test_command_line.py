@@ -249,7 +249,7 @@ def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, 
     monkeypatch.setattr(Layout, 'submitted', tmp_path)
 
     assert command.main(['sample-class']) == command.USAGE
-    assert 'the folder of a class, with ann. Try: --to' in capsys.readouterr().err
+    assert 'this folder contains other students: ann. Try: --to' in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ['ann']
 
 

@@ -77,7 +77,7 @@ def test_points_of_a_fraction_are_points(student, monkeypatch):
         (lambda cells: cells.append(cells[ANSWER]), 'answer cell talker occurs 2 times'),
         (
             lambda cells: cells[CHECK].update(source='3.0'),
-            'locked cell check_talker has a different text',
+            'locked cell check_talker has different text',
         ),
         (
             lambda cells: cells[CHECK]['metadata']['nbgrader'].update(points=1000.5),

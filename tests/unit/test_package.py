@@ -97,7 +97,7 @@ class TestWhatIsTakenIn:
         """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
-        with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got another file'):
+        with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got a different file'):
             read_handed_in(tmp_path / 'a.tar')
         with pytest.raises(NotTakenInError, match='no file or folder of this name'):
             read_handed_in(tmp_path / 'b.zip2')

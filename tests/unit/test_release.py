@@ -114,4 +114,4 @@ class TestRelease:
         monkeypatch.setattr(course, 'pack', lambda layout, bundle, answers: 7)
 
         assert course.main(['release']) == 0
-        assert 'student_bundle.zip holds 7 files' in capsys.readouterr().out
+        assert 'student_bundle.zip contains 7 files' in capsys.readouterr().out

@@ -87,8 +87,8 @@ def test_program_that_ends_at_once_gets_no_inputs():
             'the program never subscribes to this topic. Try: /in',
         ),
         ({'late': {'in': 1}}, '/in: the program never publishes on this topic. Known: /out.'),
-        ({'inputs': {'in': [(0.5, {})]}}, 'expected a time from 0.63 s on, got 0.5 s'),
-        ({'late': {'out': 1}, 'inputs': {'in': [(1.1, {})]}}, 'expected a time from 1.2 s on'),
+        ({'inputs': {'in': [(0.5, {})]}}, 'expected a time of at least 0.63 s, got 0.5 s'),
+        ({'late': {'out': 1}, 'inputs': {'in': [(1.1, {})]}}, 'expected a time of at least 1.2 s'),
         (
             {'inputs': {'in': [(11, {})]}},
             'inputs of /in: expected a time from 0 to 10 s',
@@ -182,7 +182,7 @@ def test_limit_keeps_what_was_observed_until_then():
     run = recorded(message(4 * 10**9, 'a'), reason='cpu_limit', over_ns=None)
 
     assert (run.times('out'), run.seconds) == ([4.0], 4.0)
-    assert run.ended == 'After 4 s of virtual time, it had used 20 s of processor time.'
+    assert run.ended == 'After 4 s of virtual time, the program had used 20 s of processor time.'
 
 
 def test_modules_next_to_a_program_come_along(tmp_path):

@@ -148,7 +148,7 @@ class Entry(NamedTuple):
 
     @property
     def path(self) -> str:
-        """Return the name, with a slash behind the name of a folder."""
+        """Return the name, followed by a slash if the entry is a folder."""
         return f'{self.name}/' if self.folder else self.name
 
     def pieces(self, name: str = '', turn: int = 0) -> tuple[Piece, ...]:

@@ -1,25 +1,25 @@
 """
-Find the place where a program does an act, such as creating its timer, without running it.
+Find the place where a program performs an act, such as creating its timer, without running it.
 
-An act is written in a few words, which :func:`place_of` looks for in this order::
+An act is written as a few words, which :func:`place_of` looks for in this order::
 
-    round() | field         a call of round(), or else what is assigned to the field in question
+    round() | field         a call to round(), or else the value assigned to the field in question
 
 Words without a bar between them are alternatives:
 
 =============  ====================================================================
-``name()``     a call of a function or method
+``name()``     a call to a function or method
 ``name(1)``    an argument of a call, by its index
 ``name=``      the value of a keyword argument or of an attribute
 ``>=``         an operator, see :data:`OPERATORS`
 ``while``      a statement, see :data:`STATEMENTS`
-``if:name()``  the innermost ``if`` around a call; so for any statement, ``def`` and act
+``if:name()``  the innermost ``if`` around a call; likewise for other statements, ``def`` and acts
 ``def:name``   a function or method
 ``to:name()``  the function that is passed to a call, such as the callback of a timer
 ``period``     and the other keys of :data:`.known_acts.ACTS`
 ``NAME``       any other word: a use of this name
-``one@other``  an act inside another one, such as ``>=@def:judge``, or in what it calls
-``one+``       an act that has several places
+``one@other``  an act inside another, such as ``>=@def:judge``, or in a function called there
+``one+``       an act, but only if it has several places
 =============  ====================================================================
 
 As in :mod:`.learners_code`, the results affect only messages.
@@ -74,7 +74,7 @@ class Place(NamedTuple):
 
     :param line: line of the file, from 1
     :param function: name of the function that begins in this line, if the act has several places
-        in it; empty if the line itself does the act
+        in it; empty if the line itself performs the act
     """
 
     line: int
@@ -91,12 +91,12 @@ def place_of(
     code: Code, acts: str, about: Sequence[str] = (), lines: Collection[int] = ()
 ) -> Place | None:
     """
-    Return the place of the first act that has exactly one, None if none has.
+    Return the place of the first act that has exactly one place; None if there is no such act.
 
     :param code: of one file; the lines of several files would be ambiguous
     :param acts: see above
     :param about: names, texts and numbers in question, such as the field of a message
-    :param lines: of the log calls in question; they choose between several places
+    :param lines: lines of the log calls in question, which decide between several places
     :raises ExamInvalid: for an act with an unknown statement
     """
     if len(code.programs) != 1:
@@ -108,7 +108,7 @@ def place_of(
 
 
 def _place(program: Program, act: str) -> Place | None:
-    """Return the place of an act, given as alternative words."""
+    """Return the place of an act, which is given as alternative words."""
     found = [node for word in act.split() for node in find(program, word)]
     seen = [node for node in found if _is_seen(program, node)]
     working = list(filter(program.is_working, found))
@@ -128,7 +128,7 @@ def _is_seen(program: Program, node: ast.AST) -> bool:
 
 
 def find(program: Program, word: str) -> list[ast.AST]:
-    """Return the nodes that a word means."""
+    """Return the nodes that a word stands for."""
     word, _, outer = word.partition('@')
     found = list(_find(program, word.removesuffix('+')))
     if outer:
@@ -143,7 +143,7 @@ def find(program: Program, word: str) -> list[ast.AST]:
 
 
 def _shared(program: Program, found: Sequence[ast.AST], bodies: set[ast.AST]) -> list[ast.AST]:
-    """Return the calls in some functions that reach a place which other functions reach too."""
+    """Return the calls in some functions to helpers that other functions call too."""
     if any(not bodies.isdisjoint(program.around(node)) for node in found):
         return []
     helpers = {one.name for node in found if (one := program.function_around(node))}
@@ -177,7 +177,7 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
 
 
 def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
-    """Yield the innermost statement around each place of an act or a call of its function."""
+    """Yield the innermost statement around each place of an act or each call to its function."""
     left, seen = list(_find(program, word)), set[str]()
     for node in left:
         around = (one for one in program.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
@@ -186,11 +186,11 @@ def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> It
             yield found
         elif isinstance(found, FUNCTIONS) and found.name not in seen:
             seen.add(found.name)
-            left += program.calls(found.name)  # the loop goes on with them
+            left += program.calls(found.name)  # the loop continues with these calls
 
 
 def _is_usual(node: ast.AST) -> bool:
-    """Return whether a condition only asks whether ROS still runs, or who runs the file."""
+    """Return whether a condition only tests whether ROS runs, or tests ``__name__``."""
     test = getattr(node, 'test', None)
     running = isinstance(test, ast.Call) and last_name(test.func) == 'ok'
     return running or (test is not None and '__name__' in names_in(test))

@@ -38,7 +38,7 @@ def _counted(program: Program) -> set[str]:
 
 
 def recounts(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements outside ``__init__`` that set a count again."""
+    """Yield the statements outside ``__init__`` that reset a count."""
     counted = _counted(program)
     return (node for node, target, _ in _fixed(program) if last_name(target) in counted)
 
@@ -51,7 +51,7 @@ def compared_counts(program: Program) -> Iterator[ast.AST]:
 
 
 def wrapped_counts(program: Program) -> Iterator[ast.AST]:
-    """Yield the remainders of a count, but not those in conditions."""
+    """Yield the modulo operations on a count, except those in conditions."""
     counted = _counted(program)
     tests = {getattr(one, 'test', None) for one in program.nodes}
     for node in program.operations(ast.Mod):
@@ -78,7 +78,7 @@ def kept_first(program: Program) -> Iterator[ast.AST]:
 
 
 def kept_messages(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that store a message for later, in place of the one before."""
+    """Yield the statements that store a message for later and replace the previous one."""
     for body in program.reached(program.passed('create_subscription')):
         given = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
         for node in ast.walk(body):
@@ -103,7 +103,7 @@ def forgotten(program: Program) -> Iterator[ast.AST]:
 
 
 def stuck(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that set a flag which nothing outside ``__init__`` sets back."""
+    """Yield the statements that set a flag which nothing outside ``__init__`` resets."""
     later = (one for one in stored(program) if _is_later(program, one))
     often = Counter(last_name(target) for one in later for target, _ in assigned(one))
     for node, target, value in _fixed(program):
@@ -112,7 +112,7 @@ def stuck(program: Program) -> Iterator[ast.AST]:
 
 
 def resets(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements outside ``__init__`` that give an attribute a value of its own."""
+    """Yield the statements outside ``__init__`` that set an attribute to a fixed value."""
     return (node for node, _, _ in _fixed(program))
 
 
@@ -135,7 +135,7 @@ def _fixed(program: Program) -> Iterator[tuple[ast.AST, ast.AST, ast.AST]]:
 
 
 def _is_fixed(value: ast.AST) -> bool:
-    """Return whether a value does not depend on other values."""
+    """Return whether a value is fixed: it does not depend on other values."""
     if isinstance(value, ast.Call):
         return not all_arguments(value) and isinstance(value.func, ast.Name)
     if isinstance(value, (ast.List, ast.Tuple, ast.Set)):
@@ -150,7 +150,7 @@ def _is_later(program: Program, node: ast.AST) -> bool:
 
 
 def longer_pauses(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that change the period of a timer or of a pause."""
+    """Yield the statements that change the period of a timer or a pause, as ``+=`` does."""
     given = {last_name(one) for name in _WAITS for one in program.arguments(name, 0)} - {''}
     for node in program.nodes:
         if isinstance(node, ast.AugAssign) and last_name(node.target) in given:

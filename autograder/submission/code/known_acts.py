@@ -48,13 +48,13 @@ def _periods(program: Program) -> list[ast.AST]:
 
 
 def _slow_periods(program: Program) -> list[ast.AST]:
-    """Return the periods of timers and pauses that last at least as long as asked."""
+    """Return the periods of timers and pauses of at least the duration in question."""
     found = [program.origin(one.args[0]) for one in program.calls(*_TIMERS) if one.args]
     return [one for one in found if (program.number(one) or 0.0) >= 0.95 * (_due(program) or 0.0)]
 
 
 def _short_pauses(program: Program) -> Iterator[ast.AST]:
-    """Yield the pauses that last less than asked."""
+    """Yield the pauses that are shorter than the duration in question."""
     due = _due(program) or 0.0
     for call in program.calls('sleep'):
         if call.args and (program.number(call.args[0]) or due) < 0.95 * due:
@@ -79,7 +79,7 @@ def _endpoints(program: Program) -> Iterator[ast.Call]:
 
 
 def _profiles(program: Program) -> Iterator[ast.AST]:
-    """Yield the quality of service in question: where it is given if others share it."""
+    """Yield the QoS arguments in question, or their values if no other endpoint shares them."""
     given = {
         call: argument(call, _ENDPOINTS[last_name(call.func)], 'qos_profile')
         for call in program.calls(*_ENDPOINTS)
@@ -106,7 +106,7 @@ def _depths(program: Program) -> Iterator[ast.AST]:
 
 
 def _texts(program: Program) -> Sequence[ast.AST]:
-    """Return the strings that give the first of the names in question that the code has."""
+    """Return the strings with the first of the names in question that occurs in the code."""
     for name in program.about:
         found = [node for node in program.strings if _names(_text(node), name)]
         exact = [node for node in found if _text(node) == name]
@@ -116,7 +116,7 @@ def _texts(program: Program) -> Sequence[ast.AST]:
 
 
 def _names(text: str, name: str) -> bool:
-    """Return whether a string gives a name, with or without its namespace."""
+    """Return whether a string is a name, with or without its namespace."""
     text = text.strip('~/')
     return bool(text) and f'/{name.strip("/")}'.endswith(f'/{text}')
 
@@ -184,7 +184,7 @@ def _own_arguments(program: Program) -> Iterator[ast.AST]:
 
 
 def _nodes(kind: type[ast.AST] | tuple[type[ast.AST], ...], holds: Callable[[Any], bool]) -> Act:
-    """Return the act whose places are the nodes of a kind for which a condition holds."""
+    """Return an act that finds the nodes of a kind for which a condition holds."""
     return lambda program: (one for one in program.nodes if isinstance(one, kind) and holds(one))
 
 
@@ -220,7 +220,7 @@ ACTS: Mapping[str, Act] = {
     'function': lambda program: program.functions(
         *program.about, *(f'on_{name}' for name in program.about)
     ),
-    # a number that is assembled as text
+    # a number that is parsed from an f-string
     'joined': lambda program: (
         call
         for call in program.calls('float', 'int')
@@ -252,7 +252,7 @@ ACTS: Mapping[str, Act] = {
     'publishing_timer': _publishing_timers,
     'recount': assignments.recounts,
     'reset': assignments.resets,
-    # the strings whose words are in a text that the program gave
+    # the strings that occur in one of the texts in question
     'says': lambda program: (
         node
         for node in program.strings

@@ -27,7 +27,7 @@ from autograder.submission.code.program import (
 )
 
 SHORT_S = 0.1
-"""Calls of ``sleep`` for less than this time [s] are ignored."""
+"""Calls to ``sleep`` for less than this time [s] are ignored."""
 _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 
 
@@ -138,7 +138,7 @@ class Code:
 
 def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()) -> str:
     """
-    Return the argument with which all log calls in callbacks skip lines; empty if one does not.
+    Return the argument that makes log calls in callbacks skip lines; empty if one logs every line.
 
     :param level: the log calls, such as ``warning``
     :param lines: consider only calls in these lines; empty for all calls
@@ -150,7 +150,7 @@ def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()
 
 
 def _leaves_out(call: ast.Call) -> str:
-    """Return the argument with which a log call skips lines; False, 0 and None skip none."""
+    """Return the argument that makes a log call skip lines; False, 0 and None have no effect."""
     given = (one for one in call.keywords if one.arg in _LEAVE_OUT)
     return next((one.arg or '' for one in given if getattr(one.value, 'value', True)), '')
 
@@ -188,7 +188,7 @@ class FieldUse(NamedTuple):
 
     :param given: whether the field may get a value: the code has an attribute, keyword argument
         or string with its name
-    :param empty: whether one of the assigned values is a call of ``Time`` without arguments
+    :param empty: whether one of the assigned values is a call to ``Time`` without arguments
     :param local: whether a variable with the field's name is assigned
     """
 
@@ -220,7 +220,7 @@ def _is_empty_time(value: ast.AST) -> bool:
 
 class Pause(NamedTuple):
     """
-    A call of ``sleep`` that a callback reaches.
+    A call to ``sleep`` that a callback reaches.
 
     :param callback: name of the callback, empty for a lambda
     :param line: line of the call in the file, from 1

@@ -22,11 +22,11 @@ _ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
     ast.Div: operator.truediv,
 }
 _ONE_AT_A_TIME = threading.Lock()
-"""Serialises calls of the parser: Python before 3.11.5 shares the recursion depth between threads,
+"""Serialises calls to the parser: Python before 3.11.5 shares the recursion depth between threads,
 and warnings are switched off for all threads."""
-_MOST = 3  # names of names, or nested operations: hostile code has thousands
+_MOST = 3  # maximum nesting of names and operations: hostile code may have thousands
 Scope = tuple[ast.AST | None, str]
-"""A function, None for the file, and a name in it; a dot before the names of all classes."""
+"""A function, or None for the file, and a name in it; names in a class begin with a dot."""
 
 
 class NotPythonError(ValueError):
@@ -53,7 +53,7 @@ class Program:
     The syntax tree of one file.
 
     :param about: names, texts and numbers in question, such as the field of a message
-    :param lines: of the log calls in question
+    :param lines: lines of the log calls in question
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Program:
 
     @cached_property
     def values(self) -> Mapping[Scope, Sequence[ast.AST | None]]:
-        """Return what each name gets, by the function or class of the name; None if unknown."""
+        """Return the values assigned to each name in its scope; None for an unknown value."""
         found: dict[Scope, list[ast.AST | None]] = {}
         for node in self.nodes:
             for target, value in assigned(node):
@@ -155,14 +155,14 @@ class Program:
         return next(iter(common), None)
 
     def calls(self, *names: str) -> list[ast.Call]:
-        """Return the calls of functions; loggers have ``warn`` as another name of ``warning``."""
+        """Return the calls to functions; ``warn`` is another name for ``warning`` of loggers."""
         names = (*names, 'warn') if 'warning' in names else names
         calls = (node for node in self.nodes if isinstance(node, ast.Call))
         return [node for node in calls if last_name(node.func) in names]
 
     @cached_property
     def _functions(self) -> Mapping[str, Sequence[ast.AST]]:
-        found: dict[str, list[ast.AST]] = {}  # several classes may have a method of one name
+        found: dict[str, list[ast.AST]] = {}  # several classes may have methods with one name
         for node in self.nodes:
             if isinstance(node, FUNCTIONS):
                 found.setdefault(node.name, []).append(node)
@@ -173,7 +173,7 @@ class Program:
         return [one for name in names for one in self._functions.get(name, ())]
 
     def arguments(self, name: str, place: int) -> Iterator[ast.AST]:
-        """Yield an argument of each call of a function."""
+        """Yield the argument at a given index from each call to a function."""
         for call in self.calls(name):
             if len(call.args) > place:
                 yield call.args[place]
@@ -196,7 +196,7 @@ class Program:
                         yield value or node.value
 
     def origin(self, node: ast.AST) -> ast.AST:
-        """Return the value of a name that has only one, or the node itself."""
+        """Return the only value of a name; for any other node, the node itself."""
         for _ in range(_MOST):
             found = next(filter(None, map(self.values.get, self._keys(node))), [None])
             if len(found) != 1 or found[0] is None:
@@ -220,7 +220,7 @@ class Program:
         return value is not None and abs(value - due) <= due / 50
 
     def numbers(self, name: str) -> Sequence[float]:
-        """Return the first argument of each call of a function, where it is a number."""
+        """Return the first arguments of calls to a function that are numbers."""
         with suppress(RecursionError):  # hostile code: a name with thousands of dots
             given = (one for call in self.arguments(name, 0) for one in self.sources(call))
             found = map(self.number, given)
@@ -228,7 +228,7 @@ class Program:
         return ()
 
     def sources(self, node: ast.AST) -> Sequence[ast.AST]:
-        """Return the value of a name; a parameter has one for each call of its function."""
+        """Return the value of a name; for a parameter, the argument of each call."""
         node = self.origin(node)
         function = self.function_around(node)
         names = [one.arg for one in function.args.args] if function else []
@@ -282,7 +282,7 @@ def last_name(node: ast.AST) -> str:
 
 
 def is_stored(node: ast.AST) -> bool:
-    """Return whether a name is assigned and not used."""
+    """Return whether a node assigns a name instead of reading it."""
     return isinstance(getattr(node, 'ctx', None), ast.Store)
 
 
@@ -292,7 +292,7 @@ def names_in(node: ast.AST, kind: type[ast.AST] = ast.AST) -> set[str]:
 
 
 def all_arguments(call: ast.Call) -> tuple[ast.AST, ...]:
-    """Return the arguments of a call, with those that are given by name."""
+    """Return the positional and keyword arguments of a call."""
     return (*call.args, *(one.value for one in call.keywords))
 
 
