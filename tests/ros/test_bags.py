@@ -355,7 +355,7 @@ def damaged(path, good):
         (lambda path, good: path.write_bytes(good.read_bytes()[:-20]), 'the end of this file'),
         (damaged, 'this file is damaged'),
         (lambda path, good: foreign(path), '/pose holds json data, not ROS 2 messages'),
-        (lambda path, good: path.mkdir(), 'no .mcap file is in this folder'),
+        (lambda path, good: path.mkdir(), 'this folder has no .mcap file'),
     ],
 )
 def test_unusable_file_is_refused_with_a_reason(everything, tmp_path, make, why):

@@ -319,7 +319,7 @@ def test_long_watch_stays_small(context, monkeypatch):
         spin(executor_of(node), lambda: len(ticks) > 9)
 
     assert len(seen.events) == 5
-    assert str(seen).endswith('later ones are not recorded')
+    assert str(seen).endswith('later callbacks are not recorded')
 
 
 def test_something_else_than_a_node_is_refused():
