@@ -307,7 +307,9 @@ def test_pkg_create_refuses_bad_names(tmp_path):
     folder = ['--destination-directory', str(tmp_path)]
 
     assert "'My-Pkg' is not a valid package name" in cli.main(['pkg', 'create', 'My-Pkg', *folder])
-    assert 'not a valid node name' in cli.main(['pkg', 'create', 'a', '--node-name', 'x y', *folder])
+    assert 'not a valid node name' in cli.main(
+        ['pkg', 'create', 'a', '--node-name', 'x y', *folder]
+    )
     kind = ['--build-type', 'ament_python']
     assert "can't be named 'test'" in cli.main(['pkg', 'create', 'test', *kind, *folder])
     assert list(tmp_path.iterdir()) == []
