@@ -100,8 +100,8 @@ def table(taught: Places, proven: Places) -> str:
     lines = [
         '# Claims of the course, where they are taught, and their tests',
         '',
-        'Written by `python -m tests.claims.coverage`; `make check` compares. A claim is taught in '
-        'a cell (lesson and cell id) and proven by a test under `tests/` that runs real ROS 2.',
+        'Written by `python -m tests.claims.coverage`; `make check` compares. A claim is taught '
+        'in a cell (lesson and cell id) and proven by a test under `tests/` that runs real ROS 2.',
         '',
         f'{len(points)} claims, {tested} of them asserted by a test; '
         f'{len(corrections)} corrections of common misconceptions.',

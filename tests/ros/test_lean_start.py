@@ -1,4 +1,4 @@
-"""A lean start: what is not loaded is loaded as soon as somebody uses it."""
+"""A lean start postpones the import of numpy until a program uses it."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ LEAN += 'from lean_start import lean\nlean()\n'
 
 
 def said(program: str) -> str:
-    """Return what a program prints that starts lean."""
+    """Return the output of a program with a lean start."""
     command = [sys.executable, '-c', LEAN + program]
     ran = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     return ran.stdout.strip()
 
 
 def test_a_node_needs_neither_numpy_nor_the_parser_of_the_generator():
-    """Two thirds of the start of rclpy."""
+    """Importing them takes two thirds of the start of rclpy."""
     program = """
 import rclpy
 rclpy.init()
@@ -46,12 +46,12 @@ rclpy.shutdown()
     ],
 )
 def test_numpy_is_there_for_whoever_uses_it(use: str):
-    """In every way of importing it."""
+    """Every form of import works."""
     assert said(use) == '0.0'
 
 
 def test_it_is_the_real_one_from_then_on():
-    """One numpy, whichever name it is reached by."""
+    """Names bound before and after the real import refer to the same numpy."""
     program = """
 import numpy as early
 early.pi
@@ -62,7 +62,7 @@ print(early.ndarray is late.ndarray, isinstance(late.zeros(1), early.ndarray))
 
 
 def test_threads_that_come_together_see_all_of_it():
-    """Callbacks of several threads may be the first to use it."""
+    """Callbacks in several threads may use numpy first at the same time."""
     program = """
 import threading
 import numpy
@@ -79,7 +79,7 @@ print(len(found), set(map(float, found)))
 
 
 def test_messages_with_arrays_work():
-    """Their classes hold their numbers in numpy's arrays."""
+    """Message classes store numbers in numpy arrays."""
     program = """
 from service_msgs.msg import ServiceEventInfo
 from std_msgs.msg import Float64MultiArray
@@ -92,7 +92,7 @@ print(Float64MultiArray(data=[1.5]).data[0])
 
 
 def test_a_library_that_looks_for_numpy_finds_it():
-    """Without loading it."""
+    """The search does not load numpy."""
     program = """
 import importlib.util
 print(importlib.util.find_spec('numpy').name, 'numpy._core' in sys.modules)
@@ -101,7 +101,7 @@ print(importlib.util.find_spec('numpy').name, 'numpy._core' in sys.modules)
 
 
 def test_a_program_that_asks_for_something_unknown_hears_so():
-    """As always."""
+    """An unknown attribute raises AttributeError, as with the real numpy."""
     program = """
 import numpy
 try:

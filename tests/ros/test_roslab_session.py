@@ -26,11 +26,11 @@ from roslab.waiting import wait_until
 pytestmark = pytest.mark.ros
 
 RELIABLE = QoSProfile(depth=10)
-SOON_S = 60  # what takes milliseconds on a machine with nothing else to do
+SOON_S = 60  # limit for waits that take milliseconds on an idle machine
 
 
 class Talker(Node):
-    """Counts aloud, fast."""
+    """Logs and publishes numbers fast."""
 
     def __init__(self, name='talker', topic='chatter', qos=RELIABLE):
         super().__init__(name)
@@ -40,7 +40,7 @@ class Talker(Node):
         self.create_timer(0.01, self.on_timer)
 
     def on_timer(self):
-        """Say the next number."""
+        """Log and publish the next number."""
         self.count += 1
         text = f'{self.get_parameter("prefix").value}{self.count}'
         self.publisher.publish(String(data=text))
@@ -55,14 +55,14 @@ class Failing(Talker):
         self.error = error
 
     def on_timer(self):
-        """Say a number, or fail."""
+        """Log a number, or fail."""
         super().on_timer()
         if self.count == 3:
             raise self.error('third')
 
 
 class Endless(Node):
-    """Has a callback that does not come to an end."""
+    """Has a callback that never returns."""
 
     def __init__(self):
         super().__init__('endless')
@@ -70,7 +70,7 @@ class Endless(Node):
         self.create_timer(0.01, self.on_timer)
 
     def on_timer(self):
-        """Run until somebody ends it."""
+        """Run until the executor breaks the loop."""
         self.entered.set()
         while True:
             pass
@@ -89,7 +89,7 @@ def test_started_node_publishes_while_the_test_waits(session):
 
 @pytest.mark.claim('J5')
 def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
-    """Running a cell twice leaves one node, and the middleware has nothing to complain about."""
+    """Running a cell twice leaves one node, and the middleware prints no warning."""
     first = session.start(Talker)
     second = session.start(Talker)
     names = second.get_node_names()
@@ -114,7 +114,7 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
 def test_node_that_is_renamed_by_its_arguments_replaces_the_older_one_without_a_warning(
     session, capfd, rules, full
 ):
-    """The name after remapping is the one that counts."""
+    """Nodes are compared by their names after remapping."""
 
     def adam():
         return Node('adam', cli_args=['--ros-args', *rules.split()])
@@ -137,7 +137,7 @@ def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(sessi
 
 
 def test_plain_node_takes_its_name_from_start(session):
-    """`start(Node, name=...)` needs no class of one's own."""
+    """`start(Node, name=...)` works without a subclass."""
     assert session.start(Node, name='bench').get_name() == 'bench'
 
 
@@ -160,7 +160,7 @@ def test_same_name_in_another_namespace_is_another_node(session):
 
 
 def test_failing_callback_ends_its_node_and_no_other(session, capfd):
-    """The exception names the node and the line; other nodes go on; nothing is on stderr."""
+    """The message names the node and the line, and other nodes continue; stderr stays empty."""
     talker = session.start(Talker)
     failing = session.start(Failing)
     wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
@@ -178,7 +178,7 @@ def test_failing_callback_ends_its_node_and_no_other(session, capfd):
 
 
 def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypatch):
-    """Its first callback may run before the cell's own thread has another turn."""
+    """The first callback may run before the cell's own thread continues."""
     add = BackgroundExecutor.add
 
     def add_slowly(executor, node):
@@ -193,7 +193,7 @@ def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypat
 
 
 def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
-    """The exception that ends a callback may come when the callback has just ended by itself."""
+    """The exception that ends a callback may arrive just after the callback has returned."""
     began = []
 
     def request():
@@ -226,7 +226,7 @@ def test_why_a_node_stopped_is_said_before_it_is_gone(session, monkeypatch):
 
 
 def test_failed_node_can_be_started_again(session):
-    """After the correction the cell is simply run again."""
+    """The corrected cell is run again."""
     session.start(Failing)
     wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
     node = session.start(lambda: Talker('failing'))
@@ -237,7 +237,7 @@ def test_failed_node_can_be_started_again(session):
 
 @pytest.mark.parametrize('error', [SystemExit, KeyboardInterrupt])
 def test_exit_in_a_callback_ends_its_node_only(session, error):
-    """sys.exit() in a callback takes neither the kernel nor the executor along."""
+    """sys.exit() in a callback ends neither the kernel nor the executor."""
     talker = session.start(Talker)
     session.start(lambda: Failing(error))
     wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
@@ -247,7 +247,7 @@ def test_exit_in_a_callback_ends_its_node_only(session, error):
 
 
 def test_endless_callback_is_named_and_ended_by_stop(session):
-    """A callback in an endless loop is named by a wait, and stop() gets the thread back."""
+    """A failed wait names a callback in an endless loop, and stop() frees the thread."""
     talker = session.start(Talker)
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
@@ -275,7 +275,7 @@ def test_a_node_stopped_in_a_callback_leaves_the_graph(session, which):
 
 
 def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
-    """On a busy machine the thread may answer only when it is asked again."""
+    """On a busy machine, the thread may respond only to a second request."""
     session.start(Talker)
     other = session.start(Talker, name='other')
     really, slow = BackgroundExecutor._do, [True]
@@ -294,7 +294,7 @@ def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
 
 
 def test_close_ends_even_an_endless_callback(session):
-    """The end of a kernel is not held up by a callback."""
+    """A callback cannot delay the end of a kernel."""
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
     threads = [t for t in threading.enumerate() if t.name == 'roslab executor']
@@ -308,7 +308,7 @@ def test_close_ends_even_an_endless_callback(session):
 
 
 def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
-    """Half a node would stay visible as long as the notebook keeps the traceback."""
+    """An incomplete node would stay visible as long as the notebook keeps the traceback."""
 
     def half():
         Node('half')
@@ -323,7 +323,7 @@ def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
 
 
 def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(session):
-    """A publisher that rclpy has made and not yet noted keeps its node while a frame has it."""
+    """A frame refers to a new publisher, and so keeps its node alive, before rclpy stores it."""
 
     class Half(Node):
         def __init__(self):
@@ -346,13 +346,13 @@ def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(se
     [(lambda: None, 'NoneType'), (String, 'String'), (3, 'node class'), ('x', 'node class')],
 )
 def test_start_of_something_else_says_what_it_expected(session, factory, word):
-    """start() names what it was given."""
+    """The error names the argument that was passed."""
     with pytest.raises(RoslabError, match=word):
         session.start(factory)
 
 
 def test_start_of_main_is_refused(session):
-    """main() spins for ever; the cell would never end."""
+    """main() spins forever, so the cell would never end."""
 
     def main():
         raise AssertionError('was called')
@@ -362,7 +362,7 @@ def test_start_of_main_is_refused(session):
 
 
 def test_stop_is_repeatable_and_names_a_wrong_name(session):
-    """Stopping twice is fine, a node that never was is not."""
+    """Stopping a node twice is allowed; an unknown name is an error."""
     node = session.start(Talker)
     session.stop(node)
     session.stop(node)
@@ -374,7 +374,7 @@ def test_stop_is_repeatable_and_names_a_wrong_name(session):
 
 @pytest.mark.parametrize('name', ['/lab/talker', 'lab/talker'])
 def test_stop_takes_a_name_with_its_namespace(session, name):
-    """With or without the slash in front."""
+    """The leading slash is optional."""
     session.start(lambda: Node('talker', namespace='/lab', context=session.executor.context))
     session.stop(name)
 
@@ -382,7 +382,7 @@ def test_stop_takes_a_name_with_its_namespace(session, name):
 
 
 def test_session_starts_anew_after_a_shutdown(session):
-    """A cell that shuts ROS down costs its nodes, not the kernel."""
+    """If a cell shuts ROS down, the nodes end but the kernel remains usable."""
     session.start(Talker)
     session.executor.context.shutdown()
 
@@ -392,7 +392,7 @@ def test_session_starts_anew_after_a_shutdown(session):
 
 
 def test_node_destroyed_by_a_cell_is_no_longer_listed(session):
-    """destroy_node() in a cell is noticed, and the executor goes on."""
+    """After destroy_node() in a cell, the executor continues."""
     talker = session.start(Talker)
     other = session.start(Talker, name='other')
     other.destroy_node()
@@ -411,7 +411,7 @@ def test_wait_returns_the_value_and_is_woken_by_callbacks(session):
 
 
 def test_wait_from_a_callback_is_refused(session, capfd):
-    """A callback that waits for others would wait for ever."""
+    """A callback that waits for other callbacks would wait forever."""
 
     class Waiting(Node):
         def __init__(self):
@@ -427,7 +427,7 @@ def test_wait_from_a_callback_is_refused(session, capfd):
 @pytest.mark.claim('J10')
 @pytest.mark.parametrize('timeout', [float('inf'), -1, None, 'soon'])
 def test_wait_without_a_bound_is_refused(session, timeout):
-    """No wait may last for ever."""
+    """No wait may last forever."""
     with pytest.raises(RoslabError, match='seconds'):
         wait_until(lambda: True, timeout, 'it')
 
@@ -447,7 +447,7 @@ def test_silence_is_explained_by_incompatible_qos(session):
 
 
 def test_another_type_on_the_topic_is_named(session, capfd):
-    """Listening with the wrong type says which type there is, and nothing on stderr."""
+    """The error names the topic's type, and nothing is written to stderr."""
     talker = session.start(Talker)
     wait_until(lambda: talker.count > 0, SOON_S, 'the talker')
     with pytest.raises(RoslabError, match='std_msgs/msg/String'):
@@ -456,7 +456,7 @@ def test_another_type_on_the_topic_is_named(session, capfd):
 
 
 def test_topic_and_type_in_the_other_order_are_told(session):
-    """The example has them in order, ready to be copied."""
+    """The error has a correct example that can be copied."""
     with pytest.raises(RoslabError, match=r"as in listen\('chatter', String\)"):
         Listener(String, 'chatter', RELIABLE)
 
@@ -473,7 +473,7 @@ def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
 
 
 def test_failed_wait_names_the_exception_that_stopped_the_publisher(session):
-    """Nobody publishes any more, and the reason is known."""
+    """The publisher has stopped, and the error gives the reason."""
     session.start(Failing)
     wait_until(lambda: not session.nodes(), SOON_S, 'the failure')
     with pytest.raises(TimeoutError, match='Node failing stopped: ZeroDivisionError: third'):
@@ -492,7 +492,7 @@ def test_listener_without_a_name_hears_no_more(session):
 
 
 def test_stopped_listener_keeps_what_it_heard(session):
-    """stop() ends listening, not the notebook's evidence."""
+    """stop() ends the subscription and keeps the messages."""
     session.start(Talker)
     heard = Listener('chatter', String, RELIABLE)
     heard.wait(2)
@@ -516,7 +516,7 @@ def test_logs_are_kept_by_node(session):
 
 
 def test_helper_is_hidden_and_alone(session):
-    """What the notebook adds to the graph is one node with a hidden name."""
+    """The notebook itself adds a single node with a hidden name to the graph."""
     talker = session.start(Talker)
     Listener('chatter', String, RELIABLE)
 
@@ -524,7 +524,7 @@ def test_helper_is_hidden_and_alone(session):
 
 
 def test_mark_in_the_console_is_counted_and_not_shown():
-    """It comes in pieces, too, and in the middle of a line that has no end yet."""
+    """The mark may arrive in pieces, and in the middle of an unfinished line."""
     console = ConsoleLines()
     mark = MARK.decode()
 

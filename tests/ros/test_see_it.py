@@ -1,4 +1,4 @@
-"""``see_it.py``: the one command for people who only want to look."""
+"""``see_it.py``: the single command for a first look."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_listener_hears_every_message() -> None:
-    """The program ends by itself after three messages, each published and heard."""
+    """The program ends by itself after three messages, each published and received."""
     done = subprocess.run(
         [sys.executable, 'see_it.py'], cwd=ROOT, capture_output=True, text=True, timeout=60
     )
@@ -24,7 +24,7 @@ def test_the_listener_hears_every_message() -> None:
 
 
 def test_its_versions_are_those_of_the_course() -> None:
-    """Each dependency stands with the same version in the set-up's list."""
+    """Each dependency has the same version in the set-up's list."""
     header = re.search(r'^# dependencies = \[(.+)\]$', (ROOT / 'see_it.py').read_text(), re.M)
     assert header is not None
     wanted = re.findall(r'"([^"]+)"', header[1])

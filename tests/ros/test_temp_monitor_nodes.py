@@ -34,12 +34,12 @@ GUARD_S = 270.0
 
 
 class Operator:
-    """Somebody with a second terminal: starts the programs, moves /clock, asks for parameters."""
+    """A user with a second terminal, who starts programs, advances /clock and reads parameters."""
 
     def __init__(self, domain_id: int) -> None:
         self._environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain_id)}
         self._processes: list[subprocess.Popen] = []
-        # The one guard against a program that hangs: a wait for its output then ends.
+        # The only guard against a program that hangs; it ends a wait for output.
         self._guard = threading.Timer(GUARD_S, self._kill)
         self._guard.start()
         self._context = rclpy.Context()
@@ -69,7 +69,7 @@ class Operator:
         self._processes.append(process)
         self._clients[node] = AsyncParameterClient(self._node, node)
         self.wait_for(self._clients[node].services_are_ready, f'{node} offers its services')
-        # An answer to a client that its node does not know yet would be lost.
+        # A response to a client that the node has not discovered yet would be lost.
         assert meet(self._node, f'/{node}/get_parameters', DEADLINE_S, self._waits)
         self.settle(node)
         return process
@@ -85,12 +85,12 @@ class Operator:
         return holds
 
     def answer_of(self, future, what: str):
-        """Return what a service answers."""
+        """Return the response of a service."""
         self.wait_for(future.done, f'an answer: {what}')
         return future.result()
 
     def settle(self, node: str) -> None:
-        """Let a node finish what it was sent: two round trips through its executor."""
+        """Wait for two round trips through a node's executor, to let it handle earlier messages."""
         for _ in range(2):
             self.answer_of(self._clients[node].get_parameters(['use_sim_time']), 'a round trip')
 
@@ -105,7 +105,7 @@ class Operator:
         return self.answer_of(future, f'describe {name}').descriptors[0]
 
     def advance(self, seconds: float, step_s: float = 0.25) -> None:
-        """Move /clock on in small steps; every node does its work at each of them."""
+        """Advance /clock in small steps, and let every node do its work at each step."""
         for _ in range(round(seconds / step_s)):
             self._now_ns += round(step_s * 1e9)
             message = Clock()
@@ -142,7 +142,7 @@ class Operator:
 
 @pytest.fixture
 def operator() -> Iterator[Operator]:
-    """Make an operator in a domain that nobody else uses."""
+    """Create an operator in a domain that no other program uses."""
     with ExitStack() as until:
         person = Operator(own_domain(until))
         yield person
@@ -150,7 +150,7 @@ def operator() -> Iterator[Operator]:
 
 
 def test_built_package_is_the_source():
-    """What the tests and lessons import was built from the files in this project."""
+    """The package that tests and lessons import was built from the files in this project."""
     installed = Path(temp_monitor_pkg.__file__).parent
     stale = [
         path.name
@@ -172,7 +172,7 @@ def test_one_heating_cycle_warns_for_each_hot_reading_and_no_other(operator):
         operator.advance(1)
         return bool(operator.readings and infos())
 
-    # What is published before all have found each other is lost, so that is not judged.
+    # Messages published before discovery is complete are lost, so ignore that time.
     operator.wait_for(heard, 'a first reading that both have heard')
     operator.advance(90)
     last = int(operator.now_s)
@@ -192,7 +192,7 @@ def test_one_heating_cycle_warns_for_each_hot_reading_and_no_other(operator):
 
 
 def test_parameters_through_services(operator):
-    """The node explains, refuses and obeys over the same services that `ros2 param` uses."""
+    """The node describes, refuses and sets parameters over the services that `ros2 param` uses."""
     node = 'temperature_publisher'
     operator.run('temp_publisher', node, '-p', 'use_sim_time:=true')
     limits = operator.describe(node, 'rate_hz').floating_point_range[0]
