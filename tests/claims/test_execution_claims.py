@@ -1,4 +1,4 @@
-"""What the course says about executors, timers, callbacks and clocks, tried on the real rclpy."""
+"""Test claims about executors, timers, callbacks and clocks on the real rclpy."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ pytestmark = pytest.mark.ros
 
 
 def in_thread(work):
-    """Start a daemon thread, so that a claim that fails cannot hang the tests."""
+    """Start a daemon thread, so that a false claim cannot hang the tests."""
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
     return thread
 
 
 def to_the_end(executor):
-    """Return what spins until the executor is shut down."""
+    """Return a function that spins until the executor is shut down."""
 
     def spin():
-        # rclpy 7.1.6 takes the guard condition away while the next wait may just be set up.
+        # rclpy 7.1.6 may remove the guard condition while it prepares the next wait.
         with suppress(AttributeError, rclpy_implementation.InvalidHandle):
             executor.spin()
 
@@ -52,7 +52,7 @@ def to_the_end(executor):
 
 @claim('X1', 'X8')
 def test_spin_blocks_until_its_executor_is_shut_down(world):
-    """The thread that spins is busy with it until somebody ends it."""
+    """The spinning thread is blocked until the executor is shut down."""
     executor = SingleThreadedExecutor(context=world.context)
     ticked = threading.Event()
     world.executor.remove_node(node := world.node())
@@ -69,7 +69,7 @@ def test_spin_blocks_until_its_executor_is_shut_down(world):
 
 @claim('X8')
 def test_shutdown_of_the_context_raises_where_somebody_spins(world):
-    """The exception has a name that a program can expect."""
+    """The exception is ExternalShutdownException, which a program can catch."""
     raised = []
     spinning = threading.Event()
     node = world.node()
@@ -88,7 +88,8 @@ def test_shutdown_of_the_context_raises_where_somebody_spins(world):
 
     thread = in_thread(spin)
     assert spinning.wait(SOON_S)
-    thread.join(0.5)  # nothing is left to do, so it waits; between two waits, spin just returns
+    # Let the thread begin its wait: between two waits, spin() would return without an exception.
+    thread.join(0.5)
     world.context.shutdown()
     thread.join(SOON_S)
 
@@ -97,21 +98,21 @@ def test_shutdown_of_the_context_raises_where_somebody_spins(world):
 
 @claim('X2')
 def test_spin_once_without_time_does_not_wait(world):
-    """With nothing to do it returns at once, and with something it does one thing."""
+    """It returns immediately if nothing is ready, and otherwise runs one callback."""
     node, ticks = world.node(), []
     timer = node.create_timer(3600.0, lambda: ticks.append(1))
     world.drain()
     began = time.monotonic()
     world.executor.spin_once(timeout_sec=0)
 
-    assert time.monotonic() - began < 60  # against an hour
+    assert time.monotonic() - began < 60  # the timer's period is an hour
     assert ticks == []
     assert not timer.is_canceled()
 
 
 @claim('X3')
 def test_waiting_for_one_message_is_bounded(world):
-    """wait_for_message returns what came, or tells that nothing did."""
+    """wait_for_message returns the message, or reports that none arrived."""
     node = world.node()
     world.executor.remove_node(node)
 
@@ -120,7 +121,7 @@ def test_waiting_for_one_message_is_bounded(world):
 
 @claim('X3')
 def test_spinning_until_a_future_is_done(world):
-    """It returns when the answer is there."""
+    """It returns when the response has arrived."""
     node = world.node()
     node.create_service(GetParameters, 'ping', lambda _, response: response)
     future = node.create_client(GetParameters, 'ping').call_async(GetParameters.Request())
@@ -131,7 +132,7 @@ def test_spinning_until_a_future_is_done(world):
 
 @claim('X4')
 def test_messages_wait_until_somebody_spins(world):
-    """Connected and sent is not yet received."""
+    """A message sent to a connected subscription is not received until the node is spun."""
     node, heard = world.node(), []
     publisher = node.create_publisher(String, 'chatter', 10)
     node.create_subscription(String, 'chatter', heard.append, 10)
@@ -144,7 +145,7 @@ def test_messages_wait_until_somebody_spins(world):
 
 @claim('X5')
 def test_spin_once_takes_the_node_away_from_its_executor(world):
-    """After rclpy.spin_once the other executor serves nobody."""
+    """After rclpy.spin_once, the first executor has no node."""
     import rclpy
 
     node = world.node()
@@ -169,7 +170,7 @@ def test_exception_in_a_callback_leaves_spin(world):
 
 
 def most_at_once(world, *groups) -> int:
-    """Return how many calls ran at once on four threads, of a timer in each group."""
+    """Return how many callbacks ran at once on four threads, with one timer per group."""
     node, now, most, lock = world.node(), [], [0], threading.Lock()
     world.executor.remove_node(node)
     done = threading.Event()
@@ -198,13 +199,13 @@ def most_at_once(world, *groups) -> int:
 
 
 class Meeting:
-    """Tells whether so many threads were there at once."""
+    """Records whether a number of threads ran at the same time."""
 
     def __init__(self, count):
         self.barrier = threading.Barrier(count)
 
     def wait(self, seconds):
-        """Wait for the others, at most so long."""
+        """Wait for the other threads, for a limited time."""
         try:
             self.barrier.wait(seconds)
         except threading.BrokenBarrierError:
@@ -215,7 +216,7 @@ class Meeting:
 
 @claim('X9')
 def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
-    """Four threads change nothing for the default group."""
+    """Four threads make no difference to the default group."""
     everybody = ReentrantCallbackGroup()
 
     assert most_at_once(world, None, None) == 1
@@ -228,14 +229,14 @@ def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
     one, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
     assert most_at_once(world, one, other) == 2
 
-    # A new group, because an executor that is shut down may leave a call in its group for ever.
+    # A new group, because an executor that is shut down may leave a call in its group forever.
     shared = MutuallyExclusiveCallbackGroup()
     assert most_at_once(world, shared, shared) == 1
 
 
 @claim('X22')
 def test_callback_overlaps_with_itself_in_a_reentrant_group_only(world):
-    """A timer that ticks faster than its callback ends meets itself."""
+    """A timer overlaps itself if its period is shorter than its callback."""
     assert most_at_once(world, ReentrantCallbackGroup()) >= 2
     assert most_at_once(world, MutuallyExclusiveCallbackGroup()) == 1
 
@@ -251,7 +252,7 @@ def test_executor_has_as_many_threads_as_there_are_processors(world):
 
 @claim('X10')
 def test_entity_keeps_its_callback_group_alive(world):
-    """Nobody else has to; and the group does not keep the entity."""
+    """No other reference to the group is needed; the group does not keep the entity alive."""
     node, group = world.node(), ReentrantCallbackGroup()
     timer = node.create_timer(60.0, lambda: None, callback_group=group)
     kept, members = weakref.ref(group), group.entities
@@ -270,7 +271,7 @@ def test_entity_keeps_its_callback_group_alive(world):
 
 @claim('X11')
 def test_synchronous_call_in_a_callback_never_returns(world):
-    """The answer needs the thread that waits for it; call_async needs none."""
+    """The response needs the thread that waits for it; call_async does not block the thread."""
     node = world.node()
     node.create_service(GetParameters, 'ping', lambda _, response: response)
     client = node.create_client(GetParameters, 'ping')
@@ -283,13 +284,13 @@ def test_synchronous_call_in_a_callback_never_returns(world):
 
     timer = node.create_timer(0.01, call)
     world.spin_until(lambda: answers, what='the end of the synchronous call')
-    assert answers == [None]  # which is how a time-out is told
+    assert answers == [None]  # None means a timeout
     world.spin_until(lambda: futures[0].done(), what='the answer to the other call')
 
 
 @claim('X12')
 def test_one_callback_stops_all_others(world):
-    """While one is at work nothing else happens in its executor."""
+    """While a callback runs, its executor runs no other callback."""
     node, ticks, seen = world.node(), [], []
     node.create_timer(0.01, lambda: ticks.append(1))
 
@@ -326,7 +327,7 @@ def simulated(world):
 
 @claim('X13', 'X14')
 def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
-    """Half a second brings nothing, a second one tick, and a jump of ten at most two."""
+    """There is no tick after 0.5 s, one after 1 s, and at most two after a jump of 10 s."""
     clock_at(simulated, 1)
     ticks = []
     simulated.subject.create_timer(1.0, lambda: ticks.append(1))
@@ -340,7 +341,7 @@ def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
 
 @claim('X16')
 def test_without_a_clock_simulated_time_stands_at_zero(simulated):
-    """No /clock, no time, and a timer of a hundredth of a second stands still."""
+    """Without /clock, the time is 0, and even a timer of 0.01 s does not tick."""
     ticks = []
     simulated.subject.create_timer(0.01, lambda: ticks.append(1))
     witness = []
@@ -353,7 +354,7 @@ def test_without_a_clock_simulated_time_stands_at_zero(simulated):
 
 @claim('X17')
 def test_timers_are_stopped_and_started(world):
-    """Created stopped, started, cancelled and reset."""
+    """A timer can be created without starting it, started, cancelled and reset."""
     node, ticks = world.node(), []
     timer = node.create_timer(0.01, lambda: ticks.append(1), autostart=False)
     assert timer.is_canceled()
@@ -371,7 +372,7 @@ def test_timers_are_stopped_and_started(world):
 
 @claim('Q24')
 def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
-    """Messages keep it quiet for longer than its period; afterwards it ticks once."""
+    """Messages prevent ticks for longer than the period; afterwards the timer ticks once."""
     stops = []
 
     def stop():
@@ -379,7 +380,7 @@ def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
         stops.append(simulated.subject.get_clock().now().nanoseconds)
 
     timer = simulated.subject.create_timer(0.5, stop, autostart=False)
-    for tenths in (10, 14, 18, 22):  # a message comes
+    for tenths in (10, 14, 18, 22):  # a message arrives
         clock_at(simulated, tenths * 100_000_000)
         timer.reset()
     for tenths in range(23, 40):
@@ -390,7 +391,7 @@ def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
 
 @claim('X18')
 def test_rate_in_a_callback_never_wakes(world):
-    """It waits for a timer that only the thread it blocks could serve."""
+    """The rate waits for a timer that only the blocked thread could serve."""
     node = world.node()
     rate = node.create_rate(100.0)
     woken = threading.Event()
@@ -413,7 +414,7 @@ def test_rate_in_a_callback_never_wakes(world):
 
 @claim('X19')
 def test_callback_takes_message_and_info(world):
-    """The second parameter carries the moments of sending and receiving."""
+    """The second parameter contains the times of sending and receiving."""
     node, heard = world.node(), []
     node.create_subscription(String, 'chatter', lambda m, info: heard.append((m, info)), 10)
     node.create_publisher(String, 'chatter', 10).publish(String(data='x'))
@@ -427,7 +428,7 @@ def test_callback_takes_message_and_info(world):
 
 @claim('X20')
 def test_time_of_the_clock_becomes_a_stamp_and_back(world):
-    """A difference of two times is a duration; clocks of two kinds do not mix."""
+    """A difference of two times is a duration; times of different clock types cannot be mixed."""
     now = world.node().get_clock().now()
     stamp = now.to_msg()
 
@@ -449,7 +450,7 @@ def test_callbacks_run_where_somebody_spins(world):
 
 @claim('J8')
 def test_variables_of_a_child_shell_end_with_it():
-    """What a line after ! sets is gone when its shell has ended."""
+    """A variable set in a line after ! disappears when its shell ends."""
     said = subprocess.run(
         ['sh', '-c', 'export TASTE=sweet; echo $TASTE'], capture_output=True, text=True, check=True
     )

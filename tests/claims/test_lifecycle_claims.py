@@ -1,4 +1,4 @@
-"""What the course says about managed nodes, tried on the real LifecycleNode."""
+"""Test claims about managed nodes on the real LifecycleNode."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ pytestmark = pytest.mark.ros
 
 
 class Managed(LifecycleNode):
-    """A managed node with a publisher, whose answers are chosen by the test."""
+    """A managed node with a publisher; the test chooses the results of its transitions."""
 
     answer = TransitionCallbackReturn.SUCCESS
     supers = True
     error: Exception | None = None
 
     def on_configure(self, state):
-        """Make the publisher."""
+        """Create the publisher."""
         self.out = self.create_lifecycle_publisher(Int32, 'numbers', 10)
         return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state):
-        """Switch the publisher on, unless the test forgets that."""
+        """Activate the publisher, unless the test omits that."""
         if self.error:
             raise self.error
         if self.supers:
@@ -42,7 +42,7 @@ def state_of(node) -> str:
 
 @claim('L1')
 def test_way_through_the_primary_states(world):
-    """Four primary states, one after the other."""
+    """The node passes through the four primary states."""
     node, seen = world.node(cls=Managed), []
     for trigger in ('configure', 'activate', 'deactivate', 'cleanup', 'shutdown'):
         seen.append(state_of(node))
@@ -57,14 +57,14 @@ def test_way_through_the_primary_states(world):
 
 @claim('L2', 'C6')
 def test_plain_node_has_no_managed_states():
-    """Only the LifecycleNode can be configured."""
+    """Only a LifecycleNode can be configured."""
     assert not hasattr(Node, 'trigger_configure')
     assert hasattr(LifecycleNode, 'trigger_configure')
 
 
 @claim('L3', 'L4')
 def test_inactive_publisher_drops_in_silence(world):
-    """Before activation nothing arrives and nothing is said; after it, everything."""
+    """Before activation, messages are dropped without a warning; afterwards all arrive."""
     node, heard = world.node(cls=Managed), []
     node.trigger_configure()
     node.create_subscription(Int32, 'numbers', lambda m: heard.append(m.data), 10)
@@ -78,7 +78,7 @@ def test_inactive_publisher_drops_in_silence(world):
 
 @claim('L3')
 def test_without_super_the_publisher_stays_off(world):
-    """The node is active, and what it publishes is dropped."""
+    """The node is active, but its messages are dropped."""
     node = world.node(cls=Managed)
     node.supers = False
     node.trigger_configure()
@@ -90,7 +90,7 @@ def test_without_super_the_publisher_stays_off(world):
 
 @claim('L4')
 def test_only_deactivate_switches_a_publisher_off(world):
-    """Neither a shutdown from active nor an error after the activation does."""
+    """Neither a shutdown from active nor an error after activation deactivates the publisher."""
     ended, failed = (world.node(name, Managed) for name in ('ended', 'failed'))
     failed.answer = TransitionCallbackReturn.ERROR
     for node in (ended, failed):
@@ -104,7 +104,7 @@ def test_only_deactivate_switches_a_publisher_off(world):
 
 @claim('L4')
 def test_timers_go_on_while_inactive(world):
-    """A timer is not managed."""
+    """Timers are not managed entities."""
     node, ticks = world.node(cls=Managed), []
     node.trigger_configure()
     node.create_timer(0.01, lambda: ticks.append(1))
@@ -115,7 +115,7 @@ def test_timers_go_on_while_inactive(world):
 
 @claim('L5')
 def test_failure_returns_and_error_is_processed(world, capfd):
-    """FAILURE leads back to inactive; ERROR and exceptions to unconfigured or the end, unsaid."""
+    """FAILURE leads back to inactive; ERROR and exceptions silently to another state."""
     node = world.node('fails', Managed)
     node.answer = TransitionCallbackReturn.FAILURE
     node.trigger_configure()
@@ -144,7 +144,7 @@ def test_transition_that_does_not_exist_here_raises(world):
 
 @claim('L6')
 def test_transition_asked_for_by_label_is_refused_in_the_answer(world):
-    """By number the same request raises in the node that is asked."""
+    """The same request by number raises an exception in the node."""
     world.node('managed', Managed)
     client = world.node('boss').create_client(ChangeState, 'managed/change_state')
     world.spin_until(client.service_is_ready, what='the service')
@@ -160,7 +160,7 @@ def test_transition_asked_for_by_label_is_refused_in_the_answer(world):
 
 @claim('L7')
 def test_transitions_are_announced_and_services_are_there(world):
-    """Anybody can watch and drive it."""
+    """Any other node can observe and trigger transitions."""
     node, events = world.node('managed', Managed), []
     node.create_subscription(TransitionEvent, 'managed/transition_event', events.append, 10)
     node.trigger_configure()
@@ -173,7 +173,7 @@ def test_transitions_are_announced_and_services_are_there(world):
 
 @claim('L8')
 def test_subscriptions_of_an_inactive_node_hear(world):
-    """Only publishers are switched."""
+    """Only publishers are activated and deactivated."""
     node, heard = world.node(cls=Managed), []
     node.create_subscription(Int32, 'orders', heard.append, 10)
     world.node('boss').create_publisher(Int32, 'orders', 10).publish(Int32(data=1))

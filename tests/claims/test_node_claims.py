@@ -1,4 +1,4 @@
-"""What the course says about nodes, the graph and the life of a node, tried on the real rclpy."""
+"""Test claims about nodes, the graph and the life of a node on the real rclpy."""
 
 from __future__ import annotations
 
@@ -51,14 +51,14 @@ def test_full_name_is_namespace_and_name(world):
 @claim('N5')
 @pytest.mark.parametrize('name', ['', '1st', 'two words', 'a-b', 'a/b', 'ä'])
 def test_bad_node_names_are_refused(world, name):
-    """A name is letters, digits and underscores, and no digit comes first."""
+    """A name consists of letters, digits and underscores, and does not begin with a digit."""
     with pytest.raises(InvalidNodeNameException):
         Node(name, context=world.context)
 
 
 @claim('N6')
 def test_two_nodes_may_have_one_name(world):
-    """A second node of the same name is made like any other."""
+    """A second node of the same name is created like any other."""
     first, _ = world.node('twin'), world.node('twin')
 
     assert first.get_node_names().count('twin') == 2
@@ -66,7 +66,7 @@ def test_two_nodes_may_have_one_name(world):
 
 @claim('N7')
 def test_bare_node_has_topics_and_services(world):
-    """Nobody asked for them, and they are there."""
+    """A node without code of its own already has them."""
     node = world.node('bare')
     topics = dict(node.get_publisher_names_and_types_by_node('bare', '/'))
     services = dict(node.get_service_names_and_types_by_node('bare', '/'))
@@ -86,7 +86,7 @@ def test_names_are_remapped_from_outside(world):
 
 @claim('N9')
 def test_graph_tells_endpoints_and_their_qos(world):
-    """Node, type, type hash and QoS of an endpoint are there; its depth is not."""
+    """The graph shows an endpoint's node, type, type hash and QoS, but not its depth."""
     node = world.node('talker')
     node.create_publisher(String, 'chatter', 7)
 
@@ -123,7 +123,7 @@ def test_questions_have_twins_on_the_command_line():
 
 @claim('E1')
 def test_node_before_init_is_refused():
-    """A node needs a context that was initialised."""
+    """A node needs an initialised context."""
     with pytest.raises(NotInitializedException):
         Node('too_early', context=Context())
 
@@ -143,7 +143,7 @@ def test_name_that_was_not_imported_fails_where_it_is_used(world):
 
 @claim('C28')
 def test_code_without_indentation_is_no_python():
-    """What a text format loses, Python misses."""
+    """Python needs the indentation that some text formats lose."""
     with pytest.raises(IndentationError):
         compile('class Talker(Node):\ndef __init__(self):\npass\n', 'listing', 'exec')
 
@@ -164,7 +164,7 @@ def test_init_takes_keywords_only():
 
 @claim('E3')
 def test_neither_init_nor_node_is_a_context_manager(world):
-    """What newer versions allow fails in Jazzy."""
+    """Newer versions allow it, but Jazzy does not."""
     context = Context()
 
     assert rclpy.init(args=[], context=context) is None
@@ -174,7 +174,7 @@ def test_neither_init_nor_node_is_a_context_manager(world):
 
 @claim('E4')
 def test_second_init_is_refused():
-    """A context is initialised once."""
+    """A context can be initialised only once."""
     context = Context()
     context.init()
     try:
@@ -186,7 +186,7 @@ def test_second_init_is_refused():
 
 @claim('E5', 'E6', 'E13')
 def test_default_context_can_be_initialised_again():
-    """rclpy.ok tells when, and without its signal handlers a notebook keeps its own."""
+    """rclpy.ok shows whether it is needed; without rclpy's signal handlers, a notebook's stay."""
     for _ in range(2):
         assert not rclpy.ok()
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -196,7 +196,7 @@ def test_default_context_can_be_initialised_again():
 
 @claim('E7')
 def test_second_shutdown_raises_and_try_shutdown_does_not():
-    """The polite one may be called as often as one likes."""
+    """try_shutdown may be called any number of times."""
     context = Context()
     context.init()
     context.try_shutdown()
@@ -264,7 +264,7 @@ def end_by(signal_number: int, text: str) -> tuple[int, str]:
 
 @claim('E8')
 def test_shutdown_in_finally_turns_an_interrupt_into_an_error():
-    """The interrupt has shut the context down before."""
+    """The interrupt has already shut the context down."""
     code, stderr = end_by(signal.SIGINT, OFTEN_SEEN)
 
     assert code == 1
@@ -274,13 +274,13 @@ def test_shutdown_in_finally_turns_an_interrupt_into_an_error():
 @claim('E9')
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_clean_main_ends_well_for_both_signals(number):
-    """Two exceptions, and the shutdown that does not mind."""
+    """The program catches both exceptions and calls try_shutdown."""
     assert end_by(number, CLEAN) == (0, '')
 
 
 @claim('E10')
 def test_destroyed_node_leaves_dead_handles(world):
-    """Entities go with their node; saying it twice does no harm."""
+    """Entities are destroyed with their node; a second destroy_node is harmless."""
     node = Node('short_lived', context=world.context)
     publisher = node.create_publisher(String, 'chatter', 10)
     node.destroy_node()
@@ -292,7 +292,7 @@ def test_destroyed_node_leaves_dead_handles(world):
 
 @claim('E11')
 def test_entities_live_without_a_variable(world):
-    """A subscription and a timer that nobody keeps work after a garbage collection."""
+    """A subscription and a timer without a variable survive a garbage collection."""
     node, heard, ticks = world.node(), [], []
     node.create_subscription(String, 'chatter', heard.append, 10)
     node.create_timer(0.01, lambda: ticks.append(1))
@@ -305,7 +305,7 @@ def test_entities_live_without_a_variable(world):
 
 @claim('E12')
 def test_contexts_with_other_domains_are_other_worlds(world):
-    """A node of the same domain is found, one of another domain is not."""
+    """A node of the same domain is found, a node of another domain is not."""
     here = world.node('here')
     neighbour, stranger = Context(), Context()
     neighbour.init(args=[], domain_id=world.context.get_domain_id())

@@ -1,9 +1,10 @@
 """
 Write docs/mutants.md: the mutants of every exercise, and which check finds each.
 
-``python -m tests.judgement.mutants`` runs those of the exams whose results are out of date, as
-submissions are run, and writes the table; names of exams behind it choose others.  ``--check``
-runs nothing: it derives the mutants again and fails if the table was made from others.
+``python -m tests.judgement.mutants`` runs the mutants of the exams whose results are out of date,
+like submissions, and writes the table; names of exams after the command select others.
+``--check`` runs nothing: it derives the mutants again and fails if the table was made from
+different ones.
 """
 
 from __future__ import annotations
@@ -44,18 +45,18 @@ def verdict(result: ExamResult) -> list[str] | None:
 
 
 def survivors() -> dict[tuple[str, str], Mapping[str, Any]]:
-    """Return what is written about survivors, by exam and name."""
+    """Return the explanations of survivors, by exam and name."""
     return {(one['exam'], one['name']): one for one in written()['survivors']}
 
 
 def digest_of(exercise: Exercise, mutants: Sequence[Mutant]) -> str:
-    """Return a digest of what the results of an exercise's mutants follow from."""
+    """Return a digest of all inputs to the results of an exercise's mutants."""
     return digest(exercise, *(f'{one.name}\0{sorted(one.files.items())}' for one in mutants))
 
 
 def run(chosen: Sequence[str]) -> None:
     """
-    Run mutants and keep what came of them.
+    Run mutants and keep the results.
 
     :param chosen: names of exams
     """
@@ -88,7 +89,7 @@ def _line(exam: str, found: Mapping[str, object]) -> str:
 
 
 def mistakes(kept: Mapping[str, Any]) -> list[str]:
-    """Return what is wrong with the kept results: too few found, or a survivor unexplained."""
+    """Return the problems of the kept results: too few mutants found, or unexplained survivors."""
     found = []
     known = survivors()
     for exam, result in kept.items():
@@ -103,7 +104,7 @@ def mistakes(kept: Mapping[str, Any]) -> list[str]:
 
 
 def _counted(exam: str, found: Mapping[str, object]) -> dict[str, object]:
-    """Return the mutants that are no equivalent of the reference."""
+    """Return the mutants that are not equivalent to the reference."""
     same = {name for (e, name), one in survivors().items() if e == exam and one.get('equivalent')}
     return {name: by for name, by in found.items() if name not in same}
 
@@ -145,7 +146,7 @@ def _section(exam: str, found: Mapping[str, Sequence[str] | None]) -> list[str]:
 
 
 def late(kept: Mapping[str, Any]) -> list[str]:
-    """Return the exams whose results were not made from the current files."""
+    """Return the exams whose results are out of date."""
     return [
         exercise.name
         for exercise in exercises()
@@ -154,7 +155,7 @@ def late(kept: Mapping[str, Any]) -> list[str]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run and write, or compare."""
+    """Run mutants and write the page, or compare it."""
     if '--check' not in arguments:
         run(arguments or late(load(NAME)))
     kept = load(NAME)

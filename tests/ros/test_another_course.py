@@ -173,7 +173,7 @@ class TestGrading:
         assert (course / '_work' / 'gradebook.db').is_file()
 
     def test_a_learner_checks_in_a_notebook(self, course, monkeypatch):
-        """The kernel imports the course's messages, and ``check`` finds the course by its folder."""
+        """The kernel imports the course's messages; ``check`` finds the course by its folder."""
         monkeypatch.setenv('JUPYTER_PATH', str(course / '.venv' / 'share' / 'jupyter'))
         folder = course / 'solutions' / '01_points'
         notebook = nbformat.read(folder / 'points.ipynb', 4)

@@ -90,7 +90,7 @@ class Operator:
         return future.result()
 
     def settle(self, node: str) -> None:
-        """Wait for two round trips through a node's executor, to let it handle earlier messages."""
+        """Wait for two round trips through a node's executor: it has handled earlier messages."""
         for _ in range(2):
             self.answer_of(self._clients[node].get_parameters(['use_sim_time']), 'a round trip')
 
