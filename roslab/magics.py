@@ -184,7 +184,7 @@ def _without_main_call(tree: ast.Module) -> ast.Module:
         if isinstance(statement, ast.Expr) and ast.unparse(statement).startswith('main('):
             say(
                 f'Line {statement.lineno} of the cell calls main() whenever the file is read; the '
-                'call was skipped, because this cell would never end. Write the call below: '
+                'call was skipped, or this cell would never end. Write the call below: '
                 "if __name__ == '__main__':"
             )
             tree.body = [other for other in tree.body if other is not statement]

@@ -354,7 +354,7 @@ def damaged(path, good):
         (lambda path, good: path.write_bytes(good.read_bytes()[:8]), 'the end of this file'),
         (lambda path, good: path.write_bytes(good.read_bytes()[:-20]), 'the end of this file'),
         (damaged, 'this file is damaged'),
-        (lambda path, good: foreign(path), '/pose holds json data, not ROS 2 messages'),
+        (lambda path, good: foreign(path), '/pose contains json data, not ROS 2 messages'),
         (lambda path, good: path.mkdir(), 'this folder has no .mcap file'),
     ],
 )

@@ -23,7 +23,7 @@ if __name__ == '__main__':
 """
 SENTENCE = (
     'NodeLineMissingError: this cell is a whole program, and the notebook would wait for its '
-    'main() without end. It was not run. Write this as its first line: %%node {}'
+    'main() forever. It was not run. Write this as its first line: %%node {}'
 )
 
 
