@@ -1,11 +1,11 @@
-# The goals of the full project, included by the Makefile; students' copies are without them.
+# The goals of the full project, included by the Makefile; students' copies omit them.
 #
 #|  make grade                grade everything in submitted/ (ARGS='--jobs 2' passes options)
 #|  make release              generate notebooks/ from solutions/, check the course, pack the
 #|                            students' copy (ARGS=--answers adds worked answers)
 #|  make execute              execute the solved lessons and note the date in those that ran
 #|                            (ARGS=03_topics chooses some)
-#|  make book                 execute the lessons and write them as pages to read without running,
+#|  make book                 execute the lessons and write them as web pages,
 #|                            into autograder/_work/book/html
 #|  make quick                check style and types and run the quick unit tests: under a minute
 #|  make test                 run all tests except browser, cluster, LTI, PostgreSQL and benchmarks
@@ -30,19 +30,19 @@ quick test: export PYTHONDONTWRITEBYTECODE =
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
 
-# For after each change. Types take half a minute the first time and a second afterwards.
+# To run after each change. Type checking takes half a minute the first time, then a second.
 quick: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
 	$(PY) -m mypy
 	@exec $(WITH_ROS) python -m pytest -q -n 2 --dist loadfile -m 'not ros and not slow' tests/unit $(ARGS)
 
-# Files side by side, more than there are processors, because most tests wait for something; each
-# file's tests in their order. ARGS='-n 0' runs one after the other.
+# Run more test files in parallel than there are processors, because most tests wait. The tests of
+# a file run in order. ARGS='-n 0' runs one file after the other.
 test: prepare
 	@exec $(WITH_ROS) python -m pytest -n 6 --dist loadfile $(ARGS)
 
-# HUB=FILE names other settings than deploy/hub/hub.toml.
+# HUB=FILE replaces the settings in deploy/hub/hub.toml.
 hub: export HUB := $(HUB)
 hub: prepare
 	@exec $(PY) -m deploy.hub
@@ -50,7 +50,7 @@ hub: prepare
 test-browser test-hub: test-%: prepare
 	@for name in chromium chromium-browser google-chrome; do \
 	  command -v $$name >/dev/null && exit; \
-	done; echo 'No Chromium here. Try: sudo apt-get install -y chromium'; exit 1
+	done; echo 'Chromium is not installed. Try: sudo apt-get install -y chromium'; exit 1
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
 	  -r environment/requirements-browser.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
@@ -77,8 +77,8 @@ check: prepare
 coverage: prepare
 	@exec $(PY) -m tests.claims.coverage
 
-# Runs what no kept recording answers: some minutes. The secret of the tests makes the tables the same
-# on every machine.
+# Runs every program without a kept recording: some minutes. The secret of the tests makes the tables
+# the same on every machine.
 judgement: export COURSE_SECRET = the secret of the tests
 judgement: prepare
 	$(PY) -m tests.judgement.agreement
@@ -91,7 +91,7 @@ release: prepare
 execute: prepare
 	@exec $(PY) -m autograder.authoring.execute $(ARGS)
 
-# Sphinx needs an older docutils than the course, so it has a virtual environment of its own.
+# Sphinx needs an older docutils than the course, so it has a separate virtual environment.
 book: SPHINX = $(abspath $(VENV))/book/bin/python
 book: prepare
 	@test -x '$(SPHINX)' || $(PY) -m venv '$(VENV)/book'
@@ -104,6 +104,6 @@ bench: prepare
 	$(PY) -m benchmarks.stock_nbgrader
 	$(PY) -m benchmarks.repeat_class
 
-# ARGS='--minutes 30' ends it sooner, '--quick' leaves out what takes long.
+# ARGS='--minutes 30' ends it sooner, '--quick' omits the slow tasks.
 soak: prepare
 	@exec $(PY) -m benchmarks.soak $(ARGS)

@@ -5,9 +5,9 @@ No two submissions have the same files, so they share no recordings.  Half of th
 half are wrong in different ways.  CPU time is measured with a control group, in which the kernel
 accounts for every process that the command starts, including sandboxes.
 
-A run stays on one core of a calm machine, but starts and is read on any.  So two workers are
-compared with one worker twice: on the same cores, and with one core per worker, as in a lab with
-identical machines.
+On a calm machine a run stays on one core, but any core may start it and read its output.  So two
+workers are compared with one worker twice: on the same cores, and with one core per worker, as in
+a lab with identical machines.
 
 The greatest possible gain of two workers is measured before and after: the time of two processes
 that only count, against one process that does the same work.  Virtual CPUs may share one real CPU.
@@ -75,7 +75,7 @@ def main() -> None:
     """Measure, then print and save the figures."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.class_of_200')
     parser.add_argument('--size', type=int, default=FULL_SIZE, metavar='N', help='submissions')
-    help_text = 'virtual, of the exam'
+    help_text = 'duration of the exam [virtual s]'
     parser.add_argument('--seconds', type=int, default=SECONDS, metavar='N', help=help_text)
     chosen = parser.parse_args()
     size, seconds = chosen.size, chosen.seconds

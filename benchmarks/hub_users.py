@@ -72,7 +72,7 @@ class User:
         return f'{self.hub}user/{self.name}/'
 
     def token(self, path: str) -> str:
-        """Return the token against forged requests that belongs to a path."""
+        """Return the XSRF token for a path."""
         return str(self.session.cookies.get('_xsrf', path=path))
 
     def log_in(self) -> None:
@@ -151,7 +151,7 @@ def work(user: User, together: threading.Barrier) -> User:
     user.plot_s = time.monotonic() - begin
     run(kernel, CALLER.format(name=user.name))
     together.wait(LIMIT_S)
-    time.sleep(CALLING_S)  # a measurement of what arrives in this time
+    time.sleep(CALLING_S)  # counts the names that arrive in this time
     user.heard = tuple(run(kernel, HEARD).split()[1:])
     user.memory_mib = memory_of(user.name)
     together.wait(LIMIT_S)
@@ -191,7 +191,7 @@ def main() -> int:
     """Measure, print and save."""
     parser = argparse.ArgumentParser(description=(__doc__ or '').strip().splitlines()[0])
     parser.add_argument('--hub', default='http://127.0.0.1:8000/', metavar='ADDRESS')
-    parser.add_argument('users', nargs='+', help='names of users; the first one begins alone')
+    parser.add_argument('users', nargs='+', help='names of users; the first one starts alone')
     chosen = parser.parse_args()
     machine = report.machine()
     one, *others = chosen.users

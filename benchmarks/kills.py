@@ -61,8 +61,10 @@ def main() -> int:
     :returns: exit code, 1 if something was lost, duplicated or left over
     """
     parser = argparse.ArgumentParser(prog='python -m benchmarks.kills')
-    parser.add_argument('--kills', type=int, default=FULL_KILLS, metavar='N', help='how many')
-    parser.add_argument('--seed', type=int, default=1, metavar='N', help='of the instants')
+    parser.add_argument(
+        '--kills', type=int, default=FULL_KILLS, metavar='N', help='kills in total'
+    )
+    parser.add_argument('--seed', type=int, default=1, metavar='N', help='seed of the kill times')
     chosen = parser.parse_args()
     facts = report.machine()
     began = time.monotonic()

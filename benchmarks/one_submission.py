@@ -121,7 +121,7 @@ def floor_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
     observing.observe(exam.name, scenario.to_json(), files, sandbox)
     ended = time.monotonic()
     if 'message' not in _Clocked.marks:
-        raise RuntimeError('No message came in the run that should end with the first one.')
+        raise RuntimeError('No message arrived in the run that should end with the first one.')
     return _since(began, {**_Clocked.marks, 'closed': ended})
 
 

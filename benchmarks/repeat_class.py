@@ -53,7 +53,7 @@ def main() -> int:
                 walls.append(time.monotonic() - began)
                 print(f'repeat {number + 1}: {walls[-1]:.1f} s', flush=True)
         except KeyboardInterrupt:
-            print('Stopped; this is what was seen until now.')
+            print('Stopped; these are the results so far.')
     if not walls:
         return 1
     for found in seen.values():
@@ -81,7 +81,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument('--repeats', default=FULL_REPEATS, help=help_text, **number)
     help_text = 'runs at a time (default: one per processor, here %(default)s)'
     parser.add_argument('--jobs', default=os.cpu_count() or 1, help=help_text, **number)
-    help_text = 'processes that burn processor time meanwhile (default: %(default)s)'
+    help_text = 'number of competing busy processes (default: %(default)s)'
     parser.add_argument('--busy', default=0, help=help_text, **number)
     return parser.parse_args()
 

@@ -48,7 +48,9 @@ def main() -> int:
     :returns: exit code, 1 if anything was left behind
     """
     parser = argparse.ArgumentParser(description=(__doc__ or '').strip().splitlines()[0])
-    parser.add_argument('--times', type=int, default=FULL_TIMES, help='kernels (default 100)')
+    parser.add_argument(
+        '--times', type=int, default=FULL_TIMES, help='kernels in total (default: 100)'
+    )
     times = parser.parse_args().times
     facts = report.machine()
     rounds = [_one_kernel(number) for number in range(times)]

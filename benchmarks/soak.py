@@ -110,7 +110,7 @@ def main() -> int:
             several = len(report.differing(outcomes))
             print(len(done), repeat, f'{several} tasks with more than one outcome', flush=True)
     except KeyboardInterrupt:
-        print('Stopped; this is what was seen until now.')
+        print('Stopped; these are the results so far.')
     figures = {
         'isolation': sandbox.mode,
         'of': 'everything' if chosen.everything else 'the panel',
@@ -127,14 +127,14 @@ def main() -> int:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.soak')
-    help_text = 'each submission and attack instead of the panel'
+    help_text = 'judge each submission and attack instead of the panel'
     parser.add_argument('--everything', action='store_true', help=help_text)
-    help_text = 'begin no further run after so many minutes (default: no end)'
+    help_text = 'start no further run after this many minutes (default: no limit)'
     parser.add_argument('--minutes', type=float, default=1e6, metavar='M', help=help_text)
-    help_text = 'without builds and without attacks that run into a limit of time'
+    help_text = 'omit builds, and attacks that run into a time limit'
     parser.add_argument('--quick', action='store_true', help=help_text)
-    parser.add_argument('--only', default='', metavar='TEXT', help='tasks with this in their name')
-    parser.add_argument('--list', action='store_true', help='only print the names of the tasks')
+    parser.add_argument('--only', default='', metavar='TEXT', help='run only tasks named *TEXT*')
+    parser.add_argument('--list', action='store_true', help='print the names of the tasks only')
     return parser.parse_args()
 
 

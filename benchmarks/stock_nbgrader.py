@@ -70,7 +70,7 @@ def main() -> None:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.stock_nbgrader')
-    help_text = 'length of the exam (default: 60, as it is graded)'
+    help_text = 'duration of the exam [s] (default: 60, as in grading)'
     parser.add_argument('--seconds', type=int, default=FULL_S, metavar='S', help=help_text)
     help_text = 'how often this project grades the class (default: %(default)s)'
     parser.add_argument('--project-runs', type=int, default=3, metavar='N', help=help_text)

@@ -104,7 +104,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.visible_checks')
     help_text = 'runs of each check (default: %(default)s)'
     parser.add_argument('--runs', type=int, default=RUNS, metavar='N', help=help_text)
-    parser.add_argument('--exam', metavar='NAME', help='only this one; nothing is saved')
+    parser.add_argument('--exam', metavar='NAME', help='measure only this exam, and save nothing')
     chosen = parser.parse_args()
     facts = report.machine()
     layout = Layout.here()

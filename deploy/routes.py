@@ -1,5 +1,5 @@
 """
-Execute ways to install the course, and note in environment.md when and where each one worked.
+Execute the installation routes, and record in environment.md when and where each one worked.
 
     python -m deploy.routes NAME...    execute routes, as root, in a clone of the last commit
     python -m deploy.routes            write the table again

@@ -1,1 +1,1 @@
-"""Draw accessible SVG pictures and lay out graphs; this package imports nothing of the project."""
+"""Draw accessible SVG pictures and lay out graphs; import nothing else from this project."""

@@ -2,8 +2,8 @@
 Place the boxes and lines of a graph, in layers from left to right.
 
 A node that only publishes is left of its topics, a node that only subscribes is right of them, and
-a node that does both is between them.  A line that spans several layers gets a place in each of
-them, so that no line crosses a box.  Equal graphs give equal pictures.
+a node that does both is between them.  A line that spans several layers gets a position in each
+of them, so that no line crosses a box.  Equal graphs give equal pictures.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _SWEEPS = 8
 @dataclass
 class Spot:
     """
-    The place of a box, or of a line that crosses a layer.
+    The position of a box, or of a line that crosses a layer.
 
     :param x: left side
     :param y: vertical centre
@@ -43,9 +43,9 @@ class Spot:
 @dataclass
 class Layout:
     """
-    The places of all boxes and lines of a graph.
+    The positions of all boxes and lines of a graph.
 
-    :param spots: places of the boxes by key
+    :param spots: positions of the boxes by key
     :param routes: for each arrow, the points of its line
     """
 

@@ -8,11 +8,11 @@ import json
 from drawing import svg
 
 MAX_MOMENTS = 200
-"""Moments of a slider; of more, as many are chosen at equal distances."""
+"""Maximum number of moments; longer lists are thinned out evenly."""
 _HALF_A_THUMB_PX = 8
 """The thumb stays inside the slider, so a slider begins and ends this much beyond its axis."""
-# The whole state of a step is in the page, so it also works in a page without a kernel.  A mouse
-# chooses the moment that is nearest on the axis, a key goes on by `by` moments.
+# All states are in the page, so the slider also works without a kernel.  A mouse selects the
+# moment that is nearest on the axis; a key moves by `by` moments.
 _MOVE = (
     'const all = JSON.parse(this.dataset.moments), by = this.by;'
     'const far = i => Math.abs(all[i][0] - this.value);'
@@ -44,10 +44,10 @@ def slider(
     """
     Return a slider to put below a picture, which begins at the last moment.
 
-    :param title: what it is a picture of; it has a :func:`cursor` at the place of the last moment
-    :param moments: in their order: the place of the cursor, and the state in words
-    :param axis: places of both ends of the picture's axis, which the slider has too
-    :param width: of the picture, in the same unit
+    :param title: title of the picture, which has a :func:`cursor` at the last moment
+    :param moments: in order: the position of the cursor, and the state in words
+    :param axis: positions of both ends of the picture's axis, which the slider shares
+    :param width: width of the picture, in the same unit
     """
     step = max(1, -(-len(moments) // MAX_MOMENTS))
     shown = [(round(x, 1), words) for x, words in reversed(moments[::-1][::step])]

@@ -169,7 +169,7 @@ def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
 
 
 def text_width(words: str, size: float = 12) -> float:
-    """Estimate the width of a text; generously, because fonts differ between machines."""
+    """Estimate the width of a text, with a margin because fonts differ between machines."""
     wide = sum(
         1.45 if letter in 'mwMW@' else 0.62 if letter in 'iljft/.:,|() ' else 1.0
         for letter in words

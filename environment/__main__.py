@@ -7,7 +7,7 @@ Command line of the set-up, run in the folder of a course by any Python from 3.1
     python3 -m environment run CMD   run a command with the ROS environment
     python3 -m environment lock      resolve requirements.in into requirements.lock
 
-The environment variables VENV, PYTHON and ROS_SOURCE (wheels or sourced) choose.
+VENV, PYTHON and ROS_SOURCE (wheels or sourced) select the venv, the Python and the ROS 2 to use.
 """
 
 from __future__ import annotations

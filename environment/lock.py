@@ -1,5 +1,5 @@
 """
-Write requirements.lock: `python -m environment lock`, for developers and with network.
+Write requirements.lock: `python -m environment lock`, for developers, with network access.
 
 Every supported Python that is found resolves requirements.in separately; versions that differ get
 an environment marker. Each line has the digests of its files, but no address or path: any mirror

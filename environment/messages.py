@@ -57,7 +57,7 @@ def wanted(text: str) -> dict[str, str]:
 
 def _versions_of(bare: str) -> str:
     """Return the command that lists the versions of a package for Jazzy."""
-    return f'for its versions: .venv/bin/python -m pip index versions ros-jazzy-{bare}'
+    return f'to list its versions: .venv/bin/python -m pip index versions ros-jazzy-{bare}'
 
 
 def package_of(name: str) -> str:

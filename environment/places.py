@@ -42,7 +42,7 @@ def stated(project: Path, name: str) -> str:
 
 class Below:
     """
-    A path below another one, as a property of the object that knows the other one.
+    A property that returns a path below another path of the same object.
 
     :param base: the attribute of the object with the other path
     :param names: names of folders and file
@@ -52,7 +52,7 @@ class Below:
         self.base, self.names = base, names
 
     def __get__(self, owner: object, _: type) -> Path:
-        """Return the path; of a class, the property itself, as Python's own properties do."""
+        """Return the path; for a class, return the property itself, as Python's own ones do."""
         if owner is None:
             return self  # type: ignore[return-value]
         return Path(getattr(owner, self.base), *self.names)

@@ -86,7 +86,7 @@ def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
     A sourced ROS 2 Jazzy is used if its Python can import rclpy. A venv that was prepared this way
     keeps it in later shells, even if nothing is sourced there.
 
-    :raises StepError: if the source is not there, or this user cannot create shared memory
+    :raises StepError: if the source is missing, or this user cannot create shared memory
     """
     system.refuse_closed_shared_memory()
     wish = environ.get('ROS_SOURCE', '')
@@ -128,7 +128,7 @@ def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, st
 
 
 def _sourced_pythons(places: Places, environ: Mapping[str, str]) -> list[str]:
-    """Return the Pythons to try for rclpy: of the venv, of conda, of the system, first on PATH."""
+    """Return the Pythons to try: of the venv, of conda, of the system, and the first on PATH."""
     names = [str(places.python)] if places.python.exists() else []
     if environ.get('CONDA_PREFIX'):
         names.append(str(Path(environ['CONDA_PREFIX'], 'bin', 'python3')))

@@ -13,7 +13,7 @@ from roslab.timeline_picture import draw_lanes, Lane, Place
 
 _COLOURS = (svg.BLUE, svg.ORANGE, svg.GREEN, svg.RED)
 _LEGEND = (
-    'line: a message came, or a timer was due · box: the callback, with the number of its thread'
+    'line: a message arrived, or a timer was due · box: the callback, with its thread number'
     ' · cross: no callback'
 )
 _HEAD = ('node', 'callback of', 'group', 'thread', 'came [s]', 'began [s]', 'ended [s]')
@@ -35,7 +35,7 @@ class Callbacks(Watch):
         unended = any(call.began is not None and call.ended is None for call in events)
         end = (unended and self.end) or max(times)
         lanes = _lanes(events, end)
-        begin = max(min(times), 0.0)  # a message may have waited since long before
+        begin = max(min(times), 0.0)  # a message may have arrived long before the watch
         title = f'Callbacks in {end - begin:.2f} seconds, {counted(lanes, "row")}'
         described = '. '.join(f'{lane.more}, {lane.label}: {lane.amount}' for lane in lanes)
         return draw_lanes(lanes, (begin, end), title, described, self._table(), _LEGEND)
@@ -47,7 +47,7 @@ class Callbacks(Watch):
         if len(events) > len(rows):
             rows.append((f'{len(events) - len(rows)} more', *[''] * (len(_HEAD) - 1)))
         if self.full:
-            rows.append(('later ones are not recorded', *[''] * (len(_HEAD) - 1)))
+            rows.append(('later callbacks are not recorded', *[''] * (len(_HEAD) - 1)))
         return [_HEAD, *rows]
 
 
@@ -64,7 +64,7 @@ def _cells(call: Call) -> tuple[str, ...]:
 
 
 def _lanes(events: list[Call], end: float) -> list[Lane]:
-    """Return one row per timer, subscription or service; rows of a group are neighbours."""
+    """Return one row per timer, subscription or service; rows of one group are adjacent."""
     found: dict[int, list[Call]] = {}
     for call in events:
         found.setdefault(id(call.source), []).append(call)
@@ -130,11 +130,11 @@ def watch_callbacks(*nodes: Node | str) -> Callbacks:
     Record the callbacks that executors of this notebook run until the end of a ``with`` block.
 
     The record shows a picture as the last line of a cell, and a plain-text table with ``str()``.
-    It knows lost messages only of publishers in this notebook, and late or skipped ticks only of
+    It shows lost messages only for publishers in this notebook, and late or skipped ticks only for
     timers on a real clock.
 
     :param nodes: nodes or their names; none for all nodes that are not hidden
-    :returns: the record, for ``with``; its ``calls`` are the callbacks so far
+    :returns: the record, for a ``with`` statement; its ``calls`` are the callbacks so far
     :raises RoslabError: if something else is given
     """
     return Callbacks(nodes)

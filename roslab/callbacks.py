@@ -1,9 +1,9 @@
 """
 Watch what executors of this process do: when each callback was due, began and ended.
 
-The watch replaces two functions of rclpy while it lasts: the one that makes an executor's handler
-of a ready entity, and the one that publishes.  It works with every executor of this process, also
-with those that were created before.
+While it lasts, the watch replaces two functions of rclpy: the one that makes an executor's handler
+for a ready entity, and the one that publishes.  It works with every executor of this process,
+including executors created earlier.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ class Source(NamedTuple):
 
 class Call(NamedTuple):
     """
-    One callback, or an event that got none; times begin with the watch [s].
+    One callback, or an event without one; times are measured from the start of the watch [s].
 
     :param source: what the callback belongs to
-    :param came: when its message came, or when its timer was due; None if that is not known
+    :param came: when its message arrived, or when its timer was due; None if unknown
     :param began: None if no callback began during the watch
     :param ended: None if it did not end during the watch
     :param thread: number of the thread, beginning with 1; 0 without a callback
-    :param lost: True for a message that a later one overtook, and for a skipped tick
+    :param lost: True for a skipped tick, and for a message older than one that was taken
     """
 
     source: Source
@@ -98,7 +98,7 @@ class Watch:
         self._found: dict[int, Call] = {}
         self._numbers = count(1)
         self.end: float | None = None
-        """When the watch ended [s], None before."""
+        """End of the watch [s]; None until then."""
 
     @property
     def calls(self) -> list[Call]:
@@ -117,7 +117,7 @@ class Watch:
 
     @property
     def events(self) -> list[Call]:
-        """All that is known, callbacks first."""
+        """All recorded callbacks, then the events without one."""
         return sorted(self._found.values(), key=lambda call: (call.began is None, call.began or 0))
 
     def __enter__(self) -> Self:
@@ -144,7 +144,7 @@ class Watch:
         for key, (entity, source) in tuple(self._sources.items()):
             if isinstance(entity, Subscription):
                 self._add_unheard(source, self._taken[key])
-        self._nodes = ()  # the record keeps no node alive, and no entity
+        self._nodes = ()  # the record must not keep nodes and entities alive
         self._sources.clear()
         self._groups.clear()
 
@@ -165,7 +165,7 @@ class Watch:
         elif isinstance(entity, Timer):
             run, due, skipped = _take_timer(entity, take)
             for tick in skipped:
-                if tick >= self._zero_ns:  # nobody may have spun the timer for minutes before
+                if tick >= self._zero_ns:  # ignore ticks missed before the watch
                     self._add(Call(source, self._seconds(tick), lost=True))
             came = None if due is None else self._seconds(due)
         else:
@@ -173,7 +173,7 @@ class Watch:
         return run and self._noted(source, came, run)
 
     def _noted(self, source: Source, came: float | None, run: Callable[[], Any]) -> Any:
-        """Return the coroutine function of a callback that notes its begin and end."""
+        """Return the coroutine function of a callback that records its begin and end."""
 
         async def noted() -> None:
             thread = threading.get_ident()

@@ -92,7 +92,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
 def _not_checked(
     exam: str, expected: str, got: str, try_this: str, where: str | None = None
 ) -> CheckReport:
-    """Return a report without verdicts; a fault is that of the call, unless ``where`` is given."""
+    """Return a report without verdicts; the problem is in the call unless ``where`` is given."""
     place = where or f'check({exam!r})'
     return CheckReport(exam, problem=Problem(place, expected, got, try_this))
 
@@ -176,7 +176,7 @@ def _read(exam: str, outcome: child.Outcome) -> CheckReport:
         lines = [line.strip() for line in outcome.output.splitlines() if line.strip()]
         last = lines[-1][:300] if lines else 'it printed nothing'
         got = f'exit code {outcome.returncode} and no verdict: {last}'
-    try_this = 'run the cell again; if it stays, type make doctor in a terminal'
+    try_this = 'run the cell again; if the problem remains, type make doctor in a terminal'
     return _not_checked(exam, 'a verdict', got, try_this, _CHECKER)
 
 

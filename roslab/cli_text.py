@@ -1,8 +1,8 @@
 """
 Format facts as ROS 2's command line tools print them.
 
-These functions need no node, session or terminal.  The notebook functions ``echo``, ``hz``,
-``info`` and ``topics`` print their results, and so do the commands of :mod:`roslab.ros2`.
+These functions need no node, session or terminal.  ``echo``, ``hz``, ``info`` and ``topics`` in
+notebooks, and the commands of :mod:`roslab.ros2`, print what these functions return.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _SECTIONS = (
 
 class Shorten(NamedTuple):
     """
-    How to shorten values; by default, they are as ``ros2 topic echo`` prints them.
+    How to shorten values; the defaults are those of ``ros2 topic echo``.
 
     :param truncate: longest string or array to write in full, None for no limit
     :param no_arr: write only the type and length of arrays
@@ -109,7 +109,7 @@ def _sequence(value: Any, field_type: str, shorten: Shorten) -> Any:
 
 
 def item_type(field_type: str) -> str:
-    """Return the type of an array's items, and any other type as it is."""
+    """Return the type of an array's items, and any other type unchanged."""
     return field_type.split('[')[0].removeprefix('sequence<').split(',')[0].rstrip('>')
 
 
@@ -147,7 +147,7 @@ def topic_info_text(
     """
     Return what ``ros2 topic info`` prints.
 
-    :param types: types of the topic; several types, a mistake, are shown as a list
+    :param types: types of the topic; more than one type, which is a mistake, is shown as a list
     :param publishers: rclpy's ``TopicEndpointInfo``, whose ``str()`` is printed
     :param subscriptions: the same for subscriptions
     :param verbose: include each endpoint, as ``-v`` does

@@ -77,7 +77,7 @@ def spare_the_terminal(stream: Any) -> None:
 
 
 class ConsoleLines:
-    """Removes marked lines of Python, and the marks of other lines, from text in pieces."""
+    """Removes marked lines of Python code, and the marks of other lines, from pieces of text."""
 
     def __init__(self) -> None:
         self._rest = ''

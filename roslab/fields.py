@@ -23,7 +23,7 @@ _DEEPEST = 4
 
 
 def numeric_fields(msg_type: Any) -> list[str]:
-    """Return the paths of all numeric fields of a message; arrays have ``[0]`` for an item."""
+    """Return the paths of all numeric fields of a message; arrays appear with index ``[0]``."""
     return list(_numeric(msg_type, '', _DEEPEST))
 
 

@@ -157,8 +157,8 @@ def _raised_by_ros(error: str | BaseException | None) -> bool:
 def _text(error: str | BaseException | None) -> str:
     if error is None:
         raise RoslabError(
-            'explain() looks at the last red error of this notebook, and there was none. Give '
-            "it the text: explain('No executable found')."
+            'explain() looks at the last red error of this notebook, and there was none. '
+            "Try: explain('No executable found')."
         )
     if isinstance(error, BaseException):
         return f'{type(error).__name__}: {error}'.removesuffix(': ')

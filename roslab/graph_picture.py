@@ -92,12 +92,12 @@ def _topic_lines(facts: Facts, topic: Topic) -> list[str]:
             ends = [facts.label(edge.node), middle]
             whole = f' {arrow} '.join(ends if edge.outward else ends[::-1])
             lines.append(f'{whole}   {edge.remark}')
-    return lines or [f'{middle}   no endpoints that are shown']
+    return lines or [f'{middle}   no visible endpoints']
 
 
 def _summary(facts: Facts) -> str:
     if not facts.nodes and not facts.topics:
-        return 'No nodes are seen now.'
+        return 'No nodes are visible now.'
     seen = f'{counted(facts.nodes, "node")}, {counted(facts.topics, "topic")}'
     without = '' if facts.everything else ' (without /rosout and /parameter_events)'
     return f'Seen now: {seen}{without}.'

@@ -39,12 +39,12 @@ _NO_INIT = (
     'Leave it out, and do not call main() here: start(...) runs a node in the background.'
 )
 _INVALID_HANDLE = (
-    'InvalidHandle: this node, or what belongs to it, was stopped or replaced meanwhile. '
+    'InvalidHandle: this node, or the node that owns this object, was stopped or replaced. '
     'Run first: the cell that starts it.'
 )
 _ORDER = (
-    'This cell uses what cells above it do, and not all of those were run to their end, in order. '
-    'Run first: all of them, by the menu Run, Run All Above Selected Cell.'
+    'This cell depends on cells above it, but not all of them were run to the end and in order. '
+    'Run first: all of them, with the menu Run, Run All Above Selected Cell.'
 )
 
 _MAGICS = str(Path(__file__).with_name('magics.py'))
@@ -142,7 +142,7 @@ def _not_there(error: Any, shell: Any) -> str | None:
     missing, is_module = error.name, isinstance(error, ModuleNotFoundError)
     if not missing:
         return None
-    # A bare name is given to check(), and not in a comment.
+    # Code, not a comment, passes a bare name to check().
     if re.search(rf'(?m)^[^#\n]*\bcheck\(\s*{re.escape(missing)}\b', _history(shell)[-1]):
         return (
             f'NameError: check() takes the name of an exercise in quotes. Write: '

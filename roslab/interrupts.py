@@ -41,7 +41,7 @@ class HeldInterrupts:
     """
     Delays SIGINT during a short step of bounded length, and delivers it afterwards.
 
-    One inside another passes its interrupt on, so that only the end of the outer step delivers it.
+    A nested step passes its interrupt on, so that only the end of the outer step delivers it.
     Python delivers signals only in the main thread; in other threads this does nothing.
     """
 

@@ -36,7 +36,7 @@ def listen_as_found(topic: str, qos: QoSProfile | None = None) -> Listener:
     """
     Subscribe to a topic with the type of its publishers and, by default, their QoS.
 
-    :param qos: profile of the subscription; None for one that fits the publishers
+    :param qos: profile of the subscription; None for one that is compatible with the publishers
     :raises NotHereError: if the topic has no endpoint, or its type cannot be imported
     """
     name, kind = find_topic(topic)

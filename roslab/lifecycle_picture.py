@@ -40,7 +40,7 @@ _ARROWS: tuple[tuple[str, str, Corners, tuple[int, int]], ...] = (
     ('inactive', 'shutdown', ((280, 106), (280, 166)), (316, 144)),
     ('active', 'shutdown', ((490, 106), (490, 193), (344, 193)), (420, 186)),
 )
-"""State, transition, corners of the arrow, and place of its label."""
+"""State, transition, corners of the arrow, and position of its label."""
 _LEGEND = 'solid: possible now · dashed: not now'
 _PATIENCE_S = 3.0
 

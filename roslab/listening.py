@@ -74,7 +74,7 @@ class Listener:
             # The callback refers to the deque, not to the listener, so that the listener can be
             # garbage-collected.
             subscription = _subscribe(self._node, self.topic, self.msg_type, self.qos, self._heard)
-            # The garbage collector may end it in any thread.
+            # The garbage collector may run the finalizer in any thread.
             forget = self._session.forget
             self._end = weakref.finalize(self, forget, self._node, subscription)
             # At exit, the session destroys entire nodes including their subscriptions.

@@ -2,7 +2,7 @@
 A picture in the output of one cell that is redrawn while other cells run.
 
 A separate thread draws, at most five times a second and only if there is something new.  It ends
-with what it shows, or when another cell shows the same thing.
+when its subject ends, or when another cell shows the same subject.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ _pictures: dict[Hashable, LivePicture] = {}
 
 class LivePicture:
     """
-    The place of a picture, and the thread that redraws it; subclasses say what it shows.
+    A picture in the output of a cell, and the thread that redraws it; subclasses draw the subject.
 
-    :param key: what it shows; a second picture of it ends the first one
+    :param key: name of the subject; a second picture with the same key ends the first one
     """
 
     def __init__(self, key: Hashable) -> None:
@@ -48,11 +48,11 @@ class LivePicture:
         raise NotImplementedError
 
     def _can_change(self) -> bool:
-        """Return whether something new can come."""
+        """Return whether the picture can still change."""
         raise NotImplementedError
 
     def _finish(self) -> None:
-        """Stop what is shown; called once at the end."""
+        """Stop the subject; called once at the end."""
         raise NotImplementedError
 
     def begin(self) -> None:
@@ -70,7 +70,7 @@ class LivePicture:
         self._keep_up()
 
     def stop(self) -> None:
-        """End what is shown and stop drawing; the picture no longer changes."""
+        """End the subject and stop drawing; the picture no longer changes."""
         with HeldInterrupts():
             self._ended.set()
             self._finish()
@@ -81,7 +81,7 @@ class LivePicture:
             self._paint()
 
     def _keep_up(self) -> None:
-        """Make the picture follow again, even after stop_all() has ended what it shows."""
+        """Keep the picture up to date again, even after stop_all() has ended its subject."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
                 return

@@ -1,4 +1,4 @@
-"""Plot a number of a topic against time, redrawn in its own cell while other cells run."""
+"""Plot a numeric field of a topic against time, redrawn in its cell while other cells run."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Plot(LivePicture):
         except RoslabError:
             self.listener.stop()
             raise
-        # A picture of a simulation does not end the one that follows the topic of that name.
+        # A plot of a simulation must not end the live plot of a topic with the same name.
         super().__init__(('plot', self.topic, field, isinstance(topic, TopicRecord)))
 
     @property
@@ -62,7 +62,7 @@ class Plot(LivePicture):
         """
         Wait until a number of messages have arrived and the picture shows them.
 
-        :param count: how many messages since the plot began
+        :param count: number of messages since the plot began
         :param timeout: how long to wait [s]
         :returns: all values so far
         :raises TimeoutError: with possible reasons

@@ -98,7 +98,7 @@ _recorder: _Recorder | None = None
 
 
 def record_logs(on_line: Callable[[LogLine], object] | None = None) -> None:
-    """Start recording log lines, unless that has been done."""
+    """Start recording log lines, unless recording has already started."""
     global _recorder
     _recorder = _recorder or _Recorder()
     _recorder.on_line = on_line or _recorder.on_line

@@ -114,7 +114,7 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
 
 
 def no_publisher(node: Node, topic: str) -> str:
-    """Return one sentence on a topic without publisher, with a similar name or all others."""
+    """Return one sentence about a topic without publishers, and a similar name or all others."""
     known = [name for name, _ in node.get_topic_names_and_types() if name not in QUIET_TOPICS]
     published = [name for name in known if node.count_publishers(name)]
     near = get_close_matches(node.resolve_topic_name(topic), published, n=1, cutoff=0.75)

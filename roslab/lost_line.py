@@ -36,8 +36,8 @@ class ProgramsRefused(ast.NodeTransformer):
         """
         if _goes_on(tree) and any(map(_is_start, tree.body)):
             raise NodeLineMissingError(
-                'this cell is a whole program, and the notebook would wait for its main() without '
-                f'end. It was not run. Write this as its first line: %%node {self._name()}'
+                'this cell is a whole program, and the notebook would wait for its main() '
+                f'forever. It was not run. Write this as its first line: %%node {self._name()}'
             )
         return tree
 

@@ -183,8 +183,8 @@ def _without_main_call(tree: ast.Module) -> ast.Module:
     for statement in tree.body:
         if isinstance(statement, ast.Expr) and ast.unparse(statement).startswith('main('):
             say(
-                f'Line {statement.lineno} of the cell calls main() whenever the file is read; it '
-                'was left out here, or this cell would not end. Write it below: '
+                f'Line {statement.lineno} of the cell calls main() whenever the file is read; the '
+                'call was skipped, or this cell would never end. Write the call below: '
                 "if __name__ == '__main__':"
             )
             tree.body = [other for other in tree.body if other is not statement]

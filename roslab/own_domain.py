@@ -21,7 +21,7 @@ from roslab.output import say
 
 VARIABLE = 'ROS_DOMAIN_ID'
 
-_DOMAIN_0 = 'This notebook is in domain 0 and hears every program that has no domain of its own.'
+_DOMAIN_0 = 'This notebook is in domain 0 and receives messages of every program without a domain.'
 _ALL_CLAIMED = (
     f'Note: the {len(DOMAINS)} ROS domains of this machine are all in use. {_DOMAIN_0} Shut down '
     'notebooks in the list of running kernels, at the left edge of JupyterLab, then restart this '

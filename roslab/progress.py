@@ -65,7 +65,7 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
     example by a test, is not the learner's work.
 
     :param result: points, or whether the answer was right
-    :param tries: number to add to the stored tries, 1 for a check of an answer that is written
+    :param tries: number to add to the stored tries, 1 for a check of a completed exercise
     """
     try:
         layout = Layout.here()
@@ -101,7 +101,7 @@ def read_results(path: Path) -> Results:
         found.setdefault('tries', {})  # older files contain no tries
     if not _is_ours(found):
         raise RoslabError(
-            f'{path}: this file does not hold the results of check() and quiz(). Try: '
+            f'{path}: this file does not contain results of check() and quiz(). Try: '
             'progress(forget=True), which deletes this file and nothing else.'
         )
     return {kind: found[kind] for kind in KINDS}

@@ -112,7 +112,7 @@ def load(path: Path) -> list[Question]:
     """
     Read all questions of one file.
 
-    :raises QuizError: if the file has another form
+    :raises QuizError: if the file does not have this form
     """
     __tracebackhide__ = True
     try:

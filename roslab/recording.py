@@ -1,7 +1,8 @@
 """
-``record`` and ``replay``: topics of this kernel's domain, to a file and back.
+Record topics of this kernel's domain in a file, and replay them.
 
-Functions import the modules for bags: mcap takes a quarter of a second, and few notebooks record.
+The modules for bags are imported inside functions, because importing mcap takes a quarter of a
+second and few notebooks record.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from roslab.bags.bag import Bag
 
 _LOOK_S = 0.1
-"""Time between two looks for new topics [s]."""
+"""Time between two checks for new topics [s]."""
 PLAYER = 'rosbag2_player'
 
 
@@ -34,10 +35,10 @@ def record(file: str | Path, *sources: str | Simulation, seconds: float = 5.0) -
     """
     Record messages in an MCAP file, as ``ros2 bag record`` does, while nodes run.
 
-    An interrupt ends the recording and keeps what has arrived.
+    An interrupt ends the recording and keeps the messages that have arrived.
 
     :param file: a name that ends in .mcap; an existing file is replaced
-    :param sources: names of topics; none for all topics. Or one simulation, to save it
+    :param sources: names of topics, none for all topics; or one simulation to save
     :param seconds: how long to record [s]
     :returns: the summary of the file, as ``ros2 bag info`` prints it
     :raises RoslabError: if an argument is wrong, or the file cannot be written
@@ -56,12 +57,12 @@ def record(file: str | Path, *sources: str | Simulation, seconds: float = 5.0) -
 
 def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
     """
-    Publish recorded messages again, with their types, QoS and rhythm, as ``ros2 bag play`` does.
+    Publish recorded messages again, with their types, QoS and timing, as ``ros2 bag play`` does.
 
     :param file: an MCAP file, or the folder that ``ros2 bag record`` has written
     :param topics: only these topics
-    :param rate: 2.0 for twice as fast as recorded
-    :raises RoslabError: if the file is damaged or foreign, or a type has changed since
+    :param rate: speed relative to the recording, 2.0 for twice as fast
+    :raises RoslabError: if the file is damaged or not a bag, or a type has changed since
     """
     from roslab.bags.player import CONNECT_S, Player
     from roslab.bags.reader import open_bag

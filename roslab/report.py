@@ -92,8 +92,8 @@ class CheckReport:
             f'{name} is not finished: it still has YOUR CODE HERE.' for name in self.unfinished
         ]
         remarks += [
-            f'{name} was left over: no cell makes it any more, and cells are what you hand in. '
-            "Was its first line changed, the one with %% and the file's name?"
+            f'{name} is left over: no cell saves it any more, and you hand in only cells. '
+            "Did you change the first line of its cell, the one with %% and the file's name?"
             for name in self.left_over
         ]
         if self.problem is not None:

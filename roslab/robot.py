@@ -1,5 +1,5 @@
 """
-A small robot that drives as ``cmd_vel`` says, publishes its pose, and shows what arrived.
+A small robot that obeys commands on ``cmd_vel``, publishes its pose and shows the commands.
 
 Its motors keep the last command until another one arrives, like those of many real robots.
 """
@@ -32,42 +32,42 @@ _PERIOD_S = 0.1
 
 class Robot(LivePicture):
     """
-    A robot in a room of 6 m by 3 m, from above; it starts at x = 0, y = 0, and looks along x.
+    A robot in a room of 6 m by 3 m, from above; it starts at x = 0, y = 0, facing along x.
 
-    :param track: where it was until now
-    :param clock: returns the time since the start [s]; None for a robot that stays where it is
+    :param track: its track so far
+    :param clock: returns the time since the start [s]; None for a robot that no longer moves
     """
 
     def __init__(self, track: Track, clock: Callable[[], float] | None = None) -> None:
         super().__init__(NAME)
         self._clock = clock
         self._track = track
-        self._using = threading.Lock()  # cells, callbacks and the drawing thread move it on
+        self._using = threading.Lock()  # cells, callbacks and the drawing thread advance the track
         self.refused = ''
 
     @property
     def x(self) -> float:
-        """Its current position, ahead of its start [m]."""
+        """Current position, ahead of the start [m]."""
         return self._now().pose.x
 
     @property
     def y(self) -> float:
-        """Its current position to the left of its start [m]."""
+        """Current position, to the left of the start [m]."""
         return self._now().pose.y
 
     @property
     def heading(self) -> float:
-        """Its direction now, anticlockwise from the x axis [rad]."""
+        """Current heading, anticlockwise from the x axis [rad]."""
         return self._now().pose.heading
 
     @property
     def moving(self) -> bool:
-        """Return whether it drives or turns now."""
+        """Return whether the robot is driving or turning."""
         return self._now().moving
 
     @property
     def at_wall(self) -> bool:
-        """Return whether a wall holds it now."""
+        """Return whether a wall stops the robot."""
         return self._now().at_wall
 
     @property
@@ -76,7 +76,7 @@ class Robot(LivePicture):
         return self._now().arrived
 
     def obey(self, command: Twist) -> None:
-        """Drive as a command says that arrives now."""
+        """Obey a command that arrives now."""
         self._change(command.linear.x, command.angular.z)
 
     def stop_in_silence(self) -> None:
@@ -86,7 +86,7 @@ class Robot(LivePicture):
         self._change(0.0, 0.0, DEADLINE)
 
     def _finish(self) -> None:
-        """Stay where it is from now on."""
+        """Keep the current pose from now on."""
         self._now()
         self._clock = None
 
@@ -117,9 +117,9 @@ class Robot(LivePicture):
 
 class RobotNode(Node):
     """
-    The node of a robot: hears commands, and publishes its pose on ``odom`` ten times a second.
+    The node of a robot: receives commands, and publishes its pose on ``odom`` ten times a second.
 
-    :param topic: of the commands, ``geometry_msgs/msg/Twist``
+    :param topic: topic of the commands, of type ``geometry_msgs/msg/Twist``
     :param qos: profile of the subscription; with a deadline, silence stops the robot
     """
 
@@ -136,7 +136,7 @@ class RobotNode(Node):
         self.create_timer(_PERIOD_S, self._publish_pose)
 
     def destroy_node(self) -> None:
-        """Destroy the node; its robot stays where it is."""
+        """Destroy the node; its robot keeps its pose."""
         self.robot._finish()
         super().destroy_node()
 
@@ -156,13 +156,13 @@ class RobotNode(Node):
 
 def robot(source: str | TopicRecord = 'cmd_vel', *, qos: QoSProfile | int = 10) -> Robot:
     """
-    Show a robot that drives as a topic says; it replaces the robot of an earlier call.
+    Show a robot that obeys the commands on a topic; it replaces the robot of an earlier call.
 
-    :param source: name of a topic with ``geometry_msgs/msg/Twist``; or what a simulation recorded,
-        ``robot(run['cmd_vel'])``
+    :param source: name of a topic with ``geometry_msgs/msg/Twist``; or a recorded topic of a
+        simulation, as in ``robot(run['cmd_vel'])``
     :param qos: profile of its subscription, or a depth; with a deadline, silence stops the robot
     :returns: the robot, with ``x``, ``y``, ``heading``, ``moving``, ``at_wall`` and ``commands``
-    :raises RoslabError: if what a simulation recorded is no Twist
+    :raises RoslabError: if the recorded topic does not have this type
     """
     if isinstance(source, TopicRecord):
         return _replayed(source)
@@ -177,7 +177,7 @@ def _replayed(record: TopicRecord) -> Robot:
     """Return the robot at the end of a simulation."""
     if record.type != _TWIST:
         raise RoslabError(
-            f'robot() expected commands of type {_TWIST}, and {record.topic} has {record.type}. '
+            f'robot() expected commands of type {_TWIST}, but {record.topic} has {record.type}. '
             "Pass another topic of the simulation, as in robot(run['cmd_vel'])."
         )
     track = Track()

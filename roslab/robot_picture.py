@@ -1,4 +1,4 @@
-"""Draw a robot in its room, its track and what arrived there, as a picture and as text."""
+"""Draw a robot in its room, its track and its commands, as a picture and as text."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def track_words(track: Track, refused: str = '') -> str:
     """
     Return the picture in words.
 
-    :param refused: policy because of which a publisher was refused, empty if none was
+    :param refused: QoS policy for which a publisher was refused, empty if none was
     """
     words = f'The robot is at {_place(track)}, after {track.time_s:.1f} s, and '
     if track.moving:
@@ -60,7 +60,7 @@ def track_words(track: Track, refused: str = '') -> str:
 
 
 def track_text(track: Track, refused: str = '') -> str:
-    """Return the picture as text: the sentence, and what happened last."""
+    """Return the picture as text: a one-sentence summary and the latest events."""
     lines = [track_words(track, refused)]
     for seconds, what, times, speed, turn, x, y in _rows(track)[-_MOST_LISTED:]:
         more = f' ({times} times)' if times > 1 else ''
@@ -84,7 +84,7 @@ def track_html(track: Track, refused: str = '') -> str:
 
 
 def _groups(track: Track) -> list[tuple[str, Happened, int]]:
-    """Return the newest signs with their first event; equal ones in a row are one, counted."""
+    """Return the newest groups of equal consecutive events: symbol, first event and count."""
     found = []
     for (sign, *_), group in groupby(
         track.happened, key=lambda one: (_sign(one), one.speed, one.turn)
@@ -124,7 +124,7 @@ def _y(metres: float) -> float:
 
 
 def _room() -> list[str]:
-    """Return the walls, and a grid of metres."""
+    """Return the walls and a one-metre grid."""
     left, right, top, bottom = _x(LEFT_M), _x(RIGHT_M), _y(TOP_M), _y(BOTTOM_M)
     parts = [
         f'<rect x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" '
@@ -141,7 +141,7 @@ def _room() -> list[str]:
 
 
 def _legend(track: Track, refused: str) -> list[str]:
-    """Return the number of commands, and what the signs mean that are in the picture."""
+    """Return the number of commands, and the meaning of each symbol in the picture."""
     there = [name for name in _SIGNS if any(_sign(one) == name for one in track.happened)]
     signs = ', '.join(f'{_SIGNS[name][0]}: {name}' for name in there)
     first = f'{counted(track.arrived, "command")} arrived'
@@ -154,7 +154,7 @@ def _legend(track: Track, refused: str) -> list[str]:
 
 
 def _body(track: Track) -> str:
-    """Return the robot: a circle, with a line to its front."""
+    """Return the robot: a circle with a line towards its front."""
     x, y, radius = _x(track.pose.x), _y(track.pose.y), RADIUS_M * _PIXELS
     colour = svg.RED if track.at_wall else svg.ORANGE
     ahead_x = x + radius * math.cos(track.pose.heading)

@@ -1,7 +1,7 @@
 """
-Where a robot with two wheels is, as a function of the commands that arrived and their times.
+Compute the track of a two-wheeled robot from the commands that arrived and their times.
 
-The same commands at the same times give the same track.  No ROS here.
+The same commands at the same times give the same track.  This module does not use ROS.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 LEFT_M, RIGHT_M = -1.0, 5.0
 BOTTOM_M, TOP_M = -1.5, 1.5
 RADIUS_M = 0.15
-_STEP_S = 0.02  # how finely a wall is looked for: 1 cm at 0.5 m/s
+_STEP_S = 0.02  # between two checks for a wall: 1 cm at 0.5 m/s
 
 COMMAND, DEADLINE, WALL = 'command', 'deadline missed', 'wall'
 NOT_FINITE = 'not a finite number: stops'
@@ -20,9 +20,9 @@ NOT_FINITE = 'not a finite number: stops'
 
 class Pose(NamedTuple):
     """
-    Place and direction.
+    Position and heading.
 
-    :param x: [m]
+    :param x: ahead of the start [m]
     :param y: to the left of the start [m]
     :param heading: anticlockwise from the x axis [rad]
     """
@@ -34,9 +34,9 @@ class Pose(NamedTuple):
 
 class Happened(NamedTuple):
     """
-    Something that changed how the robot drives.
+    An event that changed the robot's motion.
 
-    :param time_s: since the start [s]
+    :param time_s: time since the start [s]
     :param what: :data:`COMMAND`, :data:`DEADLINE`, :data:`WALL` or :data:`NOT_FINITE`
     :param speed: of the robot from then on [m/s]
     :param turn: of the robot from then on [rad/s]
@@ -51,7 +51,7 @@ class Happened(NamedTuple):
 
 
 class Track:
-    """A robot in a room, which drives as the last command says until another one arrives."""
+    """A robot in a room, which obeys the last command until another one arrives."""
 
     def __init__(self) -> None:
         self.pose = Pose(0.0, 0.0, 0.0)
@@ -64,7 +64,7 @@ class Track:
 
     @property
     def moving(self) -> bool:
-        """Return whether it changes its place or its direction."""
+        """Return whether the robot is changing its position or heading."""
         return bool(self.turn or (self.speed and not self.at_wall))
 
     @property
@@ -74,12 +74,12 @@ class Track:
 
     def obey(self, time_s: float, speed: float, turn: float, what: str = COMMAND) -> None:
         """
-        Drive on in another way.
+        Change the motion.
 
-        :param time_s: when; not before an earlier call [s]
+        :param time_s: time of the change, not before that of an earlier call [s]
         :param speed: [m/s]
         :param turn: [rad/s]; if one of the two is not finite, the robot stops
-        :param what: why, see :class:`Happened`
+        :param what: the cause, see :class:`Happened`
         """
         self.advance(time_s)
         if not (math.isfinite(speed) and math.isfinite(turn)):
@@ -88,7 +88,7 @@ class Track:
         self._note(what)
 
     def advance(self, time_s: float) -> None:
-        """Drive as before until a time [s]; an earlier time changes nothing."""
+        """Continue the motion until a time [s]; an earlier time has no effect."""
         while self.moving and self.time_s < time_s:
             self._step(min(_STEP_S, time_s - self.time_s))
         self.time_s = max(self.time_s, time_s)
@@ -100,7 +100,7 @@ class Track:
             LEFT_M + RADIUS_M <= there.x <= RIGHT_M - RADIUS_M
             and BOTTOM_M + RADIUS_M <= there.y <= TOP_M - RADIUS_M
         )
-        # At a wall the wheels slip: the robot can still turn, and drive away.
+        # At a wall the wheels slip: the robot can still turn, and then drive away.
         self.pose = Pose(self.pose.x, self.pose.y, there.heading) if blocked else there
         if blocked and self._last_wall != self.pose[:2]:
             self._last_wall = self.pose[:2]

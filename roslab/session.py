@@ -219,7 +219,7 @@ class Session:
             if not isinstance(node, Node):
                 raise RoslabError(
                     f'start({called}) expected a class or function that creates a Node, got '
-                    f'{type(node).__name__}. A class must inherit from Node, a function return it.'
+                    f'{type(node).__name__}. Pass a subclass of Node or a function returning one.'
                 )
         except BaseException as error:
             # Otherwise the node would stay in the graph although no variable refers to it.

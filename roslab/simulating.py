@@ -1,5 +1,5 @@
 """
-Run a saved node file on the grader's virtual clock, an hour in seconds, and return what it did.
+Run a saved node file on the grader's virtual clock, and return its messages and log lines.
 
 As for ``check``, a child process runs the file, in a sandbox if one is available.
 :func:`recorded_runs` returns recordings that are part of the course, without running anything.

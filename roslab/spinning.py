@@ -105,7 +105,7 @@ def refuse_to_spin_twice() -> None:
         if isinstance(serving, BackgroundExecutor) and serving is not self:
             raise RoslabError(
                 f'{node.get_name()} runs already: start(...) spins it in the background, so this '
-                'cell need not. Leave the spinning out; to wait for something, use '
+                'cell need not. Remove this call; to wait for something, use '
                 'wait_until(lambda: ...).'
             )
         return original(self, node)

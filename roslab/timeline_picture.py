@@ -53,7 +53,7 @@ class Row(NamedTuple):
 
 
 Place = Callable[[float], float]
-"""Returns the place of a time [s] on the axis."""
+"""Returns the position of a time [s] on the axis."""
 
 
 class Lane(NamedTuple):
@@ -143,11 +143,11 @@ def _row_of(source: Any, zero: float) -> Row:
     if not (hasattr(source, 'times') and hasattr(source, 'began')):
         raise RoslabError(
             f'timeline() expected a listener, as listen() returns it, got {source!r}. '
-            'Times of other things go into marks={"label": [seconds, ...]}.'
+            'Pass times of other events as marks={"label": [seconds, ...]}.'
         )
     shift = source.began - zero if source.began else 0.0
     times = tuple(time + shift for time in source.times)
-    # Only a recorded run keeps its messages as they were: it has their fields, `data`.
+    # Only a recorded run, recognised by `data`, is sure to keep its messages unchanged.
     texts = tuple(map(_short, source.messages)) if hasattr(source, 'data') else ()
     return Row(source.topic, times, more=type_name(source.msg_type), texts=texts)
 
@@ -266,7 +266,7 @@ def _labels(lane: Lane, y: float, left: float, right: float) -> str:
 
 
 def _xs(row: Row, place: Place) -> list[float]:
-    """Return one place per half pixel, to limit the size of the picture."""
+    """Return one position per half pixel, to limit the size of the picture."""
     return sorted({round(place(time) * 2) / 2 for time in row.times})
 
 

@@ -12,7 +12,7 @@ from roslab.session import session
 T = TypeVar('T')
 
 _SLICE_S = 0.05
-"""Time between two looks at the condition when no callback runs, as in discovery [s]."""
+"""Time between two checks of the condition when no callback runs, as in discovery [s]."""
 
 
 def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
@@ -34,7 +34,7 @@ def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
     if session().executor.is_this_thread:
         raise RoslabError(
             'A callback cannot wait for other callbacks: all of them run in one thread. '
-            'Return from it and do the rest in the callback of what you wait for.'
+            'Return from it, and do the rest in the callback that you are waiting for.'
         )
     value: T = session().progress.wait(condition, timeout_s, _SLICE_S)
     return value

@@ -1,4 +1,4 @@
-"""For all tests: repeatable points, and programs that can be interrupted."""
+"""Give all tests repeatable points, and programs that can be interrupted."""
 
 import os
 import signal
@@ -6,5 +6,5 @@ import signal
 # Hidden inputs come from a fixed secret.
 os.environ['COURSE_SECRET'] = 'the secret of the tests'
 
-# A shell lets jobs in the background ignore interrupts, and all their programs would ignore them.
+# A shell starts background jobs with SIGINT ignored, and their child processes inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -63,7 +63,9 @@ def _alone(settings: Settings) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise HubError(f'{settings.folder}: this hub runs already. Try: stop it') from error
+            raise HubError(
+                f'{settings.folder}: this hub is already running. Try: stop it'
+            ) from error
         yield
 
 
@@ -96,7 +98,7 @@ def _run(settings: Settings, path: Path) -> int:
                 print("The first password that a user types becomes this user's password.")
             print('Ctrl-C stops the hub, its proxy and all servers.', flush=True)
         code = hub.wait()
-        print(f'hub: JupyterHub ended with code {code}. Look into {log}', file=sys.stderr)
+        print(f'hub: JupyterHub ended with code {code}. See {log}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print('Stopping the servers ...', flush=True)

@@ -30,7 +30,7 @@ class CourseSpawner(LocalProcessSpawner):
         """Start the server and apply the limit before the server can start a kernel."""
         started = await super().start()
         if settings.memory_mib and not limit(self.user.name, self.pid, settings.memory_mib):
-            self.log.warning('No limit of memory: this system offers no control group for it.')
+            self.log.warning('No memory limit: this system offers no control group for it.')
         return started
 
 

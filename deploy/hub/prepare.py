@@ -169,7 +169,7 @@ def _add_server(venv: Path, user: str = '') -> None:
     """Add the packages that a server needs under a hub; change no installed version."""
     pip = (venv / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
     lines = (HERE / 'requirements-server.txt').read_text(encoding='utf-8').splitlines()
-    # Not as a file: the user may not be able to read this folder, if it is in the home of root.
+    # Pass no file: the user may not be able to read this folder, if it is in the home of root.
     run(*pip, *(line for line in lines if not line.startswith('#')), user=user)
 
 

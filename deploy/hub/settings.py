@@ -82,7 +82,7 @@ def read(path: Path) -> Settings:
     lacking = {'folder', 'port', 'instructor', 'students'} - set(given)
     if wrong := sorted(set(given) - known) or sorted(lacking):
         what = 'unknown' if set(given) - known else 'missing'
-        raise SettingsError(f'{path}: {what}: {", ".join(wrong)}. It may have {sorted(known)}')
+        raise SettingsError(f'{path}: {what}: {", ".join(wrong)}. Known: {sorted(known)}')
     settings = Settings(
         **{**given, 'folder': Path(given['folder']), 'students': tuple(given['students'])}
     )
@@ -97,7 +97,7 @@ def _check(path: Path, settings: Settings) -> None:
         'folder: expected an absolute path': settings.folder.is_absolute(),
         'port: expected a number from 1024 to 65533': settings.port in range(1024, 65534),
         f'users: not a system user name: {", ".join(names)}': not names,
-        'users: a name stands twice': len(set(settings.users)) == len(settings.users),
+        'users: a name is listed twice': len(set(settings.users)) == len(settings.users),
         f'login: expected one of {", ".join(LOGINS)}': settings.login in LOGINS,
         'idle_minutes: expected a number above 0': settings.idle_minutes > 0,
         'memory_mib: expected 0 or at least 512': not 0 < settings.memory_mib < 512

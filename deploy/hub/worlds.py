@@ -14,8 +14,8 @@ from environment.places import write_atomically
 SCRIPT, JOIN = 'own_world.sh', 'ros_world'
 TRIAL_S = 20.0
 FALLBACK = (
-    'Kernels share the network of this machine: each takes a ROS domain of its own, and who sets '
-    'that domain on purpose can listen. Reason: {reason}'
+    'Kernels share the network of this machine: each uses a separate ROS domain, but a user who '
+    'sets that domain on purpose can listen. Reason: {reason}'
 )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 _NS = 10**9
 _VERSION = 9
-"""Of the format of metadata.yaml that ROS 2 Jazzy writes."""
+"""Version of metadata.yaml that ROS 2 Jazzy writes."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Bag:
     :param files: its MCAP files, oldest first
     :param topics: sorted by name
     :param start_ns: when the first message was received [ns since 1970]
-    :param end_ns: when the last one was [ns since 1970]
+    :param end_ns: when the last message was received [ns since 1970]
     :param distro: ROS 2 release of the recorder, '' if unknown
     """
 

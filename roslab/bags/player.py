@@ -1,4 +1,4 @@
-"""Publish a bag again, with its types, its quality of service and its rhythm."""
+"""Publish a bag again, with its types, its quality of service and its timing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Player:
     """
     Publishes the messages of a bag.
 
-    :param topics: only these, by full name; none for all
+    :param topics: full names of the topics to publish, none for all
     :raises BagError: if a topic is missing, or a type is not installed or has other fields
     """
 
@@ -37,7 +37,7 @@ class Player:
         missing = ', '.join(sorted(set(topics) - set(known)))
         if missing:
             raise BagError(
-                f'{bag.path}: has no messages of {missing}. Its topics: {", ".join(known)}'
+                f'{bag.path}: there are no messages on {missing}. Its topics: {", ".join(known)}'
             )
         chosen = [one for one in bag.topics if not topics or one.name in topics]
         kinds = {topic.name: _class_of(bag, topic) for topic in chosen}
@@ -66,7 +66,7 @@ class Player:
         """
         Publish all messages, and wait until reliable subscriptions have received them.
 
-        :param rate: 2.0 for twice as fast as recorded
+        :param rate: speed relative to the recording, 2.0 for twice as fast
         :param wait: waits for a time [s]
         :returns: how many messages were published
         :raises BagError: if a part of the bag is damaged
@@ -86,7 +86,7 @@ class Player:
 
 
 def _class_of(bag: Bag, topic: BagTopic) -> type:
-    """Return the class of a topic's messages, whose fields must be those that were recorded."""
+    """Return the class of a topic's messages, whose fields must be the recorded ones."""
     try:
         kind: type = interface_class(topic.type)
         now = hash_of(topic.type)

@@ -90,16 +90,16 @@ def _files_in(folder: Path) -> tuple[Path, ...]:
             raise BagError(f'{about}: this is not the metadata of a bag.') from None
     if not names:
         raise BagError(
-            f'{folder}: no .mcap file is in this folder. Try: the folder of ros2 bag record'
+            f'{folder}: this folder has no .mcap file. Try: the folder that ros2 bag record wrote'
         )
     return tuple(folder / name for name in names)
 
 
 @contextmanager
 def _reading(file: Path) -> Iterator[SeekingReader]:
-    """Open a file, and raise all that can be wrong with it as one kind of error."""
+    """Open a file, and raise a BagError for any problem with it."""
     if not file.exists():
-        raise BagError(f'{file}: there is no such file. Try: the path that record() was given')
+        raise BagError(f'{file}: there is no such file. Try: the path passed to record()')
     try:
         with file.open('rb') as stream:
             if stream.read(len(_MAGIC)) != _MAGIC:
@@ -122,15 +122,15 @@ def _reading(file: Path) -> Iterator[SeekingReader]:
 def _foreign(file: Path) -> BagError:
     if file.suffix == '.db3':
         return BagError(
-            f'{file}: this bag is in SQLite format. Try: convert it to MCAP with the '
-            'command ros2 bag convert of a full installation'
+            f'{file}: this bag is in SQLite format. Try: convert it to MCAP with '
+            'ros2 bag convert in a full installation of ROS 2'
         )
     return BagError(f'{file}: this is not an MCAP file. Try: a file that record() has written')
 
 
 def _incomplete(file: Path) -> BagError:
     return BagError(
-        f'{file}: the end of this file is missing, so it was not completed or copied completely. '
+        f'{file}: the end of this file is missing, so it was not written or copied completely. '
         'Try: copy or record it again'
     )
 
@@ -141,7 +141,7 @@ def _topics_of(file: Path, summary: Summary) -> Iterator[BagTopic]:
         schema = summary.schemas.get(channel.schema_id)
         if channel.message_encoding != 'cdr' or schema is None or schema.name.count('/') != 2:
             raise BagError(
-                f'{file}: {channel.topic} holds {channel.message_encoding or "unknown"} data, '
+                f'{file}: {channel.topic} contains {channel.message_encoding or "unknown"} data, '
                 'not ROS 2 messages. Try: a file that record() or ros2 bag has written'
             )
         about = channel.metadata

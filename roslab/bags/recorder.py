@@ -22,7 +22,7 @@ _DEPTH = 1000
 
 class Recorder:
     """
-    Records topics from the moment when they have a publisher.
+    Records topics as soon as they have a publisher.
 
     Callbacks only store messages, because they may run in another thread; :meth:`drain` writes.
 
@@ -46,7 +46,7 @@ class Recorder:
         self._tell = tell
 
     def look(self) -> None:
-        """Subscribe to topics that have got a publisher since the last look."""
+        """Subscribe to topics that have gained a publisher since the last check."""
         for name, types in self.node.get_topic_names_and_types():
             if name in self.subscriptions or name in self.refused:
                 continue

@@ -29,8 +29,8 @@ class BagWriter:
     """
     Writes one MCAP file; use it in a ``with`` statement.
 
-    The file gets its name at the end, even after an interrupt.  Without a message, no file is
-    written, and a file of that name is kept.
+    The file gets its name at the end, even after an interrupt.  Without messages, no file is
+    written, and an existing file of that name is kept.
 
     :param path: the file, which is replaced at the end
     :raises OSError: if its folder cannot be written
@@ -41,7 +41,7 @@ class BagWriter:
         self.bag: Bag | None = None
         self._unfinished = path.with_name(f'.{path.name}.{os.getpid()}')
         self._file = self._unfinished.open('wb')
-        # Not compressed, as ros2 bag does it: some readers lack zstd.
+        # Do not compress, like ros2 bag: some readers lack zstd.
         self._mcap = Writer(self._file, compression=CompressionType.NONE)
         self._mcap.start(profile='ros2', library='roslab')
         self._topics: dict[str, BagTopic] = {}
@@ -58,7 +58,7 @@ class BagWriter:
         """
         Add a topic; it may remain without messages.
 
-        :param profiles: what its publishers offer
+        :param profiles: QoS that its publishers offer
         :raises LookupError: if the type is not installed
         """
         made = BagTopic(name, type_name, plain_profiles(profiles), hash_of(type_name), 0)
@@ -126,7 +126,7 @@ def write_simulation(run: Simulation, writer: BagWriter) -> None:
                 f'{name}: its type {record.type} is not installed here. Try: build_messages()'
             ) from None
         if None in messages:
-            raise RoslabError(f'{name}: the simulation keeps no messages of more than 64 KB.')
+            raise RoslabError(f'{name}: the simulation does not keep messages of more than 64 KB.')
         types[name] = record.type
         rows += [(time, name, message) for time, message in zip(record.times, messages)]
     if run.logs:

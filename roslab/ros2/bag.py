@@ -23,15 +23,15 @@ from roslab.ros2.cli import flag, option, positive_float, verb
 from roslab.ros2.discovery import ros_node, wait_for, wait_for_graph
 
 _LOOK_S = 0.1
-"""Time between two looks for new topics, as ``--polling-interval`` of the real command [s]."""
+"""Time between two checks for new topics, as ``--polling-interval`` of the real command [s]."""
 
 
 _PATH = option('bag_path', type=Path, help='Bag to open: a folder or an .mcap file')
-_STORAGE = option('-s', '--storage', choices=['mcap'], help='the format; only mcap here')
-_TOPICS = option('--topics', nargs='+', default=[], metavar='TOPIC', help='only these')
+_STORAGE = option('-s', '--storage', choices=['mcap'], help='storage format (only mcap)')
+_TOPICS = option('--topics', nargs='+', default=[], metavar='TOPIC', help='use only these')
 
 
-@verb('bag info', _PATH, flag('-t', '--topic-name', 'only names of topics'), _STORAGE)
+@verb('bag info', _PATH, flag('-t', '--topic-name', 'print only the topic names'), _STORAGE)
 def info(args: argparse.Namespace) -> None:
     """Print information about a bag to the screen."""
     bag = open_bag(args.bag_path)
@@ -50,13 +50,13 @@ def info(args: argparse.Namespace) -> None:
         '--rate',
         type=positive_float,
         default=1.0,
-        help='how many times as fast (default: 1)',
+        help='speed relative to the recording (default: 1)',
     ),
     _TOPICS,
     option(
-        '-d', '--delay', type=float, default=0.0, metavar='S', help='wait before the first message'
+        '-d', '--delay', type=float, default=0.0, metavar='S', help='wait S seconds before playing'
     ),
-    flag('-l', '--loop', 'begin again at the end'),
+    flag('-l', '--loop', 'start again at the end'),
     _STORAGE,
 )
 def play(args: argparse.Namespace) -> None:
@@ -78,7 +78,7 @@ def play(args: argparse.Namespace) -> None:
     'bag record',
     option('topics_positional', nargs='*', metavar='TOPIC', help='topics to record'),
     _TOPICS,
-    flag('-a', '--all', 'all topics that are not hidden'),
+    flag('-a', '--all', 'record all topics that are not hidden'),
     option('-o', '--output', help='folder to create (default: named after the time)'),
     _STORAGE,
 )

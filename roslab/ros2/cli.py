@@ -21,7 +21,7 @@ Run = Callable[[argparse.Namespace], None]
 
 
 class Option(NamedTuple):
-    """Names and keywords of ``add_argument``, and whether exclusive options exclude it."""
+    """Arguments of ``add_argument``, and whether the option excludes the other exclusive ones."""
 
     names: tuple[str, ...]
     how: dict[str, Any]
@@ -30,11 +30,11 @@ class Option(NamedTuple):
 
 ABOUT = (
     "The course's own small ros2 command: the same verbs, options and output as ROS 2 Jazzy's. "
-    'Where a full installation of ROS 2 is in use, its own ros2 comes first.'
+    'If ROS 2 is fully installed, its own ros2 command is used instead.'
 )
 GROUPS = {
     'bag': 'Various rosbag related sub-commands',
-    'daemon': 'Tell about the daemon (this command has none)',
+    'daemon': 'Report on the daemon (this command has none)',
     'interface': 'Show information about ROS interfaces',
     'launch': 'Run a launch file',
     'lifecycle': 'Various lifecycle related sub-commands',
@@ -49,11 +49,11 @@ MODULES = {
     'run': ('pkg',),
     'topic': ('topic', 'topic_echo', 'topic_pub', 'topic_rate'),
 }
-"""The modules with the verbs of a group, where they are not one of that name."""
+"""Modules of the groups whose verbs are not in a single module with the group's name."""
 ELSEWHERE = ('action', 'component', 'control', 'doctor', 'multicast', 'security', 'service')
-"""Commands of a full installation that are not here, to be told from typing mistakes."""
+"""Commands that only a full installation has, to distinguish them from typing mistakes."""
 SHUT_DOWN = ('the given context is not valid', "rcl node's context is invalid")
-"""Parts of rcl's errors after Ctrl-C or SIGTERM, which alone shut down early."""
+"""Parts of rcl's errors after Ctrl-C or SIGTERM; nothing else shuts a context down early."""
 
 _verbs: dict[str, tuple[Run, Sequence[Option]]] = {}
 """The verbs of the imported modules by name, such as ``topic list``."""
@@ -129,7 +129,9 @@ def _complete(group: argparse.ArgumentParser, name: str) -> None:
         _add_options(group, *_verbs[name])
         return
     if name == 'topic':
-        group.add_argument('--include-hidden-topics', action='store_true', help='also hidden ones')
+        group.add_argument(
+            '--include-hidden-topics', action='store_true', help='include hidden topics'
+        )
     group.epilog = f'Call `ros2 {name} <verb> -h` for more detailed usage.'
     verbs = group.add_subparsers(title='Verbs', metavar='<verb>')
     for full, (run, options) in sorted(_verbs.items()):

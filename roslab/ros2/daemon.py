@@ -6,7 +6,7 @@ import argparse
 
 from roslab.ros2.cli import verb
 
-_WHY = 'this ros2 has none, each command looks at the graph itself'
+_WHY = 'this ros2 has none; each command discovers the graph itself'
 
 
 @verb('daemon status')

@@ -60,14 +60,14 @@ NODE = (
         type=float,
         default=ALONE_S,
         metavar='S',
-        help='seconds to look for others before saying that nobody is there (default: 0.5)',
+        help='time to look for other nodes before reporting that there are none (default: 0.5)',
     ),
     flag('-s', '--use-sim-time', 'take the time from /clock'),
     flag('--no-daemon', 'no effect: this command has no daemon'),
 )
 """The options that all verbs with a node share."""
 NODE_NAME = option('node_name', help='Name of the ROS node')
-HIDDEN_NODES = flag('--include-hidden-nodes', 'also hidden ones')
+HIDDEN_NODES = flag('--include-hidden-nodes', 'include hidden nodes')
 
 
 @contextmanager

@@ -85,14 +85,14 @@ def interface_class(name: str, kind: str = 'msg') -> Any:
     if len(parts) == 2:
         parts.insert(1, kind)
     if len(parts) != 3 or not all(parts):
-        raise InterfaceError(f"'{name}' is no interface name such as std_msgs/msg/String")
+        raise InterfaceError(f"'{name}' is not an interface name such as std_msgs/msg/String")
     try:
         return getattr(import_module(f'{parts[0]}.{parts[1]}'), parts[2])
     except (ImportError, AttributeError) as error:
         raise InterfaceError(f"'{name}' cannot be imported: {error}") from None
 
 
-_PACKAGE = option('package_name', help='Name of the ROS package, std_msgs')
+_PACKAGE = option('package_name', help='Name of the ROS package, such as std_msgs')
 _ONLY = tuple(
     option(
         f'-{kind[0]}',
@@ -125,9 +125,9 @@ def package(args: argparse.Namespace) -> None:
 
 @verb(
     'interface show',
-    flag('--all-comments', 'also those of parts', exclusive=True),
-    flag('--no-comments', 'no comments, no empty lines', exclusive=True),
-    option('type', help="'std_msgs/msg/String', or - to read it from stdin"),
+    flag('--all-comments', 'include comments of nested types', exclusive=True),
+    flag('--no-comments', 'omit comments and empty lines', exclusive=True),
+    option('type', help="such as 'std_msgs/msg/String', or - for stdin"),
 )
 def show(args: argparse.Namespace) -> None:
     """Output the interface definition."""

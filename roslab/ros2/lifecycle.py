@@ -27,8 +27,8 @@ def _has_lifecycle(node: Node, name: str) -> bool:
 
 @verb(
     'lifecycle nodes',
-    flag('-a', '--all', 'also hidden nodes'),
-    flag('-c', '--count-nodes', 'only their number'),
+    flag('-a', '--all', 'include hidden nodes'),
+    flag('-c', '--count-nodes', 'print only the number of nodes'),
     *NODE,
 )
 def nodes(args: argparse.Namespace) -> None:
@@ -71,7 +71,7 @@ def _transitions(node: Node, name: str, service: str) -> Sequence[Any]:
     return call(node, GetAvailableTransitions, f'{name}/{service}').available_transitions
 
 
-@verb('lifecycle list', NODE_NAME, flag('-a', '--all', 'those of all states'), HIDDEN_NODES, *NODE)
+@verb('lifecycle list', NODE_NAME, flag('-a', '--all', 'include all states'), HIDDEN_NODES, *NODE)
 def list_transitions(args: argparse.Namespace) -> None:
     """Output a list of available transitions."""
     service = 'get_transition_graph' if args.all else 'get_available_transitions'

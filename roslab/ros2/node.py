@@ -13,8 +13,8 @@ from roslab.ros2.graph import entities_of, node_known, node_names
 
 @verb(
     'node list',
-    flag('-a', '--all', 'also hidden nodes'),
-    flag('-c', '--count-nodes', 'only the number of nodes'),
+    flag('-a', '--all', 'include hidden nodes'),
+    flag('-c', '--count-nodes', 'print only the number of nodes'),
     *NODE,
 )
 def list_nodes(args: argparse.Namespace) -> None:
@@ -36,8 +36,8 @@ def list_nodes(args: argparse.Namespace) -> None:
 
 @verb(
     'node info',
-    option('node_name', help='Fully qualified node name, /talker'),
-    flag('--include-hidden', 'also hidden topics, services and actions'),
+    option('node_name', help='Fully qualified node name, such as /talker'),
+    flag('--include-hidden', 'include hidden topics, services and actions'),
     *NODE,
 )
 def info(args: argparse.Namespace) -> None:

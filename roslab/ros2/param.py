@@ -39,8 +39,8 @@ _NAME = option('parameter_name', help='Name of the parameter')
 @verb(
     'param list',
     option('node_name', nargs='?', help='Name of the ROS node'),
-    option('--param-prefixes', nargs='+', default=[], help='only with these prefixes'),
-    flag('--param-type', 'also their types'),
+    option('--param-prefixes', nargs='+', default=[], help='list only these prefixes'),
+    flag('--param-type', 'print types too'),
     *_NODE,
 )
 def list_parameters(args: argparse.Namespace) -> None:
@@ -75,7 +75,7 @@ def _list(args: argparse.Namespace, node: Node, name: str) -> None:
         print(f'  {parameter}{kinds.get(parameter, "")}')
 
 
-@verb('param get', NODE_NAME, _NAME, flag('--hide-type', 'only the value'), *_NODE)
+@verb('param get', NODE_NAME, _NAME, flag('--hide-type', 'print only the value'), *_NODE)
 def get(args: argparse.Namespace) -> None:
     """Get parameter."""
     with asking(args) as (node, name):
@@ -121,7 +121,7 @@ def _set(node: Node, name: str, parameters: list[Parameter], done: str, refused:
     'param load',
     NODE_NAME,
     option('parameter_file', help='Parameter file'),
-    flag('--no-use-wildcard', 'ignore the part of /**'),
+    flag('--no-use-wildcard', 'ignore the wildcard section /**'),
     *_NODE,
 )
 def load(args: argparse.Namespace) -> None:

@@ -53,7 +53,7 @@ def executables_of(package: str) -> list[Path]:
 @verb(
     'pkg executables',
     option('package_name', nargs='?', help='Name of the ROS package'),
-    flag('--full-path', 'their full paths'),
+    flag('--full-path', 'print full paths'),
 )
 def executables(args: argparse.Namespace) -> None:
     """Output a list of package specific executables."""
@@ -69,7 +69,7 @@ def list_packages(_: argparse.Namespace) -> None:
     print('\n'.join(sorted(get_packages_with_prefixes())))
 
 
-@verb('pkg prefix', _PACKAGE, flag('--share', 'its folder for shared files'))
+@verb('pkg prefix', _PACKAGE, flag('--share', 'print its folder for shared files'))
 def prefix(args: argparse.Namespace) -> None:
     """Output the prefix path of a package."""
     path = prefix_of(args.package_name)

@@ -35,7 +35,7 @@ _LICENSE_FILE = Path(__file__).with_name('LICENSE')
     option('--package-format', type=int, default=3, choices=[2, 3]),
     option('--description', default='TODO: Package description'),
     option('--license', default='TODO: License declaration', help="'?' lists the known names"),
-    option('--destination-directory', default='.', help='where to make its folder'),
+    option('--destination-directory', default='.', help='where to create its folder'),
     option('--build-type', default='ament_cmake', choices=list(_FILES)),
     option('--dependencies', nargs='+', default=[], help='list of dependencies'),
     option('--maintainer-email', help='email address of the maintainer'),
@@ -68,8 +68,8 @@ def _refuse(args: argparse.Namespace) -> None:
     for what, name in (('package', args.package_name), ('node', args.node_name or 'x')):
         if not re.fullmatch(r'[a-z][a-z0-9_]*', name):
             raise RuntimeError(
-                f"Aborted since '{name}' is no {what} name: expected a lower case letter, then "
-                'lower case letters, digits and underscores.'
+                f"Aborted since '{name}' is not a valid {what} name: expected a lower case "
+                'letter, then lower case letters, digits and underscores.'
             )
     if args.build_type == 'ament_python' and args.package_name == 'test':
         raise RuntimeError(

@@ -56,7 +56,7 @@ endif()
 find_package(ament_cmake REQUIRED)
 {find}
 {node}if(BUILD_TESTING)
-  # The linters check code and manifest where they are installed.
+  # If the linters are installed, they check the code and the manifest.
   find_package(ament_lint_auto QUIET)
   if(ament_lint_auto_FOUND)
     ament_lint_auto_find_test_dependencies()

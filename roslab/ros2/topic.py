@@ -10,20 +10,20 @@ from roslab.ros2.cli import flag, option, verb
 from roslab.ros2.discovery import knowing_node, NODE
 from roslab.ros2.graph import topic_endpoints, topic_types, topics_of
 
-_TOPIC = option('topic_name', help="Name of the ROS topic, '/chatter'")
+_TOPIC = option('topic_name', help="Name of the ROS topic, such as '/chatter'")
 
 
 @verb(
     'topic list',
-    flag('-t', '--show-types', 'also the topic type'),
-    flag('-v', '--verbose', 'full details'),
-    flag('-c', '--count-topics', 'only the number of topics'),
+    flag('-t', '--show-types', 'print types too'),
+    flag('-v', '--verbose', 'print all details'),
+    flag('-c', '--count-topics', 'print only the number of topics'),
     option(
         '-a',
         '--include-hidden-topics',
         action='store_true',
         default=argparse.SUPPRESS,
-        help='also hidden topics',
+        help='include hidden topics',
     ),
     *NODE,
 )
@@ -53,7 +53,7 @@ def _table(
 
 
 @verb(
-    'topic info', _TOPIC, flag('-v', '--verbose', 'also nodes, type hashes, GIDs and QoS'), *NODE
+    'topic info', _TOPIC, flag('-v', '--verbose', 'print nodes, type hashes, GIDs and QoS'), *NODE
 )
 def info(args: argparse.Namespace) -> None:
     """Print information about a topic."""

@@ -29,9 +29,9 @@ _LOOKS_A_LINE = 10
 
 @verb(
     'topic pub',
-    option('topic_name', help="Name of the ROS topic to publish to, '/chatter'"),
-    option('message_type', help="Type of the ROS message, 'std_msgs/msg/String'"),
-    option('values', nargs='?', default='{}', help="Values of the message as YAML, 'data: hello'"),
+    option('topic_name', help="Name of the ROS topic to publish to, such as '/chatter'"),
+    option('message_type', help="Type of the message, such as 'std_msgs/msg/String'"),
+    option('values', nargs='?', default='{}', help="YAML values, such as 'data: hello'"),
     option('-r', '--rate', metavar='N', type=positive_float, default=1.0, help='Hz (default: 1)'),
     option('-p', '--print', metavar='N', type=int, default=1, help='print every N-th message'),
     flag('-1', '--once', 'publish one message and exit', exclusive=True),
@@ -55,14 +55,14 @@ _LOOKS_A_LINE = 10
         '--max-wait-time-secs',
         type=positive_float,
         metavar='S',
-        help='how long to wait for them (default: forever)',
+        help='time to wait for matching subscriptions (default: forever)',
     ),
     option(
         '--keep-alive',
         metavar='S',
         type=positive_float,
         default=0.1,
-        help='keep the publisher after the last message for so many seconds (default: 0.1)',
+        help='keep the publisher for S seconds after the last message (default: 0.1)',
     ),
     option('-n', '--node-name', help='name of the publishing node'),
     *qos_arguments('publish', 'default'),
@@ -151,7 +151,7 @@ def parsed(text: str) -> dict[str, Any]:
     try:
         values = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise RuntimeError(f'The passed value is no YAML: {error}') from None
+        raise RuntimeError(f'The passed value is not YAML: {error}') from None
     if values is None or values == '':
         return {}
     if not isinstance(values, dict):
@@ -165,7 +165,7 @@ def fill(message: Any, values: Mapping[str, Any], now: Any = None) -> None:
 
     :param message: the message to change
     :param values: values by field name; a nested message is a nested mapping
-    :param now: the time as a message, for ``stamp: now`` and ``header: auto``
+    :param now: the current time as a message, for ``stamp: now`` and ``header: auto``
     :raises AttributeError: if a field does not exist
     :raises TypeError, ValueError, AssertionError: if a value does not fit its field
     """

@@ -21,14 +21,14 @@ _BETWEEN_S = 1.0
 def _options(window: int = 10000) -> list[Option]:
     """Return the options; ``window`` is the default number of messages per statistic."""
     return [
-        option('topic_name', help="Name of the ROS topic to listen to, '/chatter'"),
+        option('topic_name', help="Name of the ROS topic to listen to, such as '/chatter'"),
         option(
             '-w',
             '--window',
             type=positive_int,
             default=window,
             metavar='N',
-            help=f'how many messages are counted together (default: {window})',
+            help=f'number of messages per statistic (default: {window})',
         ),
         *NODE,
     ]

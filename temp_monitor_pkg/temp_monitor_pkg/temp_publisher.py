@@ -62,7 +62,7 @@ class TemperaturePublisher(Node):
         super().__init__(NODE_NAME, **node_options)
         self._settings = self._declare_settings()
         seed = declare.fixed_integer(
-            self, 'seed', -1, 'Start of the random numbers; -1: new ones each time.', -1, 2**31 - 1
+            self, 'seed', -1, 'Seed of the random numbers; -1: new ones each time.', -1, 2**31 - 1
         )
         problem = self._settings.problem()
         if problem:

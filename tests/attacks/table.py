@@ -1,8 +1,8 @@
 """
-Write docs/attacks.md: every attack, what it tries, what stops it, and its points.
+Write docs/attacks.md: every attack with its aim, its defence and its points.
 
 ``python -m tests.attacks.table`` writes it; ``--check`` only compares and fails if it is out of
-date.  The points are those the tests assert (tests/attacks), so the table cannot claim others.
+date.  The tests in tests/attacks assert these points, so the table cannot claim others.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,19 +20,19 @@ PAGE = Path(__file__).parents[2] / 'docs' / 'attacks.md'
 HEAD = """# Attacks
 
 Submissions that try to cheat the grader, to read what is hidden, or to break it: {count} of them,
-in `tests/attacks/`. Each is graded as any other submission is, with the real sandbox and the
+in `tests/attacks/`. Each is graded like any other submission, with the real sandbox and the
 hidden exams, and `pytest tests/attacks` asserts for each that
 
 * it gets the points that its honest part deserves: exactly, or, if it varies from run to run, not
   more ("at most"); no attack makes the grader decline to judge;
-* its run ends in a minute at most, and for the reason that is named here;
-* a canary in the grader's environment, its memory and its open files shows up nowhere in what the
-  program printed or sent, in the recording, the report and the feedback;
-* the instructor is shown the flag that is named here;
-* the others of the class get the grade they would have got alone, and the batch goes on.
+* its run ends within a minute, for the reason given here;
+* a canary in the grader's environment, memory and open files never appears in the program's output
+  or messages, the recording, the report or the feedback;
+* the instructor sees the flag given here;
+* all other students get the same grades as without the attack, and the batch continues.
 
-Generated from the files by `python -m tests.attacks.table`. What the sandbox promises and what it
-does not is in `docs/threat-model.md`.
+Generated from the files by `python -m tests.attacks.table`. `docs/threat-model.md` states what the
+sandbox guarantees and what it does not.
 """
 
 
@@ -45,8 +45,8 @@ def page() -> str:
 
 
 def _archives() -> Iterator[str]:
-    yield '## Zip files\n\nRefused as a whole, and nothing is written.\n'
-    yield '| Attack | Tries to | What is said |'
+    yield '## Zip files\n\nRefused entirely; nothing is written.\n'
+    yield '| Attack | Tries to | Error |'
     yield '|---|---|---|'
     for trick, said in REFUSED.items():
         tries = _lower(trick.__doc__ or '')
@@ -56,7 +56,7 @@ def _archives() -> Iterator[str]:
 
 def _section(kind: str, group: Sequence[Attack]) -> list[str]:
     if kind == NOTEBOOKS:
-        title = '## Notebooks and folders as they are handed in'
+        title = '## Notebooks and folders as submitted'
         what = 'Points of the whole lesson 07, of 50.'
     else:
         title = f'## Programs for the exam {kind}'

@@ -1,8 +1,8 @@
 """
-What the claims are tried with: real nodes in a ROS world of their own.
+Provide the tests of claims with real nodes in an isolated ROS world.
 
 ``world`` is a private context on a domain that no other test process uses; nodes made with it are
-destroyed at the end.  ``world.spin_until`` is the only way to wait: on a condition, with a bound.
+destroyed at the end.  ``world.spin_until`` is the only way to wait; it has a time limit.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ from rclpy.node import Node
 
 from tests.own_domain import own_domain
 
-_until = ExitStack()  # the end of this process
+_until = ExitStack()  # closed when this process ends
 DOMAIN, ANOTHER_DOMAIN = own_domain(_until), own_domain(_until)
 
 
@@ -30,7 +30,7 @@ class World:
         self.nodes: list[Node] = []
 
     def node(self, name: str = 'subject', cls: type[Node] = Node, **options: object) -> Node:
-        """Make a node and let the executor serve it."""
+        """Create a node that the executor serves."""
         node = cls(name, context=self.context, **options)
         self.nodes.append(node)
         self.executor.add_node(node)
@@ -39,14 +39,14 @@ class World:
     def spin_until(
         self, condition: Callable[[], object], timeout: float = 60.0, what: str = 'a condition'
     ) -> None:
-        """Serve callbacks until something holds; fail after a bound that no claim depends on."""
+        """Run callbacks until a condition holds; fail after a time that no claim depends on."""
         deadline = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, f'waited {timeout:g} s for {what}'
             self.executor.spin_once(timeout_sec=0.02)
 
     def drain(self) -> None:
-        """Serve what is ready, and nothing that is still to come."""
+        """Run only the callbacks that are ready now."""
         for _ in range(200):
             self.executor.spin_once(timeout_sec=0)
 

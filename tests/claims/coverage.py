@@ -1,12 +1,12 @@
 """
-What the course claims, where it teaches it, and what proves it: ``docs/coverage.md``.
+Write ``docs/coverage.md``: the claims of the course, the cells that teach them and their tests.
 
 Three sources meet here: the claims in ``points.yaml`` and ``corrections.yaml``, the cells of
 ``solutions/`` that name claims in their metadata (``"covers": ["N1"]``), and tests
 that are marked ``@pytest.mark.claim('N1')``.  Nothing is imported or executed, so this is quick::
 
     python -m tests.claims.coverage            write the table
-    python -m tests.claims.coverage --check    say what is missing, or out of date
+    python -m tests.claims.coverage --check    report what is missing or out of date
 """
 
 import ast
@@ -88,7 +88,7 @@ def problems(taught: Places, proven: Places) -> Iterator[str]:
             yield f'{claim} is asserted by no test: {correction["right"]}'
     for claim in sorted((taught.keys() | proven.keys()) - known):
         where = [*taught.get(claim, ()), *proven.get(claim, ())]
-        yield f'{claim} is no known claim, but {", ".join(where)} names it.'
+        yield f'{claim} is not a known claim, but {", ".join(where)} names it.'
 
 
 def table(taught: Places, proven: Places) -> str:
@@ -96,13 +96,13 @@ def table(taught: Places, proven: Places) -> str:
     points, corrections = claims('points.yaml'), claims('corrections.yaml')
     tested = sum(claim in proven for claim in points)
     lines = [
-        '# What the course claims, where it teaches it, and what proves it',
+        '# Claims of the course, where they are taught, and their tests',
         '',
-        'Written by `python -m tests.claims.coverage`; `make check` compares. A place is a lesson '
-        'and the id of a cell; a proof is a test under `tests/` that runs real ROS 2.',
+        'Written by `python -m tests.claims.coverage`; `make check` compares. A claim is taught '
+        'in a cell (lesson and cell id) and proven by a test under `tests/` that runs real ROS 2.',
         '',
         f'{len(points)} claims, {tested} of them asserted by a test; '
-        f'{len(corrections)} corrections of what is often said.',
+        f'{len(corrections)} corrections of common misconceptions.',
     ]
     for letter, title in GROUPS.items():
         lines += ['', f'## {title}', '', '| | claim | taught in | proven by |']
@@ -114,7 +114,7 @@ def table(taught: Places, proven: Places) -> str:
                     f'| {claim} | {_plain(point["claim"])} | {_listed(taught.get(claim))} '
                     f'| {proof} |'
                 )
-    lines += ['', '## Often said, and not so', '', '| | often said | what holds | taught in |']
+    lines += ['', '## Misconceptions', '', '| | misconception | correction | taught in |']
     lines += ['|---|---|---|---|']
     for claim, correction in corrections.items():
         lines.append(

@@ -1,4 +1,4 @@
-"""What the course says about packages that define messages, tried with colcon and CMake."""
+"""Test claims about packages that define messages, with colcon and CMake."""
 
 import os
 from pathlib import Path
@@ -49,7 +49,7 @@ def build(folder: Path, files: dict[str, str]) -> subprocess.CompletedProcess[st
 
 
 def configure(folder: Path, rules: str, group: str = GROUP) -> str:
-    """Return what CMake says of a package with these rules; it must refuse them."""
+    """Return the error of CMake for a package with these rules, which it must refuse."""
     built = build(
         folder,
         {
@@ -68,7 +68,7 @@ GENERATE = 'rosidl_generate_interfaces(${PROJECT_NAME} "msg/Num.msg")'
 
 @claim('M1', 'C1', 'C25')
 def test_python_package_builds_and_has_no_messages(tmp_path):
-    """ament_python takes the message file without a word; the import fails."""
+    """ament_python ignores the message file without a warning; the import fails."""
     manifest = MANIFEST.format(group=GROUP).replace(
         '<build_type>ament_cmake<', '<build_type>ament_python<'
     )
@@ -135,7 +135,7 @@ def test_first_argument_is_the_name_of_the_project(tmp_path):
 
 @claim('M3')
 def test_module_of_the_same_name_cannot_be_installed_twice(tmp_path):
-    """Messages bring a Python module of the package's name; a second one collides."""
+    """Messages add a Python module with the package's name; a second such module collides."""
     said = configure(tmp_path, f'{GENERATE}\nament_python_install_package(${{PROJECT_NAME}})')
 
     assert 'another target with the same name already exists' in ' '.join(said.split())
@@ -143,7 +143,7 @@ def test_module_of_the_same_name_cannot_be_installed_twice(tmp_path):
 
 @claim('M5', 'C2')
 def test_package_of_a_used_type_is_a_dependency(tmp_path):
-    """A Time without DEPENDENCIES builtin_interfaces does not get through the generators."""
+    """The generators refuse a Time field without DEPENDENCIES builtin_interfaces."""
     built = build(
         tmp_path,
         {

@@ -1,4 +1,4 @@
-"""What the course says about executors, timers, callbacks and clocks, tried on the real rclpy."""
+"""Test claims about executors, timers, callbacks and clocks on the real rclpy."""
 
 from contextlib import suppress
 import gc
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.ros
 
 
 def in_thread(work):
-    """Start a daemon thread, so that a claim that fails cannot hang the tests."""
+    """Start a daemon thread, so that a false claim cannot hang the tests."""
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
     return thread
@@ -39,7 +39,7 @@ def in_thread(work):
 
 def to_the_end(executor):
     def spin():
-        # rclpy 7.1.6 takes the guard condition away while the next wait may just be set up.
+        # rclpy 7.1.6 may remove the guard condition while it prepares the next wait.
         with suppress(AttributeError, rclpy_implementation.InvalidHandle):
             executor.spin()
 
@@ -82,7 +82,8 @@ def test_shutdown_of_the_context_raises_where_somebody_spins(world):
 
     thread = in_thread(spin)
     assert spinning.wait(SOON_S)
-    thread.join(0.5)  # nothing is left to do, so it waits; between two waits, spin just returns
+    # Let the thread begin its wait: between two waits, spin() would return without an exception.
+    thread.join(0.5)
     world.context.shutdown()
     thread.join(SOON_S)
 
@@ -97,14 +98,14 @@ def test_spin_once_without_time_does_not_wait(world):
     began = time.monotonic()
     world.executor.spin_once(timeout_sec=0)
 
-    assert time.monotonic() - began < 60  # against an hour
+    assert time.monotonic() - began < 60  # the timer's period is an hour
     assert ticks == []
     assert not timer.is_canceled()
 
 
 @claim('X3')
 def test_waiting_for_one_message_is_bounded(world):
-    """wait_for_message returns what came, or tells that nothing did."""
+    """wait_for_message returns the message, or reports that none arrived."""
     node = world.node()
     world.executor.remove_node(node)
 
@@ -135,7 +136,7 @@ def test_messages_wait_until_somebody_spins(world):
 
 @claim('X5')
 def test_spin_once_takes_the_node_away_from_its_executor(world):
-    """After rclpy.spin_once the other executor serves nobody."""
+    """After rclpy.spin_once, the first executor has no node."""
     import rclpy
 
     node = world.node()
@@ -158,7 +159,7 @@ def test_exception_in_a_callback_leaves_spin(world):
 
 
 def most_at_once(world, *groups) -> int:
-    """Return how many calls ran at once on four threads, of a timer in each group."""
+    """Return how many callbacks ran at once on four threads, with one timer per group."""
     node, now, most, lock = world.node(), [], [0], threading.Lock()
     world.executor.remove_node(node)
     done = threading.Event()
@@ -187,7 +188,7 @@ def most_at_once(world, *groups) -> int:
 
 
 class Meeting:
-    """Tells whether so many threads were there at once."""
+    """Records whether a number of threads ran at the same time."""
 
     def __init__(self, count):
         self.barrier = threading.Barrier(count)
@@ -203,7 +204,7 @@ class Meeting:
 
 @claim('X9')
 def test_callbacks_exclude_each_other_unless_their_group_is_reentrant(world):
-    """Four threads change nothing for the default group."""
+    """Four threads make no difference to the default group."""
     everybody = ReentrantCallbackGroup()
 
     assert most_at_once(world, None, None) == 1
@@ -215,7 +216,7 @@ def test_callbacks_of_different_exclusive_groups_run_at_the_same_time(world):
     one, other = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
     assert most_at_once(world, one, other) == 2
 
-    # A new group, because an executor that is shut down may leave a call in its group for ever.
+    # A new group, because an executor that is shut down may leave a call in its group forever.
     shared = MutuallyExclusiveCallbackGroup()
     assert most_at_once(world, shared, shared) == 1
 
@@ -255,7 +256,7 @@ def test_entity_keeps_its_callback_group_alive(world):
 
 @claim('X11')
 def test_synchronous_call_in_a_callback_never_returns(world):
-    """The answer needs the thread that waits for it; call_async needs none."""
+    """The response needs the thread that waits for it; call_async does not block the thread."""
     node = world.node()
     node.create_service(GetParameters, 'ping', lambda _, response: response)
     client = node.create_client(GetParameters, 'ping')
@@ -268,7 +269,7 @@ def test_synchronous_call_in_a_callback_never_returns(world):
 
     timer = node.create_timer(0.01, call)
     world.spin_until(lambda: answers, what='the end of the synchronous call')
-    assert answers == [None]  # which is how a time-out is told
+    assert answers == [None]  # None means a timeout
     world.spin_until(lambda: futures[0].done(), what='the answer to the other call')
 
 
@@ -310,7 +311,7 @@ def simulated(world):
 
 @claim('X13', 'X14')
 def test_first_tick_after_a_period_and_missed_ones_are_skipped(simulated):
-    """Half a second brings nothing, a second one tick, and a jump of ten at most two."""
+    """There is no tick after 0.5 s, one after 1 s, and at most two after a jump of 10 s."""
     clock_at(simulated, 1)
     ticks = []
     simulated.subject.create_timer(1.0, lambda: ticks.append(1))
@@ -360,7 +361,7 @@ def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
         stops.append(simulated.subject.get_clock().now().nanoseconds)
 
     timer = simulated.subject.create_timer(0.5, stop, autostart=False)
-    for tenths in (10, 14, 18, 22):  # a message comes
+    for tenths in (10, 14, 18, 22):  # a message arrives
         clock_at(simulated, tenths * 100_000_000)
         timer.reset()
     for tenths in range(23, 40):
@@ -371,7 +372,7 @@ def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
 
 @claim('X18')
 def test_rate_in_a_callback_never_wakes(world):
-    """It waits for a timer that only the thread it blocks could serve."""
+    """The rate waits for a timer that only the blocked thread could serve."""
     node = world.node()
     rate = node.create_rate(100.0)
     woken = threading.Event()
@@ -394,7 +395,7 @@ def test_rate_in_a_callback_never_wakes(world):
 
 @claim('X19')
 def test_callback_takes_message_and_info(world):
-    """The second parameter carries the moments of sending and receiving."""
+    """The second parameter contains the times of sending and receiving."""
     node, heard = world.node(), []
     node.create_subscription(String, 'chatter', lambda m, info: heard.append((m, info)), 10)
     node.create_publisher(String, 'chatter', 10).publish(String(data='x'))
@@ -408,7 +409,7 @@ def test_callback_takes_message_and_info(world):
 
 @claim('X20')
 def test_time_of_the_clock_becomes_a_stamp_and_back(world):
-    """A difference of two times is a duration; clocks of two kinds do not mix."""
+    """A difference of two times is a duration; times of different clock types cannot be mixed."""
     now = world.node().get_clock().now()
     stamp = now.to_msg()
 

@@ -1,4 +1,4 @@
-"""What the course says about managed nodes, tried on the real LifecycleNode."""
+"""Test claims about managed nodes on the real LifecycleNode."""
 
 from lifecycle_msgs.msg import State, Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.ros
 
 
 class Managed(LifecycleNode):
-    """A managed node with a publisher, whose answers are chosen by the test."""
+    """A managed node with a publisher; the test chooses the results of its transitions."""
 
     answer = TransitionCallbackReturn.SUCCESS
     supers = True
@@ -24,7 +24,7 @@ class Managed(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state):
-        """Switch the publisher on, unless the test forgets that."""
+        """Activate the publisher, unless the test omits that."""
         if self.error:
             raise self.error
         if self.supers:
@@ -82,7 +82,7 @@ def test_without_super_the_publisher_stays_off(world):
 
 @claim('L4')
 def test_only_deactivate_switches_a_publisher_off(world):
-    """Neither a shutdown from active nor an error after the activation does."""
+    """Neither a shutdown from active nor an error after activation deactivates the publisher."""
     ended, failed = (world.node(name, Managed) for name in ('ended', 'failed'))
     failed.answer = TransitionCallbackReturn.ERROR
     for node in (ended, failed):
@@ -106,7 +106,7 @@ def test_timers_go_on_while_inactive(world):
 
 @claim('L5')
 def test_failure_returns_and_error_is_processed(world, capfd):
-    """FAILURE leads back to inactive; ERROR and exceptions to unconfigured or the end, unsaid."""
+    """FAILURE leads back to inactive; ERROR and exceptions silently to another state."""
     node = world.node('fails', Managed)
     node.answer = TransitionCallbackReturn.FAILURE
     node.trigger_configure()
@@ -135,7 +135,7 @@ def test_transition_that_does_not_exist_here_raises(world):
 
 @claim('L6')
 def test_transition_asked_for_by_label_is_refused_in_the_answer(world):
-    """By number the same request raises in the node that is asked."""
+    """The same request by number raises an exception in the node."""
     world.node('managed', Managed)
     client = world.node('boss').create_client(ChangeState, 'managed/change_state')
     world.spin_until(client.service_is_ready, what='the service')

@@ -1,4 +1,4 @@
-"""What the course says about logging, parameters and testing, tried on the real rclpy."""
+"""Test claims about logging, parameters and testing on the real rclpy."""
 
 import math
 import os
@@ -27,7 +27,7 @@ pytestmark = pytest.mark.ros
 
 @pytest.fixture
 def rosout(world):
-    """Return what is logged on /rosout of the world, as it comes."""
+    """Return a growing list of the world's messages on /rosout."""
     heard = []
     profile = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     world.node('ear').create_subscription(Log, '/rosout', heard.append, profile)
@@ -36,7 +36,7 @@ def rosout(world):
 
 @claim('P1')
 def test_severities_and_the_default(world):
-    """Ten apart; INFO is the first that is shown."""
+    """Levels are ten apart, and INFO is the default threshold."""
     assert [level.value for level in LoggingSeverity][1:] == [10, 20, 30, 40, 50]
     log = world.node('quiet').get_logger()
 
@@ -58,7 +58,7 @@ def test_what_is_logged_is_published_and_debug_is_not(world, rosout):
 
 @claim('P2')
 def test_what_is_logged_is_kept_in_a_file(tmp_path):
-    """ROS_LOG_DIR says where."""
+    """ROS_LOG_DIR determines the folder."""
     text = 'import rclpy\nrclpy.init(args=[])\nrclpy.create_node("a").get_logger().info("kept")\n'
     subprocess.run(
         [sys.executable, '-c', text],
@@ -80,7 +80,7 @@ def test_warning_is_the_method(world, rosout):
 
 @claim('P4')
 def test_log_takes_one_text(world):
-    """No arguments to fill in, and no other type."""
+    """Format arguments and other types are refused."""
     log = world.node().get_logger()
 
     with pytest.raises(TypeError):
@@ -91,7 +91,7 @@ def test_log_takes_one_text(world):
 
 @claim('P5', 'P9')
 def test_call_site_can_be_limited(world, rosout):
-    """Once of ten times, all but the first, and one a long while."""
+    """The options log only the first call, all but the first, and one call per long period."""
     log = world.node('talker').get_logger()
     for number in range(10):
         log.info(f'once {number}', once=True)
@@ -119,7 +119,7 @@ def test_call_site_keeps_its_severity(world):
 
 @claim('P7', 'C30')
 def test_parameter_has_one_declaration_and_one_type(world):
-    """Twice, not at all, and another type are refused."""
+    """A second declaration, a missing declaration and a different type are refused."""
     node = world.node(parameter_overrides=[Parameter('threshold', value=28.5)])
     with pytest.raises(ParameterNotDeclaredException):
         node.get_parameter('threshold')
@@ -151,7 +151,7 @@ def test_parameter_is_validated_in_a_callback(world):
 
 @claim('P12')
 def test_nan_passes_a_test_of_what_is_below_or_above(world):
-    """The node that asks so takes NaN, and warns no more; a range in a descriptor refuses it."""
+    """Such a node accepts NaN and never warns again; a range in a descriptor refuses NaN."""
     node, limit = world.node(), 'limit_c'
     node.declare_parameter(limit, 30.0)
     node.add_on_set_parameters_callback(
@@ -170,7 +170,7 @@ def test_nan_passes_a_test_of_what_is_below_or_above(world):
 
 @claim('P13')
 def test_callback_of_parameters_is_asked_after_the_type(world):
-    """It sees declarations and every parameter, but never a value of the wrong type."""
+    """The callback gets declarations and all parameters, but never a value of the wrong type."""
     node, asked = world.node(), []
 
     def note(parameters):
@@ -190,7 +190,7 @@ def test_callback_of_parameters_is_asked_after_the_type(world):
 @claim('P13')
 @pytest.mark.filterwarnings('ignore:Callback returned an invalid type')
 def test_callback_of_parameters_must_return_a_result(world):
-    """Without one the change is refused, and rclpy gives the reason."""
+    """Without a result, the change is refused, and rclpy gives the reason."""
     node = world.node()
     node.declare_parameter('limit_c', 30.0)
     node.add_on_set_parameters_callback(lambda parameters: None)
@@ -224,7 +224,7 @@ def crosses(draw, seconds: int) -> bool:
 
 @claim('P10')
 def test_only_what_is_published_after_the_match_arrives(world):
-    """A test that publishes at once tests nothing, and the wait for it has to end."""
+    """A test that publishes before the match tests nothing; its wait needs a time limit."""
     heard, bench = [], world.node('bench')
     publisher = bench.create_publisher(String, 'readings', 10)
     publisher.publish(String(data='too early'))
@@ -241,7 +241,7 @@ def test_only_what_is_published_after_the_match_arrives(world):
 
 @claim('E12')
 def test_world_of_a_test_is_its_own(world, other_world):
-    """Two contexts on the domain of the test see each other, and nobody of the next domain."""
+    """Two contexts on the domain of the test see each other, but no node in another domain."""
     stranger = Context()
     stranger.init(args=[], domain_id=world.another_domain)
     outside = Node('outside_of_this_test', context=stranger)
@@ -255,7 +255,7 @@ def test_world_of_a_test_is_its_own(world, other_world):
 
 @claim('P11')
 def test_logic_is_tried_without_ros():
-    """The decision of the course's monitor is a function of three numbers and texts."""
+    """The decision of the course's monitor is a plain function of two numbers and a unit."""
     text = (
         "import sys\nfrom temp_monitor_pkg.threshold import *\nassert 'rclpy' not in sys.modules\n"
     )
@@ -264,7 +264,7 @@ def test_logic_is_tried_without_ros():
 
 @pytest.fixture
 def warned(world, rosout):
-    """Return a function that sends numbers to a monitor and returns those it warns of."""
+    """Return a function that sends numbers to a monitor and returns those that cause a warning."""
 
     def warned_of(numbers, is_hot, last=99.0):
         name = f'monitor_{len(world.nodes)}'
@@ -300,5 +300,5 @@ def test_right_and_wrong_node_differ_at_the_limit_only(warned):
 
 @claim('P15')
 def test_answer_to_a_later_message_comes_after_that_to_an_earlier_one(warned):
-    """So who has the later one need not wait for the earlier one any more."""
+    """So a test that has the later response need not wait for the earlier one."""
     assert warned([31.0, 20.0, 32.0], lambda value: value > 30.0) == [31.0, 32.0, 99.0]

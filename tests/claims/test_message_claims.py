@@ -1,4 +1,4 @@
-"""What the course says about messages, tried on the real parser, generators and classes."""
+"""Test claims about messages on the real parser, generators and classes."""
 
 from array import array
 import keyword
@@ -25,7 +25,7 @@ from temp_monitor_pkg.msg import Num, Temperature
 
 claim = pytest.mark.claim
 pytestmark = pytest.mark.ros
-# The parser has an exception of its own for most rules, and Python's for the rest.
+# The parser raises its own exceptions for most rules, and built-in ones for the rest.
 REFUSALS = (
     NameError,
     NotImplementedError,
@@ -49,7 +49,7 @@ def through_the_wire(message):
 
 @claim('M8', 'C3')
 def test_types_of_other_packages_are_written_with_one_slash():
-    """Dots and three parts are refused, a bare name means the own package."""
+    """Dots and three parts are refused, a bare name means the same package."""
     assert Type('builtin_interfaces/Time').pkg_name == 'builtin_interfaces'
     assert Type('Time', context_package_name='lab').pkg_name == 'lab'
     for wrong in ('builtin_interfaces.msg.Time', 'builtin_interfaces/msg/Time'):
@@ -60,7 +60,7 @@ def test_types_of_other_packages_are_written_with_one_slash():
 @claim('M9')
 @pytest.mark.parametrize('name', ['float', 'double', 'int', 'str', 'boolean'])
 def test_names_without_a_size_are_refused(name):
-    """They read as messages of the own package, whose names begin with a capital."""
+    """The parser takes them for messages of the same package, which must begin with a capital."""
     with pytest.raises(REFUSALS):
         parse(f'{name} value')
 
@@ -74,7 +74,7 @@ def test_names_with_a_size_are_primitive(name):
 
 @claim('M10')
 def test_names_follow_their_rules():
-    """Fields in lower_snake, constants in UPPER, messages in CamelCase."""
+    """Fields are in lower_snake, constants in UPPER and messages in CamelCase."""
     for wrong in ('int32 Value', 'int32 a__b', 'int32 a_', 'int32 1st', 'int32 lower=1'):
         with pytest.raises(REFUSALS):
             parse(wrong)
@@ -85,7 +85,7 @@ def test_names_follow_their_rules():
 
 @claim('M11')
 def test_field_occurs_once_and_keywords_pass():
-    """The parser does not know Python."""
+    """The parser does not check for Python keywords."""
     with pytest.raises(REFUSALS):
         parse('int32 a\nint32 a')
     assert keyword.iskeyword('class')
@@ -107,7 +107,7 @@ def test_primitive_fields_have_defaults_and_nested_ones_do_not():
 
 @claim('M13')
 def test_arrays_and_strings_have_bounds():
-    """Unbounded, fixed, bounded; and a bounded string."""
+    """Arrays are unbounded, fixed or bounded; strings may be bounded."""
     types = [f.type for f in parse('int32[] a\nint32[3] b\nint32[<=5] c\nstring<=10 d').fields]
 
     assert [t.is_array for t in types] == [True, True, True, False]
@@ -128,7 +128,7 @@ def test_comments_are_kept_with_their_field():
 
 @claim('M15', 'C31')
 def test_whole_number_in_a_float_field_is_garbage_without_checks():
-    """With checks it is refused; without them it is another number, or the process ends."""
+    """With checks it is refused; without them it becomes another number or ends the process."""
     with pytest.raises(AssertionError):
         Float64(check_fields=True).data = 25
     text = """
@@ -148,7 +148,7 @@ print(deserialize_message(serialize_message(unchecked), Float64).data)
 
 @claim('M15')
 def test_checks_are_off_unless_they_are_asked_for():
-    """A plain Jazzy says nothing; this course sets a variable."""
+    """A plain Jazzy reports no error; this course sets a variable."""
     text = 'from std_msgs.msg import Float64\nFloat64().data = 25\n'
     for value, code in (('', 0), ('1', 1)):
         run = subprocess.run(
@@ -181,7 +181,7 @@ def test_unknown_attributes_are_refused_and_unknown_keywords_only_with_checks():
 
 @claim('M18')
 def test_classes_describe_themselves():
-    """Names and types of the fields, without an object."""
+    """A class gives the names and types of its fields without an object."""
     assert Num.get_fields_and_field_types()['num'] == 'int64'
     assert len(Temperature.SLOT_TYPES) == len(Temperature.get_fields_and_field_types())
 
@@ -239,7 +239,7 @@ def test_numeric_arrays_are_arrays():
 
 @claim('C21')
 def test_unused_import_is_what_linters_of_a_package_refuse():
-    """F401 is among the rules of ament_flake8; any linter that knows the rule finds it."""
+    """ament_flake8 includes rule F401; any linter with this rule finds the import."""
     text = 'from std_msgs.msg import String\n\nprint("no text message here")\n'
     said = subprocess.run(
         [sys.executable, '-m', 'ruff', 'check', '--isolated', '--select', 'F401', '-'],

@@ -1,4 +1,4 @@
-"""What the course says about nodes, the graph and the life of a node, tried on the real rclpy."""
+"""Test claims about nodes, the graph and the life of a node on the real rclpy."""
 
 import gc
 from pathlib import Path
@@ -46,7 +46,7 @@ def test_full_name_is_namespace_and_name(world):
 @claim('N5')
 @pytest.mark.parametrize('name', ['', '1st', 'two words', 'a-b', 'a/b', 'ä'])
 def test_bad_node_names_are_refused(world, name):
-    """A name is letters, digits and underscores, and no digit comes first."""
+    """A name consists of letters, digits and underscores, and does not begin with a digit."""
     with pytest.raises(InvalidNodeNameException):
         Node(name, context=world.context)
 
@@ -79,7 +79,7 @@ def test_names_are_remapped_from_outside(world):
 
 @claim('N9')
 def test_graph_tells_endpoints_and_their_qos(world):
-    """Node, type, type hash and QoS of an endpoint are there; its depth is not."""
+    """The graph shows an endpoint's node, type, type hash and QoS, but not its depth."""
     node = world.node('talker')
     node.create_publisher(String, 'chatter', 7)
 
@@ -131,7 +131,7 @@ def test_init_takes_keywords_only():
 
 @claim('E3')
 def test_neither_init_nor_node_is_a_context_manager(world):
-    """What newer versions allow fails in Jazzy."""
+    """Newer versions allow it, but Jazzy does not."""
     context = Context()
 
     assert rclpy.init(args=[], context=context) is None
@@ -152,7 +152,7 @@ def test_second_init_is_refused():
 
 @claim('E5', 'E6', 'E13')
 def test_default_context_can_be_initialised_again():
-    """rclpy.ok tells when, and without its signal handlers a notebook keeps its own."""
+    """rclpy.ok shows whether it is needed; without rclpy's signal handlers, a notebook's stay."""
     for _ in range(2):
         assert not rclpy.ok()
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -229,7 +229,7 @@ def end_by(signal_number: int, text: str) -> tuple[int, str]:
 
 @claim('E8')
 def test_shutdown_in_finally_turns_an_interrupt_into_an_error():
-    """The interrupt has shut the context down before."""
+    """The interrupt has already shut the context down."""
     code, stderr = end_by(signal.SIGINT, OFTEN_SEEN)
 
     assert code == 1
@@ -239,7 +239,7 @@ def test_shutdown_in_finally_turns_an_interrupt_into_an_error():
 @claim('E9')
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_clean_main_ends_well_for_both_signals(number):
-    """Two exceptions, and the shutdown that does not mind."""
+    """The program catches both exceptions and calls try_shutdown."""
     assert end_by(number, CLEAN) == (0, '')
 
 

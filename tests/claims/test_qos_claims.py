@@ -1,4 +1,4 @@
-"""What the course says about quality of service, tried with real endpoints and real events."""
+"""Test claims about quality of service with real endpoints and real events."""
 
 import pytest
 from rclpy.duration import Duration
@@ -41,7 +41,7 @@ def numbers(publisher, upto):
 
 @claim('Q1')
 def test_ten_stands_for_a_whole_profile(world):
-    """Keep last 10, reliable, volatile."""
+    """The number 10 means keep last 10, reliable and volatile."""
     profile = world.node().create_publisher(String, 'a', 10).qos_profile
 
     assert (profile.history, profile.depth) == (HistoryPolicy.KEEP_LAST, 10)
@@ -51,7 +51,7 @@ def test_ten_stands_for_a_whole_profile(world):
 
 @claim('Q2')
 def test_profile_needs_a_depth(world):
-    """Nothing is refused, keep last without a depth too, and so is a negative one."""
+    """An empty profile, keep last without a depth and a negative depth are refused."""
     for options in ({}, {'history': HistoryPolicy.KEEP_LAST}):
         with pytest.raises(InvalidQoSProfileException):
             QoSProfile(**options)
@@ -69,7 +69,7 @@ def test_presets():
 
 @claim('Q4', 'Q6', 'C13')
 def test_offer_must_be_as_strong_as_the_request():
-    """Weak offer and strong request is an ERROR with a reason; the other way round is fine."""
+    """A weak offer with a strong request is an ERROR with a reason; the reverse is OK."""
     verdict, reason = qos_check_compatible(BEST_EFFORT, QoSProfile(depth=10))
     assert verdict == QoSCompatibility.ERROR
     assert 'reliab' in reason.lower()
@@ -97,7 +97,7 @@ def test_depth_history_and_lifespan_do_not_matter_for_matching(world):
 
 @claim('Q7', 'Q8', 'Q18', 'C15')
 def test_incompatible_pair_exists_and_is_not_matched(world):
-    """It is in the graph, not connected, and an event names the policy once somebody spins."""
+    """The pair is in the graph but not connected; spinning delivers an event with the policy."""
     node, events = world.node(), []
     publisher = node.create_publisher(
         String,
@@ -114,7 +114,7 @@ def test_incompatible_pair_exists_and_is_not_matched(world):
     )
     assert node.count_subscribers('/a') == 1
     assert publisher.get_subscription_count() == 0
-    assert events == []  # nobody has spun
+    assert events == []  # no node has been spun
     world.spin_until(lambda: len(events) == 2, what='an event on each side')
     for event in events:
         assert (event.total_count, event.total_count_change) == (1, 1)
@@ -123,7 +123,7 @@ def test_incompatible_pair_exists_and_is_not_matched(world):
 
 @claim('Q7')
 def test_incompatible_pair_warns_on_both_sides_by_itself(world, capfd):
-    """Without callbacks of ours two lines are logged, and both name the policy."""
+    """Without event callbacks, two lines are logged, and both name the policy."""
     node = world.node()
     node.create_publisher(String, 'a', BEST_EFFORT)
     node.create_subscription(String, 'a', lambda _: None, 10)
@@ -139,7 +139,7 @@ def test_incompatible_pair_warns_on_both_sides_by_itself(world, capfd):
 
 @claim('Q9', 'C11')
 def test_reliable_burst_into_a_full_queue(world):
-    """A hundred messages for a subscription of depth ten that nobody spins: the last ten."""
+    """Of a hundred messages, a subscription of depth ten that is not spun keeps the last ten."""
     node, heard = world.node(), []
     publisher = node.create_publisher(Int32, 'a', 10)
     node.create_subscription(Int32, 'a', lambda m: heard.append(m.data), 10)
@@ -162,7 +162,7 @@ def test_depth_three_keeps_three(world):
 
 @claim('Q11', 'C12')
 def test_late_joiners_need_transient_local_on_both_sides(world):
-    """Its depth serves who asks; a volatile subscription matches and gets nothing of the past."""
+    """A transient local subscription gets the last messages; a volatile one gets only new ones."""
     node, latched, volatile = world.node(), [], []
     publisher = node.create_publisher(Int32, 'map', LATCHED)
     numbers(publisher, 10)
@@ -232,7 +232,7 @@ def test_manual_liveliness_is_lost_and_regained(world):
         publisher.assert_liveliness()
         return changes and changes[-1].alive_count == 1
 
-    # Again and again, because a busy machine may see loss and return as one change.
+    # Repeat, because a busy machine may report loss and return as one change.
     world.spin_until(alive, what='a sign of life')
     world.spin_until(lambda: changes[-1].not_alive_count == 1, what='its loss')
     world.spin_until(alive, what='its return')
@@ -260,7 +260,7 @@ def test_old_messages_expire(world):
 
 @claim('Q14')
 def test_messages_in_a_queue_expire_by_the_lifespan_of_the_subscription(world):
-    """The lifespan of the publisher alone leaves them in the queue."""
+    """With a lifespan only on the publisher, they stay in the queue."""
     node, sleeper = world.node(), Node('sleeper', context=world.context)
     world.nodes.append(sleeper)
     mortal, immortal = QoSProfile(depth=10, lifespan=Duration(seconds=0.1)), QoSProfile(depth=10)
@@ -280,7 +280,7 @@ def test_messages_in_a_queue_expire_by_the_lifespan_of_the_subscription(world):
     world.spin_until(lambda: ticks, what='three lifespans')
     world.executor.add_node(sleeper)
     for publisher, got in zip(publishers, heard.values()):
-        # Again and again, because on a busy machine this one may expire too.
+        # Repeat, because on a busy machine this message may expire, too.
         world.spin_until(
             lambda: publisher.publish(Int32(data=2)) or 2 in got,  # noqa: B023 - used at once
             what='a new message',
@@ -295,7 +295,7 @@ def test_messages_in_a_queue_expire_by_the_lifespan_of_the_subscription(world):
 
 @claim('Q15')
 def test_matched_events_count_on_both_sides(world):
-    """Plus one when a subscription comes, minus one when it goes."""
+    """The count rises by one when a subscription appears, and falls by one when it disappears."""
     node, matched = world.node(), []
     node.create_publisher(
         String, 'a', 10, event_callbacks=PublisherEventCallbacks(matched=matched.append)
@@ -310,7 +310,7 @@ def test_matched_events_count_on_both_sides(world):
 
 @claim('Q16', 'Q17')
 def test_events_depend_on_the_middleware(world):
-    """Each kind is either accepted or refused by name; message lost is accepted here."""
+    """Each kind of event is either accepted or refused by name; message lost is accepted here."""
     node, refused = world.node(), []
     kinds = {
         'deadline': lambda _: None,
@@ -351,7 +351,7 @@ def test_parameters_override_qos(world):
 
 @claim('Q21')
 def test_profile_of_rosout(world):
-    """A late reader gets what was logged in the last ten seconds."""
+    """A late subscription gets the lines of the last ten seconds."""
     node = world.node('logger')
     (info,) = node.get_publishers_info_by_topic('/rosout')
 

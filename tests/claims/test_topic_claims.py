@@ -1,4 +1,4 @@
-"""What the course says about topics, names and discovery, tried on the real rclpy."""
+"""Test claims about topics, names and discovery on the real rclpy."""
 
 import os
 import subprocess
@@ -45,7 +45,7 @@ def test_topic_joins_many_with_many(world):
 
 @claim('T4', 'T5')
 def test_names_are_expanded(world):
-    """Relative, absolute and private names in the namespace lab."""
+    """Relative, absolute and private names are resolved in the namespace lab."""
     node = world.node('a', namespace='lab')
 
     assert node.resolve_topic_name('rel') == '/lab/rel'
@@ -92,7 +92,7 @@ def test_node_hears_itself(world):
 
 @claim('T9')
 def test_second_type_in_one_participant_is_an_error_with_other_words(world):
-    """The message speaks of an allocator."""
+    """The error message mentions an allocator."""
     node = world.node()
     node.create_publisher(String, 'chatter', 10)
 
@@ -102,11 +102,11 @@ def test_second_type_in_one_participant_is_an_error_with_other_words(world):
 
 @claim('T9')
 def test_two_types_in_two_participants_are_silent(world, other_world):
-    """Both see the topic with both types, and they never match."""
+    """Both participants see the topic with both types, but the endpoints never match."""
     publisher = world.node('talker').create_publisher(String, 'chatter', 10)
     listener = other_world.node('listener')
     listener.create_subscription(Int32, 'chatter', lambda _: None, 10)
-    # A second pair of the right type proves that discovery is through with the first.
+    # A second pair with equal types shows that discovery of the first pair is complete.
     control = world.node('control').create_publisher(Int32, 'control', 10)
     listener.create_subscription(Int32, 'control', lambda _: None, 10)
     world.spin_until(lambda: control.get_subscription_count() == 1, what='the control')
@@ -120,7 +120,7 @@ def test_two_types_in_two_participants_are_silent(world, other_world):
 @claim('T10')
 @pytest.mark.parametrize('domain', [0, 101, 232])
 def test_domain_ids_that_can_be_had(domain):
-    """0 to 101 are safe; 232 is the last that the port numbers allow."""
+    """Ids from 0 to 101 are safe; 232 is the highest that the port numbers allow."""
     context = Context()
     context.init(args=[], domain_id=domain)
     node = Node('there', context=context)
@@ -132,7 +132,7 @@ def test_domain_ids_that_can_be_had(domain):
 
 @claim('T10')
 def test_domain_id_beyond_the_ports_ends_the_process():
-    """The middleware does not raise, it exits; so this is tried in a child."""
+    """The middleware exits instead of raising, so the test uses a child process."""
     text = (
         'import rclpy\nfrom rclpy.context import Context\nfrom rclpy.node import Node\n'
         'context = Context()\ncontext.init(args=[], domain_id=233)\n'
@@ -148,7 +148,7 @@ def test_domain_id_beyond_the_ports_ends_the_process():
 
 @claim('T11', 'T12')
 def test_other_programs_of_the_domain_are_found_unless_discovery_is_off(world):
-    """A neighbour of the same domain appears; one whose range is OFF does not."""
+    """A neighbour of the same domain appears; a node with discovery range OFF does not."""
     watcher = world.node('watcher')
     domain = {'ROS_DOMAIN_ID': str(world.context.get_domain_id())}
     deaf = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}
@@ -158,7 +158,7 @@ def test_other_programs_of_the_domain_are_found_unless_discovery_is_off(world):
 
 
 class neighbour:  # noqa: N801 - reads like a function
-    """Run a program with one node while the block lasts; the node exists when the block begins."""
+    """Run a program with one node during the block; the node exists when the block begins."""
 
     def __init__(self, name, **environment):
         text = (
@@ -182,7 +182,7 @@ class neighbour:  # noqa: N801 - reads like a function
 
 @claim('T14')
 def test_middleware_is_chosen_by_name():
-    """A name that is not installed is refused, with the name."""
+    """The error names a middleware that is not installed."""
     assert get_rmw_implementation_identifier() == 'rmw_fastrtps_cpp'
     asked = subprocess.run(
         [sys.executable, '-c', 'import rclpy; rclpy.init(args=[])'],
@@ -198,7 +198,7 @@ def test_middleware_is_chosen_by_name():
 
 @claim('T15')
 def test_publish_takes_its_type_or_bytes(world):
-    """Bytes are sent as they are; another type is refused."""
+    """Bytes are sent unchanged; a different type is refused."""
     node, heard = world.node(), []
     node.create_subscription(String, 'chatter', heard.append, 10)
     publisher = node.create_publisher(String, 'chatter', 10)

@@ -130,7 +130,7 @@ def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
         [sys.executable, '-m', 'deploy.hub'], cwd=ROOT, env=environ, capture_output=True, text=True
     )
     assert second.returncode == 2
-    assert f'{hub.settings.folder}: this hub runs already' in second.stderr
+    assert f'{hub.settings.folder}: this hub is already running' in second.stderr
     hub.lab_of(ANN)
 
 

@@ -1,8 +1,8 @@
 """
-Write docs/causes.md: the mistakes that the grader recognises, what it says, and what proves it.
+Write docs/causes.md: the mistakes that the grader recognises, its messages and their proofs.
 
-``python -m tests.judgement.causes`` reads the causes off the code and their proofs off the kept
-results of samples and mutants and off the unit tests; it runs nothing.  ``--check`` compares.
+``python -m tests.judgement.causes`` reads the causes from the code, and their proofs from the kept
+results of samples and mutants and from the unit tests; it runs nothing.  ``--check`` compares.
 """
 
 import ast
@@ -82,7 +82,7 @@ def _in_file(path: Path) -> Iterator[Written]:
 
 
 def _names(node: ast.AST) -> list[str]:
-    """Return the names that an expression can give a cause; those of tables are not in it."""
+    """Return the names that an expression can give a cause, except names from tables."""
     either: list[ast.expr] = []
     if isinstance(node, ast.IfExp):
         either = [node.body, node.orelse]
@@ -95,7 +95,7 @@ def _names(node: ast.AST) -> list[str]:
 
 
 def template(node: ast.AST) -> str:
-    """Return the text that an expression makes, with … for what is put in."""
+    """Return the text of an expression, with … for inserted parts."""
     if isinstance(node, ast.Constant):
         return str(node.value)
     if isinstance(node, ast.JoinedStr):
@@ -123,7 +123,7 @@ def _in_tables() -> Iterator[Written]:
 
 
 def _shown(text: str, name: str) -> str:
-    """Return a text of a table, with … for what is put in."""
+    """Return a text of a table, with … for inserted parts."""
     if name == 'by_exception':
         return re.sub(r'\\\d', '…', text)
     return re.sub(r'(?<!\{)\{[^{}]+\}', '…', text).replace('{{', '{').replace('}}', '}')
@@ -142,7 +142,7 @@ def proofs() -> Mapping[str, tuple[str, str, str]]:
         if one.cause_id not in found and one.cause_id in quoted:
             text, try_this = map(Names().fill, (one.text, one.try_this))
             found[one.cause_id] = text, try_this, f'test {quoted[one.cause_id]}'
-    # A slip is a program of its own: its rule gives the answers that it explains.
+    # A slip is a separate program: its rule gives the answers that it explains.
     for name in catalog.names():
         for slip in (slip for asked in catalog.load(name).asks.values() for slip in asked.slips):
             found.setdefault(slip.cause_id, (slip.text, slip.try_this, f'slip of {name}'))
@@ -162,13 +162,13 @@ def _quoted() -> Mapping[str, str]:
 
 
 def proven(cause_id: str) -> list[str]:
-    """Return the proven causes that are one of the code; several, if a part is put in."""
+    """Return the proven causes that match one of the code; several if it has inserted parts."""
     pattern = re.escape(cause_id).replace(r'\*', r'\w+')
     return [name for name in proofs() if re.fullmatch(pattern, name)]
 
 
 def unproven() -> list[str]:
-    """Return the causes of the code that nothing proves, with the file that makes each."""
+    """Return the unproven causes of the code, with the file that creates each."""
     return sorted(
         {f'{one.cause_id} ({one.module})' for one in in_the_code() if not proven(one.cause_id)}
     )
@@ -190,7 +190,7 @@ def page() -> str:
 
 
 def _short(text: str) -> str:
-    """Return at most 240 characters of a text; a line of a compiler may be long."""
+    """Return at most 240 characters of a text; compiler messages may be long."""
     return text if len(text) <= 240 else f'{text[:236]} ...'
 
 

@@ -1,8 +1,8 @@
 """
-The mutants: what differs from a reference solution in one place, as data.
+Derive the mutants, each of which differs from a reference solution in one place.
 
-Most are made by operators over the references; ``mutants.yaml`` adds what would be contrived for
-an operator, and says why a mutant may survive.  Everything is derived in a fixed order from files
+Operators make most of them from the references; ``mutants.yaml`` adds changes that no operator
+makes, and the reasons why a mutant may survive.  Everything is derived in a fixed order from files
 of this repository, so the same mutants have the same names everywhere.
 """
 
@@ -21,7 +21,7 @@ from tests.judgement.references import Exercise, exercises
 from tests.judgement.text_operators import BY_SUFFIX
 
 DATA = Path(__file__).with_name('mutants.yaml')
-SHOWN = 70  # characters of a change in a name
+SHOWN = 70  # maximum characters of a change in a mutant's name
 MOST = {'missing line': 4, 'text': 2, 'name': 2, 'missing log': 2, 'off by one': 2}
 """Of one kind in one function or file that is no Python; 1 of the kinds in ONCE."""
 ONCE = (
@@ -44,8 +44,8 @@ class Mutant:
     """
     A reference solution with one slip.
 
-    :param name: what is changed, unique in its exam
-    :param kind: what sort of slip it is
+    :param name: description of the change, unique in its exam
+    :param kind: kind of slip
     :param files: all files that the exam judges
     """
 
@@ -57,7 +57,7 @@ class Mutant:
 
 @cache
 def written() -> Mapping[str, Any]:
-    """Return what is written by hand: ``by_hand``, ``leave`` and ``survivors``."""
+    """Return the hand-written data: ``by_hand``, ``leave`` and ``survivors``."""
     return dict(yaml.safe_load(DATA.read_text(encoding='utf-8')))
 
 
@@ -65,7 +65,7 @@ def mutants_of(exercise: Exercise) -> list[Mutant]:
     """
     Return the mutants of an exercise, without equal ones.
 
-    :raises ValueError: if a change by hand does not fit its reference
+    :raises ValueError: if a hand-written change does not match its reference
     """
     seen = {_meaning(path, text) for path, text in exercise.files.items()}
     counts: dict[str, int] = {}
@@ -96,10 +96,10 @@ def all_mutants() -> list[Mutant]:
 
 
 def _changes(exercise: Exercise) -> Iterator[tuple[str, Change]]:
-    """Yield what operators find and what is written by hand, file by file."""
+    """Yield the changes of operators and the hand-written ones, file by file."""
     leave = [one['what'] for one in written()['leave'] if one['exam'] == exercise.name]
     left = {what for group in leave for what in group}
-    # A node that is started in a namespace loses its own; outside of one, /x and x are one topic.
+    # A node started in a namespace loses its own; without a namespace, /x and x are one topic.
     spaced = any('__ns:=' in word for word in exercise.exam.scenario.arguments)
     left.add('namespace' if spaced else 'absolute name')
     for path, source in exercise.files.items():
@@ -112,7 +112,7 @@ def _changes(exercise: Exercise) -> Iterator[tuple[str, Change]]:
 
 
 def _is_left(change: Change, source: str, left: set[str]) -> bool:
-    """Return whether to skip a change because of its place, its kind or the text it changes."""
+    """Return whether to skip a change because of its position, its kind or the text it changes."""
     return bool(left & {change.place, change.kind, source[change.start : change.end]})
 
 
@@ -132,7 +132,7 @@ def _by_hand(exercise: Exercise) -> Iterator[tuple[str, Change]]:
 
 
 def _meaning(path: str, text: str) -> str | None:
-    """Return what two equal mutants have in common, None if it is no Python."""
+    """Return a key that equal mutants share, None if the text is not Python."""
     if not path.endswith('.py'):
         return f'{path}\0{text}'
     try:
@@ -143,12 +143,12 @@ def _meaning(path: str, text: str) -> str | None:
 
 
 def _name(path: str, change: Change, source: str) -> str:
-    """Say in one line what was changed, and where."""
+    """Return one line that describes the change and its place."""
     where = f'{change.place}(): ' if change.place else ''
     if not path.endswith('.py'):
         where = f'{path}: '
     if path.startswith('answers/'):
-        return f'{path}: another letter'  # which one is right is not told
+        return f'{path}: another letter'  # do not reveal the right letter
     old, new = _one_line(source[change.start : change.end]), _one_line(change.text)
     if not old:
         return f'{where}`{new}` is added'

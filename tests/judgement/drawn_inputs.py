@@ -1,4 +1,4 @@
-"""What the hidden exams have drawn, and whether a text tells any of it."""
+"""Find the drawn inputs of hidden exams, and texts that reveal them."""
 
 from collections.abc import Iterator
 import json
@@ -19,12 +19,12 @@ _WORD = re.compile(r'\w{3,}')
 
 
 def texts_of(check: CheckResult) -> str:
-    """Return all that a learner is told about a check."""
+    """Return all text about a check that a learner sees."""
     return '\n'.join((check.expected, check.observed, check.cause, check.try_this))
 
 
 def told_of(exam: Exam, text: str) -> list[str]:
-    """Return which of the drawn values and moments a text tells, and the namespace."""
+    """Return the drawn values, times and namespace that a text reveals."""
     words = {word.casefold() for word in _WORD.findall(text.replace('/', ' '))}
     space = namespace_of(exam.scenario).strip('/')
     found = [space] if space and space in text.casefold() else []
@@ -33,7 +33,7 @@ def told_of(exam: Exam, text: str) -> list[str]:
     values, moments = list(_secret_numbers(exam)), list(_moments_s(exam))
     for number, token in numbers:
         decimals = len(token.partition('.')[2])
-        # To a tenth of a second, any number is a moment of a long run.
+        # Rounded to 0.1 s, almost any number is a time in a long run.
         secrets = [*values, *moments] if decimals > 1 else values
         if any(round(abs(secret), decimals) == number for secret in secrets):
             found.append(token)
@@ -65,7 +65,7 @@ def _numbers(exam: Exam) -> set[float]:
 
 
 def _moments_s(exam: Exam) -> Iterator[float]:
-    """Yield the moments of the ROS clock that is drawn [s]."""
+    """Yield the drawn times of the ROS clock [s]."""
     if clock := exam.scenario.ros_clock:
         seconds = sum(step.seconds for step in exam.scenario.steps if isinstance(step, Advance))
         for number in range(round(seconds * clock.rate / clock.step_s)):

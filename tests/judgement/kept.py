@@ -1,8 +1,8 @@
 """
-What the tables are made from: results of runs, kept beside the code as JSON.
+Keep the results from which the tables are made, as JSON next to the code.
 
-A table is only compared in ``make check``, without a run.  So each result carries the digest of
-what it was made from; if that has changed, the table is out of date.
+``make check`` only compares a table, without a run.  So each result contains the digest of its
+inputs; if they have changed, the table is out of date.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,7 +26,7 @@ def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     """
     Judge files by exams in the real sandbox, two at a time.
 
-    Only runs without a current recording take place.
+    Programs with a current recording are not run again.
 
     :param work: exams, each with the files that it judges
     :returns: the results, in the order of ``work``
@@ -37,7 +37,7 @@ def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
         return examine(exam, files, sandbox=box, recordings=LAYOUT.recordings)
 
-    # What fails on our side is told in the end, so that what was run until then is kept.
+    # Report failures of the grader at the end, so that completed runs are kept.
     with ThreadPoolExecutor(max_workers=JOBS) as pool:
         tasks = [pool.submit(one, *given) for given in work]
     return [task.result() for task in tasks]
@@ -81,7 +81,7 @@ def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Seque
     Write a page, or with ``--check`` report whether it is up to date.
 
     :param name: the name of the page in ``docs/`` and of the module that generates it
-    :param late: the results that were not made from the current files, as text
+    :param late: the results that are out of date, as text
     :returns: the exit code
     """
     path = DOCS / f'{name}.md'

@@ -1,9 +1,10 @@
 """
 Write docs/mutants.md: the mutants of every exercise, and which check finds each.
 
-``python -m tests.judgement.mutants`` runs those of the exams whose results are out of date, as
-submissions are run, and writes the table; names of exams behind it choose others.  ``--check``
-runs nothing: it derives the mutants again and fails if the table was made from others.
+``python -m tests.judgement.mutants`` runs the mutants of the exams whose results are out of date,
+like submissions, and writes the table; names of exams after the command select others.
+``--check`` runs nothing: it derives the mutants again and fails if the table was made from
+different ones.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,7 +44,7 @@ def verdict(result: ExamResult) -> list[str] | None:
 
 
 def survivors() -> dict[tuple[str, str], Mapping[str, Any]]:
-    """Return what is written about survivors, by exam and name."""
+    """Return the explanations of survivors, by exam and name."""
     return {(one['exam'], one['name']): one for one in written()['survivors']}
 
 
@@ -90,7 +91,7 @@ def mistakes(results: Mapping[str, Any]) -> list[str]:
 
 
 def _counted(exam: str, found: Mapping[str, object]) -> dict[str, object]:
-    """Return the mutants that are no equivalent of the reference."""
+    """Return the mutants that are not equivalent to the reference."""
     same = {name for (e, name), one in survivors().items() if e == exam and one.get('equivalent')}
     return {name: by for name, by in found.items() if name not in same}
 

@@ -1,8 +1,8 @@
 """
-What can be changed in a Python node, in one place at a time: the slips of people who learn.
+Make single changes to a Python node that imitate the slips of learners.
 
-An operator looks at one node of the syntax tree and yields changes of the text under it; the rest
-of the file stays as it is, letter by letter.  How a program ends is taught and not graded, so
+An operator inspects one node of the syntax tree and yields changes of its text; the rest of the
+file stays exactly the same.  How a program ends is taught and not graded, so
 ``except`` and ``finally`` are left alone.
 """
 
@@ -55,9 +55,9 @@ class Change:
 @dataclass(frozen=True)
 class Place:
     """
-    A node of the tree with what surrounds it.
+    A node of the syntax tree with its parents.
 
-    :param parents: from the outermost to the one that holds it
+    :param parents: from the outermost to the direct parent
     """
 
     node: ast.AST
@@ -66,7 +66,7 @@ class Place:
     offsets: tuple[int, ...]
 
     def span(self, node: ast.AST | None = None) -> tuple[int, int]:
-        """Return where a node's text begins and ends; this one's by default."""
+        """Return the offsets of a node's text, by default of this node's."""
         it = node or self.node
         return (
             self.offsets[it.lineno - 1] + it.col_offset,
@@ -74,23 +74,23 @@ class Place:
         )
 
     def text(self, node: ast.AST | None = None) -> str:
-        """Return the text of a node; of this one by default."""
+        """Return the text of a node, by default of this one."""
         start, end = self.span(node)
         return self.source[start:end]
 
     @property
     def parent(self) -> ast.AST:
-        """Return the node that holds this one."""
+        """Return the direct parent."""
         return self.parents[-1]
 
     @property
     def function(self) -> str:
-        """Return the name of the function around it, or nothing."""
+        """Return the name of the enclosing function, or an empty string."""
         names = [node.name for node in self.parents if isinstance(node, ast.FunctionDef)]
         return names[-1] if names else ''
 
     def change(self, kind: str, text: str, node: ast.AST | None = None) -> Change:
-        """Return the change that puts a text in the place of a node."""
+        """Return the change that replaces a node's text."""
         return Change(kind, *self.span(node), text, self.function)
 
 
@@ -134,14 +134,14 @@ def _is_text(node: ast.AST) -> bool:
 
 
 def called(node: ast.AST) -> str:
-    """Return the last name of what a call calls, or nothing."""
+    """Return the last name of the called function, or an empty string."""
     if not isinstance(node, ast.Call):
         return ''
     return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
 
 
 def names(place: Place) -> Iterator[Change]:
-    """Names of nodes, topics, parameters and namespaces, and texts that are compared or sent."""
+    """Change names of nodes, topics, parameters and namespaces, and compared or sent strings."""
     node, parent = place.node, place.parent
     if not _is_text(node) or isinstance(parent, (ast.JoinedStr, ast.FormattedValue)):
         return
@@ -172,12 +172,12 @@ def slip(name: str) -> str:
 
 
 def numbers(place: Place) -> Iterator[Change]:
-    """Periods, thresholds and counts."""
+    """Change periods, thresholds and counts."""
     value = getattr(place.node, 'value', None)
     if not isinstance(place.node, ast.Constant) or type(value) not in (int, float):
         return
     if called(place.parent) in CREATE:
-        return  # a depth, see qos(): nothing on the wire tells it
+        return  # a depth, see qos(): it is not visible on the network
     if type(value) is int:
         yield place.change('off by one', str(value + 1))
     elif _is_period(place):
@@ -197,7 +197,7 @@ def _is_period(place: Place) -> bool:
 
 
 def comparisons(place: Place) -> Iterator[Change]:
-    """Comparisons and what joins them."""
+    """Change comparisons and the operators that join them."""
     node = place.node
     if isinstance(node, ast.Compare) and not place.text().startswith('__name__'):
         left, right = place.text(node.left), place.text(node.comparators[0])
@@ -217,7 +217,7 @@ def comparisons(place: Place) -> Iterator[Change]:
 
 
 def arithmetic(place: Place) -> Iterator[Change]:
-    """Formulas."""
+    """Change formulas."""
     node = place.node
     if isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = place.text(node.left), place.text(node.right)
@@ -227,14 +227,14 @@ def arithmetic(place: Place) -> Iterator[Change]:
 
 
 def qos(place: Place) -> Iterator[Change]:
-    """Policies of quality of service; what a number gives, and what is written out."""
+    """Change QoS policies, given as a depth or written out."""
     node, parent = place.node, place.parent
     if isinstance(node, ast.Attribute) and node.attr in POLICIES:
         yield place.change('QoS policy', f'{place.text(node.value)}.{POLICIES[node.attr]}')
     elif isinstance(node, ast.keyword) and called(parent) == 'QoSProfile' and node.arg != 'depth':
         yield place.change('QoS policy', '')
     elif isinstance(node, ast.Constant) and called(parent) in CREATE and type(node.value) is int:
-        # A subscription that asks for less hears as much: that is no slip.
+        # A subscription that requests less receives as much, so this is not a slip.
         if CREATE[called(parent)] == 'publisher':
             yield place.change('QoS policy', 'rclpy.qos.qos_profile_sensor_data')
         durability = 'durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL'
@@ -242,7 +242,7 @@ def qos(place: Place) -> Iterator[Change]:
 
 
 def logging(place: Place) -> Iterator[Change]:
-    """Levels, print instead of a logger, another logger, and what a line says."""
+    """Change levels, loggers and texts of log lines, or print instead of logging."""
     node, parent = place.node, place.parent
     if called(node) in LEVELS and isinstance(node, ast.Call):
         function = place.text(node.func).rpartition('.')[0]
@@ -253,7 +253,7 @@ def logging(place: Place) -> Iterator[Change]:
     elif place.text().endswith('get_logger()') and called(node) == 'get_logger':
         yield place.change('logger', "rclpy.logging.get_logger('mine')")
     elif isinstance(node, ast.FormattedValue) and isinstance(parent, ast.JoinedStr):
-        # The places of parts of an f-string are right only in later versions of Python.
+        # The offsets of parts of an f-string are correct only in later versions of Python.
         written = ast.unparse(ast.Expression(ast.JoinedStr([node])))[2:-1]
         whole = place.text(parent)
         if whole.count(written) == 1:
@@ -261,7 +261,7 @@ def logging(place: Place) -> Iterator[Change]:
 
 
 def spinning(place: Place) -> Iterator[Change]:
-    """Who runs the callbacks, and for how long."""
+    """Spin only once, spin a different node, or destroy the node early."""
     node = place.node
     if called(node) != 'spin' or not isinstance(node, ast.Call):
         return
@@ -274,7 +274,7 @@ def spinning(place: Place) -> Iterator[Change]:
 
 
 def removals(place: Place) -> Iterator[Change]:
-    """A line that was never written."""
+    """Remove a line."""
     node = place.node
     removable = (ast.Expr, ast.Assign, ast.AugAssign, ast.Return)
     if isinstance(node, ast.If) and '__main__' in place.text(node.test):
@@ -285,7 +285,7 @@ def removals(place: Place) -> Iterator[Change]:
 
 
 def _missing(text: str) -> str:
-    """Return what is missing without a line."""
+    """Return the kind of slip that leaves a line out."""
     for word, kind in (
         ('create_timer', 'missing timer'),
         ('create_publisher', 'missing publisher'),
@@ -330,7 +330,7 @@ def _is_field(node: ast.AST) -> bool:
 
 
 def endpoint_types(place: Place) -> Iterator[Change]:
-    """The class of an endpoint; what is sent stays."""
+    """Change the message class of an endpoint, but not the sent messages."""
     node = place.node
     if not isinstance(node, ast.Name) or called(place.parent) not in CREATE:
         return
@@ -339,13 +339,13 @@ def endpoint_types(place: Place) -> Iterator[Change]:
 
 
 def clocks(place: Place) -> Iterator[Change]:
-    """Whose time it is."""
+    """Change the clock that gives the time."""
     if place.text() == 'self.get_clock()' and called(place.node):
         yield place.change('stamp', 'rclpy.clock.Clock()')
 
 
 def callbacks(place: Place) -> Iterator[Change]:
-    """What goes wrong in, around and by the end of a callback."""
+    """Call a callback instead of passing it, or let it block, sleep or raise an exception."""
     node = place.node
     passed = called(place.parent).startswith('create_') and node in place.parent.args
     if passed and place.text().startswith('self.') and isinstance(node, ast.Attribute):

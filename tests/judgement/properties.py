@@ -1,4 +1,4 @@
-"""What holds for every judged submission, whatever was handed in: short, discreet, impartial."""
+"""Check the rules for all feedback: it is short, discreet and impartial."""
 
 from collections.abc import Iterator, Mapping
 
@@ -12,7 +12,7 @@ from tests.judgement.rewritten import blanked, commented, rewritten
 
 
 def unreadable(result: ExamResult) -> Iterator[str]:
-    """Yield the checks whose text is too long or too wide, or that fail without a word."""
+    """Yield the checks whose text is too long or too wide, or that fail without a text."""
     for check in causes_once(result):
         lines = check_lines(check)
         silent = check.verdict is not Verdict.PASSED and len(lines) < 2
@@ -21,7 +21,7 @@ def unreadable(result: ExamResult) -> Iterator[str]:
 
 
 def telling(exam: Exam, result: ExamResult) -> Iterator[str]:
-    """Yield what failed checks tell of the inputs: a student could hard-code them and resubmit."""
+    """Yield the inputs that failed checks reveal: a student could hard-code them and resubmit."""
     for check in result.failed:
         if told := told_of(exam, texts_of(check)):
             yield f'{check.check}: tells {told}'
@@ -29,7 +29,7 @@ def telling(exam: Exam, result: ExamResult) -> Iterator[str]:
 
 def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) -> Iterator[str]:
     """Yield checks whose points depend on the program's text, or whose cause on its style."""
-    # The lines that it names are those of the text that has run.
+    # The line numbers in the feedback are those of the text that has run.
     events = [{**event, 'line': None} for event in recording.events]
     recording = Recording(recording.header, events)
     due, silent = (judged(exam, text, recording) for text in (files, blanked(files)))

@@ -1,8 +1,8 @@
 """
-The graded exercises of the course and the files of their reference solutions.
+List the graded exercises of the course and the files of their reference solutions.
 
 An exercise is an exam with the answers that it judges; everything here is derived from
-``solutions/`` and from the exams, so a new exercise is examined without a word here.
+``solutions/`` and from the exams, so a new exercise needs no change here.
 """
 
 from collections.abc import Iterator, Mapping
@@ -75,7 +75,7 @@ def _reference(assignment: str) -> dict[str, tuple[str, str]]:
 
 def digest(exercise: Exercise, *more: str) -> str:
     """
-    Return a digest of all that a verdict follows from, the inputs of the hidden exam apart.
+    Return a digest of all inputs to a verdict, except those that the hidden exam draws.
 
     :param more: further texts that it depends on
     :returns: 16 hexadecimal digits

@@ -1,8 +1,8 @@
 """
-Programs written in another way, that do the same: other comments, names, order and layout.
+Rewrite programs without changing their behaviour: other comments, names, order and layout.
 
-What a program did is in its recording, so the same recording with the text of another one has to
-be judged alike.
+A recording contains the behaviour of a program, so the same recording with a rewritten text must
+get the same verdicts.
 """
 
 import ast
@@ -14,12 +14,12 @@ MISLEADING = '  # self.destroy_node() print(self) create_timer spin_once( time.s
 
 
 def blanked(files: Mapping[str, str]) -> dict[str, str]:
-    """Return files whose Python says nothing."""
+    """Return files whose Python code is empty."""
     return {name: '' if name.endswith('.py') else text for name, text in files.items()}
 
 
 def commented(files: Mapping[str, str]) -> dict[str, str]:
-    """Return files with a misleading comment behind each statement, on the same line."""
+    """Return files with a misleading comment after each statement, on the same line."""
     return {
         name: _commented(text) if name.endswith('.py') else text for name, text in files.items()
     }
@@ -62,14 +62,14 @@ def _rewritten(text: str) -> str:
 
 
 def _says(first: list[ast.stmt]) -> bool:
-    """Return whether a statement is a text alone, as a docstring is."""
+    """Return whether a statement is only a string, like a docstring."""
     return (
         bool(first) and isinstance(first[0], ast.Expr) and isinstance(first[0].value, ast.Constant)
     )
 
 
 def _rename_locals(function: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
-    """Give the names that a function makes for itself another name, where no other uses them."""
+    """Rename the local variables of a function without nested scopes."""
     inside = list(ast.walk(function))
     told = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda, ast.ListComp)
     if any(isinstance(one, (*told, ast.Global, ast.Nonlocal)) for one in inside[1:]):
@@ -83,7 +83,7 @@ def _rename_locals(function: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
 
 
 def _turn_methods_around(class_: ast.ClassDef) -> None:
-    """Put the methods of a class in the opposite order, in the places where methods are."""
+    """Put the methods of a class in the opposite order, in the positions of methods."""
     places = [
         place
         for place, one in enumerate(class_.body)

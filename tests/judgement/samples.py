@@ -1,8 +1,8 @@
 """
-The sample submissions by exercise: what each one tries, and what every check must report.
+Read the sample submissions by exercise, with the expected result of every check.
 
-``expected.json`` of a submission lists its points, and the checks that fail, with their causes.
-Every other check passes; one that needs a check that does not pass may also be not run.
+``expected.json`` of a submission lists its points and the failing checks with their causes.
+Every other check passes; a check that needs a failing one may also be not run.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,9 +29,9 @@ class Sample:
     One submission, as one exercise sees it.
 
     :param own: whether it differs from the reference in this exercise
-    :param files: what the exam judges, relative path to text
+    :param files: the judged files, relative path to text
     :param failed: the checks that must fail, with the ids of their causes
-    :param points: what it must get in this exercise
+    :param points: the expected points in this exercise
     """
 
     exercise: Exercise
@@ -65,7 +65,7 @@ def _of_lesson(assignment: str) -> list[Sample]:
 
 
 def _of_submission(path: Path, assignment: str, release: Notebook) -> Iterator[Sample]:
-    """Yield what each exercise of a lesson sees of a submission."""
+    """Yield the sample of each exercise of a lesson in a submission."""
     expected = expected_of(path)
     opened = open_submission(compose(LAYOUT, assignment, path), release, path.name)
     theirs = [one for one in exercises() if one.exam.assignment == assignment]
@@ -93,14 +93,14 @@ Verdicts = dict[str, tuple[str, str]]
 
 def expected_verdicts(exam: Exam, failed: Mapping[str, str], got: Verdicts) -> Verdicts:
     """
-    Return what every check must say.
+    Return the expected result of every check.
 
     :param failed: the checks that must fail, with the ids of their causes
-    :param got: what the checks say: one that needs a failed check may pass or be not run
+    :param got: the actual results: a check that needs a failed one may pass or be not run
     """
     passed, not_run = (Verdict.PASSED.value, ''), (Verdict.NOT_RUN.value, '')
     found: Verdicts = {}
-    missing = 'missing_file' in failed.values()  # nothing was run, so nothing else was looked at
+    missing = 'missing_file' in failed.values()  # no program ran, so no check did either
     for check in exam.checks:
         if check.name in failed:
             found[check.name] = Verdict.FAILED.value, failed[check.name]
@@ -114,7 +114,7 @@ def expected_verdicts(exam: Exam, failed: Mapping[str, str], got: Verdicts) -> V
 
 
 def verdicts_of(result: ExamResult) -> Verdicts:
-    """Return what every check said: its verdict, and the id of its cause."""
+    """Return the result of every check: its verdict, and the id of its cause."""
     return {one.check: (one.verdict.value, one.cause_id) for one in result.checks}
 
 

@@ -1,4 +1,4 @@
-"""Mutants of the references are found, and the tables say what really happens."""
+"""Mutants of the references are found, and the tables match real runs."""
 
 from collections import Counter
 
@@ -29,7 +29,7 @@ def chosen():
 
 
 def test_mutants_are_many_and_differ():
-    """At least a hundred programs, in every exam; each name and each content once."""
+    """There are at least a hundred, some in every exam, with unique names and contents."""
     found = all_mutants()
     programs = [one for one in found if not any(path.startswith('answers/') for path in one.files)]
     contents = Counter(tuple(sorted(one.files.items())) for one in found)
@@ -41,7 +41,7 @@ def test_mutants_are_many_and_differ():
 
 
 def test_every_exam_finds_nearly_all_and_survivors_are_explained():
-    """The kept results say so, for each exam that there is."""
+    """The kept results of every exam show it."""
     results = kept.load(mutants.NAME)
 
     assert set(results) == {one.name for one in exercises()}
@@ -50,19 +50,19 @@ def test_every_exam_finds_nearly_all_and_survivors_are_explained():
 
 
 def test_every_cause_is_proven():
-    """What the code can say is shown by a submission, a mutant or a unit test."""
+    """A submission, a mutant or a unit test proves each cause in the code."""
     assert causes.unproven() == []
 
 
 def test_mistakes_of_beginners_are_recognised():
-    """At least forty, the explanations of wrong letters apart."""
+    """There are at least forty, not counting the explanations of wrong letters."""
     named = {name for one in causes.in_the_code() for name in causes.proven(one.cause_id)}
 
     assert len([name for name in named if not causes.QUESTION.match(name)]) >= causes.LEAST
 
 
 def test_the_tables_claim_no_disagreement():
-    """Our own corpus is judged as it should be, verdicts and causes."""
+    """Verdicts and causes of our own corpus are as expected."""
     results = kept.load(agreement.NAME)
 
     assert set(results) == {one.name for one in exercises()}
@@ -74,7 +74,7 @@ def test_the_tables_claim_no_disagreement():
 @pytest.mark.ros
 @pytest.mark.timeout(1200)
 def test_a_spread_of_mutants_meets_the_verdicts_of_the_table():
-    """Run for real: the same check and the same cause as docs/mutants.md tells."""
+    """A real run gives the same check and the same cause as docs/mutants.md."""
     results = kept.load(mutants.NAME)
     work = chosen()
     wanted = {(exam.name, one.name): results[exam.name]['found'][one.name] for exam, one in work}

@@ -1,8 +1,8 @@
 """
-What can be changed in the files of a package that are not Python, and in the letters of a quiz.
+Make single changes to the files of a package that are not Python, and to letters of a quiz.
 
-As in :mod:`tests.judgement.operators`, each change is one slip: a line that is missing, a type, a
-name, a bound, a tag or a command.
+As in :mod:`tests.judgement.operators`, each change is one slip: in a line, a type, a name, a
+bound, a tag or a command.
 """
 
 from collections.abc import Callable, Iterator

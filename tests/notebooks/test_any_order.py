@@ -1,11 +1,11 @@
 """
-Cells in any order, kernels interrupted at any moment.
+Run cells in any order, and interrupt kernels at any moment.
 
-Each lesson runs in one kernel: stretches of it drawn at random, some cells interrupted after a
-random time, none left to run for longer than ``ANY_ORDER_IMPATIENCE_S`` (default 4).  After each
-cell the kernel answers, ROS is up, and the outcome is one that a learner can do something with.
-``ANY_ORDER_RUNS`` is the number of cells a lesson (default 8) and ``ANY_ORDER_SEED`` the seed,
-which a failure names.
+Each lesson runs in one kernel, in random sequences of neighbouring cells.  Some cells are
+interrupted after a random time, and every cell after ``ANY_ORDER_IMPATIENCE_S`` (default 4).
+After each cell the kernel must respond, ROS must run, and the outcome must help a learner.
+``ANY_ORDER_RUNS`` is the number of cells per lesson (default 8) and ``ANY_ORDER_SEED`` the seed,
+which a failure prints.
 """
 
 from collections import Counter
@@ -34,7 +34,7 @@ KERNEL = 'ros2_jazzy'
 RUNS = int(os.environ.get('ANY_ORDER_RUNS', '8'))
 SEED = int(os.environ.get('ANY_ORDER_SEED', '20240517'))
 IN_ORDER = 0.6
-"""Share of the cells that are followed by the next one, as most are by most people."""
+"""Share of the cells that are followed by the next one, as learners usually do."""
 INTERRUPTED = 0.4
 """Share of the cells that are interrupted early, if they are still running."""
 LATEST_INTERRUPT_S = 1.0
@@ -65,7 +65,7 @@ class Lesson:
         self.client.wait_for_ready(timeout=PATIENCE_S)
 
     def run(self, code, interrupt_after_s=None):
-        """Run code and return the error message of its end, None if there was none."""
+        """Run code and return the error message that ended it, None if there was none."""
         message_id = self.client.execute(code)
         error, begin = None, time.monotonic()
         patience = PATIENCE_S
@@ -112,7 +112,7 @@ def lesson(request, tmp_path):
 
 
 def outcome(error):
-    """Return a short name of what came of a cell, None if a learner could do nothing with it."""
+    """Return a short name of a cell's outcome, None if the outcome does not help a learner."""
     if error is None:
         return 'ran'
     name, shown = error['ename'], error['traceback']
@@ -129,7 +129,7 @@ def outcome(error):
 
 @pytest.mark.parametrize('lesson', LESSONS, ids=lambda path: path.stem, indirect=True)
 def test_any_order_of_cells_and_any_interrupt_leaves_a_kernel_that_works(lesson, record_property):
-    """Never a hang, never a dead kernel, never an error without a way out."""
+    """No cell hangs, ends the kernel or gives an error without advice."""
     dice, seen = random.Random(SEED), Counter()
     number = -1
     for step in range(RUNS):

@@ -1,5 +1,5 @@
 """
-Lessons, executed and measured: the sources in solutions/ and the releases in notebooks/.
+Execute and measure the lessons: the sources in solutions/ and the releases in notebooks/.
 
 Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.  A release
 whose code is that of its solved lesson is not run again.
@@ -56,11 +56,11 @@ def executed(test: Callable[..., None]) -> Callable[..., None]:
 @dataclass(frozen=True)
 class Run:
     """
-    What came of executing a notebook.
+    The result of executing a notebook.
 
     :param cells: the code cells, with their outputs
     :param seconds: wall-clock time, kernel start and end included [s]
-    :param load: processes a core when it ended
+    :param load: processes per core when the execution ended
     """
 
     cells: list[nbformat.NotebookNode]
@@ -83,7 +83,7 @@ AT_ONCE = 2
 
 @pytest.fixture(scope='module', autouse=True)
 def executions(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Begin with all notebooks that the chosen tests need; ``run`` waits for the one it wants."""
+    """Start all notebooks that the chosen tests need; ``run`` waits for one of them."""
     wanted = [
         item.callspec.params.get('path', GALLERY_LESSON)
         for item in request.session.items
@@ -112,12 +112,12 @@ def code_of(path: Path) -> tuple[str, ...]:
 
 
 def execute(path: Path) -> Run:
-    """Execute a copy of a notebook to its end, whatever its cells raise."""
+    """Execute a copy of a notebook to its end, even if cells raise exceptions."""
     notebook = nbformat.read(path, as_version=4)
     environment = dict(os.environ)
-    environment.pop('PYTEST_CURRENT_TEST', None)  # with it, what C code prints is left out
+    environment.pop('PYTEST_CURRENT_TEST', None)  # with it, the output of C code is missing
     with tempfile.TemporaryDirectory() as folder, ExitStack() as until:
-        # Another kernel on this machine must not be heard.
+        # Messages of other kernels on this machine must not arrive.
         environment['ROS_DOMAIN_ID'] = str(own_domain(until))
         client = NotebookClient(
             notebook,
@@ -140,7 +140,7 @@ def read(path: Path) -> list[nbformat.NotebookNode]:
 
 
 def grader_data(cell: nbformat.NotebookNode) -> dict:
-    """Return what nbgrader knows about a cell, empty for a plain one."""
+    """Return nbgrader's metadata of a cell, empty for a plain cell."""
     return cell.metadata.get('nbgrader', {})
 
 
@@ -208,14 +208,14 @@ SHOWN = {
 def test_cell_shows_what_it_claims_to_teach(path: Path, cell: str) -> None:
     said = ''.join(one.text for where, one in run(path).outputs('stream') if where == cell)
 
-    # What `!` prints has the line ends of a terminal.
+    # The output of `!` has the line ends of a terminal.
     assert re.search(SHOWN[path.stem, cell], said.replace('\r\n', '\n')), said
 
 
 @lessons
 @executed
 def test_lesson_executed_is_quick(path: Path) -> None:
-    """A lesson takes less than a minute, on a machine that has nothing else to do."""
+    """A lesson takes less than a minute on an idle machine."""
     done = run(path)
     seconds = done.seconds
     if seconds >= MOST_SECONDS and done.load > BUSY:
@@ -256,7 +256,7 @@ def test_start_here_shows_a_row_for_each_lesson(path: Path) -> None:
 
 
 def shown_in_gallery(key: str) -> str:
-    """Return what a cell of the executed gallery of errors shows, as one line."""
+    """Return the output of a cell of the executed gallery of errors, as one line."""
     outputs = next(cell.outputs for cell in run(GALLERY_LESSON).cells if cell.id == key)
     said = [
         output.text if output.output_type == 'stream' else output.data.get('text/plain', '')
@@ -269,7 +269,7 @@ def shown_in_gallery(key: str) -> str:
 @executed
 @pytest.mark.parametrize('entry', gallery.entries(), ids=lambda entry: entry.key)
 def test_cell_of_the_gallery_prints_what_its_entry_says(entry: gallery.Entry) -> None:
-    """The cell prints the message of its entry, and no other entry is nearer to the message."""
+    """The cell prints the message of its entry, and no other entry matches it better."""
     text = shown_in_gallery(entry.key)
 
     if 'shows' in GALLERY_ROWS[entry.key]:
@@ -285,7 +285,7 @@ def test_lesson_has_its_release(path: Path) -> None:
 
 @lessons
 def test_lesson_is_stored_clean(path: Path) -> None:
-    """A source has no outputs, the course's kernel and readable cell ids."""
+    """A source has the course's kernel, readable cell ids and no outputs."""
     notebook = nbformat.read(path, as_version=4)
     code = [cell for cell in notebook.cells if cell.cell_type == 'code']
 
@@ -319,7 +319,7 @@ def test_grade_ids_are_unique_in_the_course() -> None:
 
 @lessons
 def test_grade_cell_holds_one_readable_line(path: Path) -> None:
-    """The exam is named in the notebook, and its checks are elsewhere."""
+    """The notebook names the exam but does not contain its checks."""
     for cell in read(path):
         data = grader_data(cell)
         if cell.cell_type == 'code' and data.get('grade'):

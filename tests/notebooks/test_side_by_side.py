@@ -1,8 +1,8 @@
 """
-All lessons open at once, in kernels of two users: each runs as if it were alone.
+Open all lessons at once, in kernels of two users: each must run as if it were alone.
 
-Each user works through every second lesson, the other one at the same time, while all other
-lessons are open.  A kernel that only waits for its turn publishes on topics that lessons use.
+Both users work at the same time, each through every second lesson, while all other lessons are
+open.  A kernel that waits for its turn publishes on topics that lessons use.
 This takes minutes, so it belongs to ``make test-browser``.
 """
 
@@ -43,7 +43,7 @@ _context().get_domain_id(), _observer.get_node_names()
 
 
 class OpenLesson:
-    """A lesson in a kernel of its own, with what its cells raised and wrote to stderr."""
+    """A lesson in a separate kernel, with the exceptions and the stderr output of its cells."""
 
     def __init__(self, user: str, path: Path, home: Path) -> None:
         self.name = f'{user}: {path.stem}'
@@ -55,7 +55,7 @@ class OpenLesson:
         self.close = self.kernel.shut_down
 
     def work_through(self) -> list[str]:
-        """Run all cells, and return what went wrong."""
+        """Run all cells, and return the problems."""
         wrong = []
         for cell in self.cells:
             if cell.cell_type == 'code':
@@ -85,7 +85,7 @@ def test_nothing_crosses_between_lessons_that_run_at_once(lessons: list[OpenLess
     waiting = [one for one in lessons if one not in working]
     for one in waiting:
         assert one.kernel.run(IMPORTS + IDLE).error is None, one.name
-    # A lesson of one user, then one of the other: the next begins when one of two has ended.
+    # Alternate between the users; the next lesson starts when one of two has ended.
     working.sort(key=lambda one: lessons.index(one) % half)
     with ThreadPoolExecutor(len(USERS)) as pool:
         wrong = [line for lines in pool.map(OpenLesson.work_through, working) for line in lines]

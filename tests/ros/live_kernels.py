@@ -1,4 +1,4 @@
-"""Real notebook kernels for the tests, and what their cells produced."""
+"""Real notebook kernels for the tests, and the outputs of their cells."""
 
 from contextlib import contextmanager, ExitStack
 import os
@@ -60,14 +60,14 @@ get_ipython().reset(new_session=True)
 
 
 def variables(until):
-    """Return the variables of a kernel that nobody else hears, until a stack is closed."""
+    """Return the variables of a kernel in a domain that is reserved until the stack is closed."""
     env = {**os.environ, 'ROS_DOMAIN_ID': str(own_domain(until))}
     env.pop('PYTEST_CURRENT_TEST', None)  # with it, ipykernel would not read its own stdout
     return env
 
 
 class Outputs:
-    """What one cell produced."""
+    """The outputs of one cell."""
 
     def __init__(self):
         self.streams = {'stdout': '', 'stderr': ''}
@@ -86,7 +86,7 @@ class Outputs:
 
 
 class Kernel:
-    """A running kernel, its messages waited for with a deadline."""
+    """A running kernel; every wait for its messages has a deadline."""
 
     def __init__(
         self, folder, *arguments, terminal=None, shared_memory=None, domain=None, user=None
@@ -129,7 +129,7 @@ class Kernel:
         return message['header']['msg_id']
 
     def collect(self, message_id, until=None):
-        """Return the cell's outputs so far: to its end, or to where stdout matches."""
+        """Return the cell's outputs so far: up to its end, or to a match in stdout."""
         outputs, end = Outputs(), time.monotonic() + DEADLINE_S
         while True:
             try:
@@ -172,7 +172,7 @@ class Kernel:
         """
         End the kernel as a frontend does, which kills a kernel that does not end.
 
-        A kernel of ipykernel 7.4 rarely waits without end, after it has ended ROS: its control
+        A kernel of ipykernel 7.4 rarely waits forever after it has shut ROS down: its control
         thread sends a status to a thread that has just ended, and the main thread waits for it.
 
         :param patience_s: the kernel is terminated after half of it, and then killed [s]
@@ -258,10 +258,10 @@ def execute(cells, folder):
 
 
 def streams(cell, name='stdout'):
-    """Return what a cell of an executed notebook printed."""
+    """Return the printed output of a cell in an executed notebook."""
     return ''.join(o.text for o in cell.outputs if o.output_type == 'stream' and o.name == name)
 
 
 def errors(cell):
-    """Return the errors of a cell as one text each."""
+    """Return the errors of a cell, one string per error."""
     return ['\n'.join(o.traceback) for o in cell.outputs if o.output_type == 'error']

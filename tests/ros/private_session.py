@@ -10,7 +10,7 @@ from tests.own_domain import own_domain
 
 
 class PrivateSession(Session):
-    """A session in a domain of its own, whose context nothing else uses."""
+    """A session in a separate domain, with a context that nothing else uses."""
 
     def __init__(self, domain):
         super().__init__()

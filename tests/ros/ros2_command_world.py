@@ -1,4 +1,4 @@
-"""Nodes for the tests of the ros2 command, in a process of their own. Prints a line when ready."""
+"""Run nodes for the tests of the ros2 command; print a line when ready."""
 
 import signal
 
@@ -13,7 +13,7 @@ from std_msgs.msg import Empty, Header, Int32, String
 
 
 class Talker(Node):
-    """Publishes twenty texts and headers a second; its rate has limits."""
+    """Publishes twenty strings and headers a second; its parameter rate_hz has limits."""
 
     def __init__(self):
         super().__init__('talker')
@@ -47,7 +47,7 @@ class Beacon(LifecycleNode):
 
 
 def listener(namespace):
-    """Return a node that hears the texts, and that says twice what it heard."""
+    """Return a node that subscribes to the strings and has publishers with different QoS."""
     node = Node('listener', namespace=namespace)
     node.create_subscription(String, '/chatter', lambda message: None, 10)
     node.create_subscription(Empty, '/_hidden', lambda message: None, 10)
@@ -66,8 +66,8 @@ def listener(namespace):
 
 
 def main():
-    """Spin all nodes until told to end."""
-    # rclpy's own handler may shut down just before it waits, which is an error of another kind.
+    """Spin all nodes until a signal arrives."""
+    # rclpy's own handler may shut down just before the wait, which raises a different exception.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     told = []
     signal.signal(signal.SIGINT, lambda *_: told.append(True))

@@ -1,7 +1,7 @@
 """
-A stand-in for a sourced ROS 2 installation: the prepared environment, seen as apt's is seen.
+Present the prepared environment as a sourced ROS 2 installation, as if installed with apt.
 
-A Python without packages of its own reaches ROS 2 only through what a setup file exports.
+A Python without installed packages finds ROS 2 only through the variables of a setup file.
 """
 
 import io
@@ -42,7 +42,7 @@ def install_colcon_only(plan: Plan) -> None:
 
 
 def go(plan: Plan, *names: str) -> str:
-    """Run some of the steps of a plan; return what was shown."""
+    """Run some of the steps of a plan, and return the displayed text."""
     steps = [step for step in prepare.steps_of(plan) if step.name in names]
     out = io.StringIO()
     assert run_steps(steps, plan.places.notes, Screen(out)), out.getvalue()

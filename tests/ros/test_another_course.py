@@ -1,5 +1,5 @@
 """
-A course of one's own: made from the wheel, prepared with its own message package, and graded.
+Create another course from the wheel, prepare it with its own message package, and grade it.
 
 ROS 2 and the packages of the lock come from the running environment: pip downloads nothing here.
 """
@@ -92,14 +92,14 @@ def course(tmp_path_factory, engine) -> Path:
 
 
 def finished(command: list[str], folder: Path, env: Mapping[str, str]) -> str:
-    """Run a command to its good end; return what it printed."""
+    """Run a command that must succeed, and return its output."""
     done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 
 def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run a module in the folder of a course, as its page says."""
+    """Run a module in the folder of a course, as documented."""
     kept = {name: os.environ[name] for name in ('HOME', 'PATH') if name in os.environ}
     return subprocess.run(
         ['.venv/bin/python', '-m', 'environment', 'run', 'python', '-m', *words],
@@ -114,7 +114,7 @@ def run(course: Path, *words: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.slow
 class TestWheel:
     def test_it_holds_engine_and_toolkit_and_nothing_of_the_course(self, source, wheel):
-        """Each file of the four packages, without exams and what grading wrote."""
+        """The wheel has every file of the four packages except exams and results of grading."""
         kept = (path for name in OURS for path in (source / name).rglob('*') if path.is_file())
         names = {path.relative_to(source).as_posix() for path in kept}
         mine = {name for name in names if not STAY & set(Path(name).parts)}
@@ -139,7 +139,7 @@ class TestGrading:
             assert Path(file).is_relative_to(engine.parents[1])
 
     def test_it_fits_together_and_the_grader_proves_itself(self, course):
-        """The exam sends a message of geometry_msgs and hears one of the course's own."""
+        """The exam sends a geometry_msgs message and receives one of the course's own types."""
         said = run(course, 'autograder.authoring.release', 'check').stdout.splitlines()
         assert said[-1] == 'The notebooks and the exams fit together.'
         assert run(course, 'autograder', 'self-check').stdout.splitlines() == [
@@ -148,7 +148,7 @@ class TestGrading:
         ]
 
     def test_a_class_is_graded_in_its_own_gradebook(self, course):
-        """One is right, one has made the mistake that the exam names."""
+        """One submission is right; the other makes the mistake that the exam reports."""
         text = (course / 'solutions/01_points/points.ipynb').read_text(encoding='utf-8')
         for student, code in (('ann', RIGHT), ('bob', WRONG)):
             file = course / '_work' / 'submitted' / student / '01_points' / 'points.ipynb'
@@ -167,7 +167,7 @@ class TestGrading:
         assert (course / '_work' / 'gradebook.db').is_file()
 
     def test_a_learner_checks_in_a_notebook(self, course, monkeypatch):
-        """The kernel knows the course's messages, and ``check`` the course by its folder."""
+        """The kernel imports the course's messages; ``check`` finds the course by its folder."""
         monkeypatch.setenv('JUPYTER_PATH', str(course / '.venv' / 'share' / 'jupyter'))
         folder = course / 'solutions' / '01_points'
         notebook = nbformat.read(folder / 'points.ipynb', 4)
@@ -179,7 +179,7 @@ class TestGrading:
 
 class TestBeginning:
     def test_a_folder_that_holds_something_is_refused(self, tmp_path):
-        """Also one that is a file."""
+        """The same applies to an existing file."""
         (tmp_path / 'full').mkdir()
         (tmp_path / 'full' / 'mine').touch()
         (tmp_path / 'file').touch()
@@ -190,12 +190,12 @@ class TestBeginning:
 
     @pytest.mark.parametrize('name', ['Doors', '2doors', 'd', 'doors!'])
     def test_a_name_that_no_ros_package_has_is_refused(self, tmp_path, name):
-        """It names the message package."""
+        """The name is also used for the message package."""
         with pytest.raises(GraderError, match='use only lower-case letters'):
             new_course(tmp_path / name)
 
     def test_an_exercise_replaces_none(self, tmp_path):
-        """Nothing of the second is written."""
+        """A second exercise of the same name writes no file."""
         root = tmp_path / 'doors'
         new_course(root)
         new_exam(Layout(root), 'far_points', '01_points')

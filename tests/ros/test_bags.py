@@ -259,7 +259,7 @@ def test_replay_publishes_when_it_is_due(session, tmp_path, monkeypatch):
 
 
 def test_interrupted_recording_is_complete(session, tmp_path):
-    """What arrived before the interrupt can be read, and nothing else is left."""
+    """Messages that arrived before the interrupt can be read, and nothing else is left."""
     main = threading.main_thread().ident
 
     def interrupt(count):
@@ -351,8 +351,8 @@ def damaged(path, good):
         (lambda path, good: path.write_bytes(good.read_bytes()[:8]), 'the end of this file'),
         (lambda path, good: path.write_bytes(good.read_bytes()[:-20]), 'the end of this file'),
         (damaged, 'this file is damaged'),
-        (lambda path, good: foreign(path), '/pose holds json data, not ROS 2 messages'),
-        (lambda path, good: path.mkdir(), 'no .mcap file is in this folder'),
+        (lambda path, good: foreign(path), '/pose contains json data, not ROS 2 messages'),
+        (lambda path, good: path.mkdir(), 'this folder has no .mcap file'),
     ],
 )
 def test_unusable_file_is_refused_with_a_reason(everything, tmp_path, make, why):
@@ -380,7 +380,7 @@ def test_changed_type_is_not_published(session, tmp_path, monkeypatch):
 
 
 def test_simulation_is_saved_with_its_inputs_and_logs(session, tmp_path):
-    """Virtual second 2 is second 2 of the file."""
+    """Times in the file equal virtual times: second 2 is second 2."""
 
     def topic(name, times, texts):
         data = tuple({'data': text} for text in texts)
@@ -437,7 +437,7 @@ def command(tmp_path, domain):
 
 @pytest.mark.parametrize('ending', [signal.SIGINT, signal.SIGTERM])
 def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_path, ending):
-    """The folder is the one of ``ros2 bag``, and info and play can read it."""
+    """The folder has the layout of ``ros2 bag``, and info and play can read it."""
     sent = threading.Event()
     talk(session, then=lambda count: count == 100 and sent.set())
     recorder = command('bag', 'record', '-o', 'run', '/chatter')

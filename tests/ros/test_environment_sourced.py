@@ -29,7 +29,7 @@ def places(tmp_path):
 
 
 def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):
-    """A sourced ROS 2 is used instead of the wheels, also by shells that source nothing."""
+    """A sourced ROS 2 is used instead of the wheels, even by shells that source nothing."""
     plan = make_plan(places, shell)
     assert plan.kind == 'sourced'
 

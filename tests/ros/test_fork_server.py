@@ -1,4 +1,4 @@
-"""Probes are forks of one process, which outlives no fault and passes on no right."""
+"""Probes are forks of one server, which is replaced after a failure and drops privileges."""
 
 from concurrent.futures import ThreadPoolExecutor
 import os
@@ -23,7 +23,7 @@ ANSWER = Path('tests/submissions/03_topics/pass__functions_style/talker.py')
 
 
 def graded() -> ExamResult:
-    """Examine a right talker."""
+    """Examine a correct talker."""
     return examine(
         catalog.load('talker'), {'talker.py': ANSWER.read_text('utf-8')}, sandbox=strongest()
     )
@@ -35,7 +35,7 @@ def server() -> ForkServer:
 
 
 def test_two_runs_share_one_fork_server():
-    """Loading rclpy takes longer than a probe then works."""
+    """Loading rclpy takes longer than the work of a probe."""
     results = [graded()]
     first = server()
     results.append(graded())
@@ -45,7 +45,7 @@ def test_two_runs_share_one_fork_server():
 
 
 def test_a_run_in_another_thread_uses_the_same_fork_server():
-    """Each assignment of a class has threads of its own."""
+    """Each assignment of a class uses different threads."""
     graded()
     first = server()
     with ThreadPoolExecutor(1) as thread:
@@ -56,7 +56,7 @@ def test_a_run_in_another_thread_uses_the_same_fork_server():
 
 
 def test_a_fork_server_that_has_ended_is_replaced():
-    """The next run does not notice, no matter what killed it."""
+    """Killing the fork server does not affect the next run."""
     graded()
     first = server()
     os.killpg(first.process.pid, signal.SIGKILL)
@@ -68,7 +68,7 @@ def test_a_fork_server_that_has_ended_is_replaced():
 
 
 def test_a_fork_server_that_ends_during_a_run_makes_no_verdict(tmp_path):
-    """There is no evidence then, and it is never asked again."""
+    """Without evidence there is no verdict, and the ended server is not used again."""
     sandbox = strongest()
     found = ForkServer(sandbox)
     os.killpg(found.process.pid, signal.SIGKILL)
@@ -84,7 +84,7 @@ def test_a_fork_server_that_ends_during_a_run_makes_no_verdict(tmp_path):
 
 
 def test_a_probe_has_given_up_its_rights(tmp_path):
-    """A program that takes it over by what it sends has gained nothing."""
+    """A program that takes over the probe gains no privileges."""
     sandbox = strongest()
     student = sandbox.start(Program(('sleep', 'infinity')), Limits(), tmp_path)
     ours, theirs = socket.socketpair()

@@ -1,4 +1,4 @@
-"""A lean start: what is not loaded is loaded as soon as somebody uses it."""
+"""A lean start postpones the import of numpy until a program uses it."""
 
 from pathlib import Path
 import subprocess

@@ -1,4 +1,4 @@
-"""The build of a message package as the grader does it: what Python needs, and no more."""
+"""The grader's build of a message package makes only the parts that Python needs."""
 
 from contextlib import ExitStack
 import os
@@ -62,7 +62,7 @@ def source(tmp_path):
 
 
 def built(source: Path, place: Path, toolchain: Path) -> str:
-    """Build the package as the grader does and return what the build said."""
+    """Build the package as the grader does, and return the output of the build."""
     place.mkdir(exist_ok=True)
     settings = {'TMPDIR': str(place), 'CMAKE_TOOLCHAIN_FILE': str(toolchain)}
     return subprocess.run(
@@ -75,7 +75,7 @@ def built(source: Path, place: Path, toolchain: Path) -> str:
 
 
 def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
-    """C++ is two fifths of the work, and nothing that is graded uses it."""
+    """C++ is two fifths of the work, and no graded program uses it."""
     said = built(source, tmp_path, TOOLCHAIN)
     libraries = {path.name for path in (tmp_path / 'install' / 'lib').glob('lib*.so')}
     [modules] = (tmp_path / 'install').glob('lib/python3*/site-packages')
@@ -83,15 +83,15 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
     assert 'libknots__rosidl_typesupport_fastrtps_c.so' in libraries
     assert not [name for name in libraries if name.endswith('_cpp.so')]
     assert told(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
-    # What the set-up's CMake found out is not asked again.
+    # CMake does not repeat the search that the set-up has done.
     assert 'Found Python3' not in said
-    # The headers of Fast DDS and Python are compiled already: what they include is not read.
+    # The headers of Fast DDS and Python are precompiled, so their own includes are not read.
     assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
 
 
 @pytest.mark.parametrize('mode', ['landlock', 'none'])
 def test_weaker_modes_build_too(mode, tmp_path):
-    """Where the workspace may hold nothing that is executed, for one."""
+    """Builds work even if no file in the workspace may be executed."""
     if mode == 'landlock' and (refused := landlock.refusal(root=False)[0]):
         pytest.skip(refused)
     exam = catalog.load('temperature_message', hidden=False)
@@ -125,7 +125,7 @@ def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source,
 
 
 def symbols(place: Path) -> dict[str, str]:
-    """Return what each installed library offers and needs, and the other files."""
+    """Return the symbols that each installed library defines and needs, and the other files."""
     found = {}
     for path in sorted((place / 'install').rglob('*')):
         name = str(path.relative_to(place))
@@ -143,7 +143,7 @@ def symbols(place: Path) -> dict[str, str]:
 
 
 def told(modules: Path, libraries_in: Path) -> str:
-    """Return what a Python of its own says about a message that went through a topic."""
+    """Return what a new Python prints about a message that it sent through a topic."""
     program = (
         'import rclpy, sys\n'
         'from knots.msg import Speed\n'
@@ -173,7 +173,7 @@ def told(modules: Path, libraries_in: Path) -> str:
 
 
 def test_what_learners_build_has_cpp_too():
-    """The set-up built the course's own package whole, as a terminal would."""
+    """The set-up built the course's own package completely, as in a terminal."""
     prefixes = [Path(one) for one in os.environ['AMENT_PREFIX_PATH'].split(':')]
 
     header = 'include/temp_monitor_pkg/**/temperature.hpp'

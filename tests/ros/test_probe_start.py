@@ -25,7 +25,7 @@ pytestmark = [pytest.mark.ros]
 ANSWER = Path('tests/submissions/03_topics/pass__functions_style/talker.py')
 
 
-# In a network of its own, whose loopback interface is off at first, as in a sandbox that is made.
+# In a separate network whose loopback interface is off at first, as in a new sandbox.
 LATE = f"""
 import fcntl, socket, sys, threading
 sys.path.insert(0, {str(HERE / 'probe')!r})
@@ -53,7 +53,7 @@ print(works())
 
 
 def test_it_waits_until_the_sandbox_has_switched_its_network_on():
-    """A participant that is made before hears nobody for the whole run."""
+    """A participant created earlier would receive nothing during the whole run."""
     own_network = ['unshare', '--net', *(() if os.geteuid() == 0 else ('--map-root-user',))]
     ran = subprocess.run(
         [*own_network, sys.executable, '-c', LATE],
@@ -89,7 +89,7 @@ def switch(student: Confined, to: str) -> None:
 
 
 def listening(student: Confined) -> list[int]:
-    """Return the netlink ports in a sandbox's network at which somebody waits for news."""
+    """Return the netlink ports in a sandbox's network that listen for events."""
     sockets = Path(f'/proc/{student.pid}/net/netlink').read_text('ascii').splitlines()[1:]
     fields = [one.split() for one in sockets]
     return [int(port) for _, _, port, groups, *_ in fields if int(groups, 16)]
@@ -99,7 +99,7 @@ MOST_PROCESSES = 1 << 22  # PID_MAX_LIMIT: proc(5)
 
 
 def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
-    """No learner pays for a machine on which the sandbox is not ready when the probe is."""
+    """A learner loses no points if the sandbox is ready later than the probe."""
 
     def start_first(sandbox: Sandbox, student: Confined, *others: Any) -> Probe:
         switch(student, 'off')
@@ -108,7 +108,7 @@ def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
         while not (ports := listening(student)):
             assert time.monotonic() < deadline, 'the probe does not wait for its network'
             select.select((), (), (), 0.01)
-        # Bubblewrap expects to be given the number of its own process there.
+        # Bubblewrap needs the netlink port whose number is its own process id.
         assert min(ports) > MOST_PROCESSES
         switch(student, 'on')
         return probe
@@ -132,7 +132,7 @@ def start_instead(monkeypatch, *command: str) -> None:
 
 
 def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch):
-    """However early the probe was: nobody waits for it, and nobody gets a zero."""
+    """The grader stops waiting and reports its own failure; the learner does not get 0 points."""
     start_instead(monkeypatch, 'sh', '-c', 'echo no loopback >&2; exit 3')
 
     with pytest.raises(
@@ -142,7 +142,7 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
 
 
 def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):
-    """What starts it may be held up, by whomever: that says nothing about the student's code."""
+    """A delay before the start of the program says nothing about the student's code."""
     start_instead(monkeypatch, 'sleep', 'infinity')
 
     scenario = catalog.load('talker').scenario.to_json()
@@ -151,7 +151,7 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
 
 
 def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):
-    """The same command again is the repair, and no look for what is missing."""
+    """The advice is to repeat the command, not to look for missing packages."""
     sandbox = strongest()
     monkeypatch.setattr(Sandbox, 'command', lambda *_: ['sh', '-c', 'kill -9 $$'])
 

@@ -1,4 +1,4 @@
-"""What endpoints do, what ``qos_check_compatible`` predicts and what is documented: the same."""
+"""Compare real endpoints with ``qos_check_compatible`` and with the documented rule."""
 
 from collections import Counter
 from itertools import product
@@ -30,14 +30,14 @@ def table(request):
 
 
 def test_every_combination_is_tried_once(table):
-    """As many cells as pairs of choices, in that order."""
+    """The table has one cell per pair of choices, in order."""
     pairs = [(cell.offered, cell.requested) for cell in table.cells]
 
     assert pairs == list(product(CHOICES[table.policy], repeat=2))
 
 
 def test_plain_values_do_what_check_and_documentation_say(table):
-    """OK is a match and ERROR is none, in every cell whose values are not left open."""
+    """OK means a match and ERROR none, in every cell whose values are all determined."""
     plain = [cell for cell in table.cells if not {cell.offered, cell.requested} & OPEN]
     assert plain
     for cell in plain:
@@ -47,7 +47,7 @@ def test_plain_values_do_what_check_and_documentation_say(table):
 
 
 def test_documented_rule_is_that_of_offer_and_request(table):
-    """Compared with a second writing-down of the rule: the offer is at least as strong."""
+    """The test restates the rule: the offer is at least as strong as the request."""
     order = WEAK_TO_STRONG.get(table.policy)
     if order is None:
         expected = {True, False} if table.policy == 'reliability and durability' else {True}
@@ -58,7 +58,7 @@ def test_documented_rule_is_that_of_offer_and_request(table):
 
 
 def test_every_refusal_is_told_to_both_sides_with_the_policy(table):
-    """One event for the publisher, one for the subscription; a match has none."""
+    """A refusal gives the publisher and the subscription one event each; a match gives none."""
     for cell in table.cells:
         assert len(cell.refused_for) == (0 if cell.matched else 2), str(cell)
         named = set(cell.refused_for)
@@ -69,7 +69,7 @@ def test_every_refusal_is_told_to_both_sides_with_the_policy(table):
 
 
 def test_every_difference_is_an_explained_one(table):
-    """A difference needs a value that is left open, and the explanation says which."""
+    """Only undetermined values cause a difference, and the explanation names the value."""
     for cell in table.disagreements:
         assert cell.check == 'WARNING' or 'BEST_AVAILABLE' in (cell.offered, cell.requested)
         assert cell.explanation, str(cell)
@@ -80,7 +80,7 @@ def test_every_difference_is_an_explained_one(table):
 
 
 def test_system_default_is_what_a_warning_is_about():
-    """WARNING means undetermined: the middleware may refuse the pair or take it."""
+    """WARNING means undetermined: the middleware may refuse or accept the pair."""
     warned = {cell.matched for cell in qos_table('liveliness').cells if cell.check == 'WARNING'}
 
     assert warned == {True, False}
@@ -88,14 +88,14 @@ def test_system_default_is_what_a_warning_is_about():
 
 @pytest.mark.parametrize(('first', 'matched'), [('publisher', True), ('subscription', False)])
 def test_best_available_depends_on_who_comes_first(first, matched):
-    """A subscription adapts to a best-effort publisher that is there, and not to a later one."""
+    """A subscription adapts to an existing best-effort publisher, but not to a later one."""
     cell = qos_table('reliability', first=first)['BEST_EFFORT', 'BEST_AVAILABLE']
 
     assert (cell.matched, cell.check, cell.agrees) == (matched, 'OK', matched)
 
 
 def test_table_is_read_without_colours():
-    """A caption, header cells with a scope, and each outcome in words; as text likewise."""
+    """The table has a caption, header cells with a scope, and each outcome in words."""
     table = qos_table('deadline')
     page = table._repr_html_()
 
@@ -114,7 +114,7 @@ def test_match_and_refusal_have_different_colours():
 
 
 def test_unknown_table_is_refused_with_the_known_ones():
-    """The error lists what can be asked for."""
+    """The error lists the known tables."""
     with pytest.raises(RoslabError, match=r"'lease'.*got 'speed'"):
         qos_table('speed')
     with pytest.raises(RoslabError, match='first'):

@@ -83,7 +83,7 @@ def test_robot_names_the_policy_of_a_refused_publisher(kernel):
     )
 
     assert out.error is None
-    assert '0 False' in out.text.splitlines()  # the warning comes before or after it
+    assert '0 False' in out.text.splitlines()  # the warning is printed before or after it
 
 
 def test_robot_of_an_earlier_call_is_replaced_and_stays_where_it_is(kernel):
@@ -122,7 +122,7 @@ def test_executed_notebook_keeps_the_picture_of_what_arrived(tmp_path):
 
 
 def test_robot_replays_a_simulation():
-    """The commands of a record give the pose, and another type is refused."""
+    """The recorded commands give the pose; a different type is refused."""
     go = {'linear': {'x': 0.5}, 'angular': {'z': 0.0}}
     stop = {'linear': {'x': 0.0}}
     record = TopicRecord(

@@ -31,7 +31,7 @@ def bare_shell(domain):
 
 
 class World:
-    """Nodes in a process of their own, and commands in another."""
+    """Nodes in one process, and commands in another."""
 
     def __init__(self):
         self.until = ExitStack()
@@ -50,7 +50,7 @@ class World:
         return next(lines).strip()
 
     def ros2(self, *arguments, code=0):
-        """Run a command to its end and return its output, stderr behind stdout."""
+        """Run a command to its end and return its output, with stderr after stdout."""
         done = subprocess.run(
             [ROS2, *arguments],
             env=self.shell,
@@ -63,7 +63,7 @@ class World:
         return done.stdout + done.stderr
 
     def begin(self, *arguments):
-        """Start a command that goes on until it is told to stop."""
+        """Start a command that continues until it is stopped."""
         pipe = subprocess.PIPE
         return subprocess.Popen(
             [ROS2, *arguments], env=self.shell, stdout=pipe, stderr=pipe, text=True
@@ -102,14 +102,14 @@ TOPICS = """\
 
 @pytest.mark.claim('N10')
 def test_topic_list_names_topics_types_and_counts(world):
-    """Hidden topics are counted only where they are asked for."""
+    """Hidden topics are counted only on request."""
     assert world.ros2('topic', 'list', '-t') == TOPICS
     assert world.ros2('topic', 'list', '-c', '--include-hidden-topics') == '9\n'
     assert world.ros2('topic', 'type', '/chatter') == 'std_msgs/msg/String\n'
 
 
 def test_topic_list_verbose_has_a_block_for_each_side(world):
-    """Counts are of endpoints; the command's own node publishes on the last two, too."""
+    """Endpoints are counted; the command's own node also publishes on the last two topics."""
     lines = world.ros2('topic', 'list', '-v').split('\n')
 
     assert lines[0] == 'Published topics:'
@@ -152,7 +152,7 @@ Subscription count: 0
 
 @pytest.mark.claim('N10', 'Q22')
 def test_topic_info_tells_each_endpoint(world):
-    """Verbose shows QoS as the network knows it; an unknown topic is an error."""
+    """The verbose output shows QoS as discovered; an unknown topic is an error."""
     text = world.ros2('topic', 'info', '-v', '/lab/kept')
     text = re.sub(r'RIHS01_[0-9a-f]{64}', 'RIHS01_{hash}', text)
 
@@ -165,7 +165,7 @@ def test_topic_info_tells_each_endpoint(world):
 
 @pytest.mark.claim('N10')
 def test_topic_echo_prints_yaml_parts_and_lines(world):
-    """Late or not: the QoS is that of the publisher, so a kept message arrives."""
+    """The command adopts the publisher's QoS, so a stored message arrives even late."""
     kept = world.ros2('topic', 'echo', '--once', '/lab/kept')
 
     assert kept == 'data: said before you came\n---\n'
@@ -177,7 +177,7 @@ def test_topic_echo_prints_yaml_parts_and_lines(world):
 
 
 def test_topic_echo_says_why_there_is_nothing(world):
-    """Unknown topics, unknown fields and refused QoS are told apart; silence ends in time."""
+    """Unknown topics, unknown fields and refused QoS give different errors; silence times out."""
     unknown = world.ros2('topic', 'echo', '/nope', code=1)
     field = world.ros2('topic', 'echo', '--once', '--field', 'nope', '/chatter', code=1)
     kept = world.begin('topic', 'echo', '/chatter', '--qos-durability', 'transient_local')
@@ -194,7 +194,7 @@ def test_topic_echo_says_why_there_is_nothing(world):
 
 
 def test_topic_pub_waits_for_a_subscription_and_is_heard(world):
-    """What was typed arrives, even where the command ends at once."""
+    """The typed message arrives, even if the command ends immediately."""
     once = world.ros2('topic', 'pub', '-1', '/asked', 'std_msgs/msg/Int32', 'data: 7')
 
     assert world.line() == 'asked 7'
@@ -236,7 +236,7 @@ def test_topic_hz_measures_until_ctrl_c(world):
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=DEADLINE_S)
 
-    # 20 Hz, where both programs get their turns.
+    # 20 Hz, if both programs get enough CPU time.
     assert 2 < float(re.fullmatch(r'average rate: (\d+\.\d{3})\n', rate)[1]) < 30
     assert re.fullmatch(r'\tmin: .*s max: .*s std dev: .*s window: \d+\n', spread)
     assert (process.returncode, errors) == (2, '')
@@ -281,7 +281,7 @@ def test_param_reads_values_and_types(world):
 
 
 def test_param_sets_and_loads_values(world, tmp_path):
-    """A node's refusal is told with its reason; a file can be loaded."""
+    """A refusal is reported with the node's reason; a file can be loaded."""
     refused = world.ros2('param', 'set', '/talker', 'rate_hz', '3.0')
     file = tmp_path / 'talker.yaml'
 
@@ -294,7 +294,7 @@ def test_param_sets_and_loads_values(world, tmp_path):
 
 
 def test_lifecycle_walks_through_states(world):
-    """States and transitions with their numbers; a refused transition is told."""
+    """States and transitions have numbers; a refused transition is reported."""
     assert world.ros2('lifecycle', 'nodes') == '/beacon\n'
     assert world.ros2('lifecycle', 'get') == '/beacon: unconfigured [1]\n'
     assert world.ros2('lifecycle', 'list', '/beacon').startswith(
@@ -324,7 +324,7 @@ def test_lifecycle_get_continues_after_a_silent_node(world):
 
 
 def test_interface_verbs_need_no_nodes(world):
-    """Definitions show their parts one tab deeper."""
+    """Definitions show nested types one tab deeper."""
     header = world.ros2('interface', 'show', '--no-comments', 'std_msgs/msg/Header')
 
     assert header == (
@@ -336,7 +336,7 @@ def test_interface_verbs_need_no_nodes(world):
 
 
 def test_pkg_verbs_find_the_courses_package(world):
-    """In a terminal where nothing was sourced the course's workspace is known."""
+    """The course's workspace is found in a terminal without sourcing."""
     prefix = ros_environment().workspace
 
     assert world.ros2('pkg', 'prefix', 'temp_monitor_pkg') == f'{prefix}\n'
@@ -347,7 +347,7 @@ def test_pkg_verbs_find_the_courses_package(world):
 
 
 def test_nobody_there_is_a_short_list_and_no_error():
-    """Alone in a domain, there are the two topics that the command's own node has."""
+    """In an empty domain, only the two topics of the command's own node are listed."""
     alone = World.__new__(World)
     alone.shell = bare_shell(101)
 
@@ -356,7 +356,7 @@ def test_nobody_there_is_a_short_list_and_no_error():
 
 @pytest.mark.claim('M23', 'M24')
 def test_created_packages_build_and_run(world, tmp_path):
-    """Both kinds of package build as they are, without a word about dependencies."""
+    """Both kinds of package build without changes and without messages about dependencies."""
     source = tmp_path / 'src'
     source.mkdir()
     options = ('--destination-directory', str(source), '--dependencies', 'std_msgs')
@@ -388,7 +388,7 @@ def test_created_packages_build_and_run(world, tmp_path):
 
 
 def test_run_hands_signals_and_codes_to_the_program(world):
-    """The program takes the place of the command, so Ctrl-C ends the node itself."""
+    """The program replaces the command, so Ctrl-C ends the node itself."""
     node = world.begin('run', 'temp_monitor_pkg', 'temp_publisher', '--ros-args', '-r', '__ns:=/x')
     while '/x/' not in world.ros2('node', 'list'):
         assert node.poll() is None, node.stderr.read()
@@ -400,7 +400,7 @@ def test_run_hands_signals_and_codes_to_the_program(world):
 
 @pytest.mark.parametrize('module', ['sitecustomize', 'argparse', 'rclpy'])
 def test_interrupt_during_the_imports_prints_no_traceback(world, tmp_path, module):
-    """The signal ends the command at once, also while Python starts or loads the parser."""
+    """The signal ends the command at once, even while Python starts or loads the parser."""
     interrupts = 'import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n'
     (tmp_path / f'{module}.py').write_text(interrupts)
     shell = {**world.shell, 'PYTHONPATH': str(tmp_path)}

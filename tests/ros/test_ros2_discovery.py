@@ -1,4 +1,4 @@
-"""How long a command of ros2 looks at the graph before it says that something is missing."""
+"""How long a ros2 command searches the graph before it reports that something is missing."""
 
 import argparse
 from contextlib import contextmanager
@@ -57,7 +57,7 @@ class Graph:
 
 @pytest.fixture
 def looked_s(monkeypatch):
-    """Provide a function that returns how long a command looks [s], given its condition."""
+    """Provide a function that returns how long a command searches [s], given its condition."""
 
     def look(known=None):
         seen = Graph()
@@ -85,6 +85,6 @@ def test_what_appears_late_is_found_when_it_appears(looked_s):
     ],
 )
 def test_only_what_is_missing_takes_the_whole_time(looked_s, kind, name, missing):
-    """What the graph has is answered after the quiet time, as a list is."""
+    """If the graph contains the entity, the wait ends after the quiet time, as for a list."""
     assert looked_s(lambda node: kind(node, name)) == looked_s() < 0.3
     assert looked_s(lambda node: kind(node, missing)) >= discovery.LIMIT_S

@@ -184,7 +184,7 @@ def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):
     kernel.run(TWICE_A_SECOND)
     then = kernel.run(CHECK)
 
-    assert 'temp_publisher.py was left over: no cell makes it any more' in first
+    assert 'temp_publisher.py is left over: no cell saves it any more' in first
     assert '[pass]' in then.text
     assert 'left over' not in then.text
 

@@ -1,4 +1,4 @@
-"""Notebooks do not hear each other, and a terminal joins one of them with one line."""
+"""Notebooks do not receive each other's messages; one line connects a terminal to one of them."""
 
 import os
 from pathlib import Path
@@ -49,7 +49,7 @@ def kernels():
 
 
 def test_nothing_crosses_between_kernels_of_two_users(kernels):
-    """Two kernels of one and one of another, all of them with the same topic."""
+    """Two kernels of one user and one kernel of another use the same topic."""
     users = [None, None]
     if os.geteuid() == 0:
         if not may_start(OTHER_USER):
@@ -73,7 +73,7 @@ def test_nothing_crosses_between_kernels_of_two_users(kernels):
 
 
 def test_terminal_joins_a_notebook_with_the_line_that_it_prints(kernels):
-    """Without the line it sees nothing of the notebook."""
+    """Without the line, the terminal does not see the notebook's nodes."""
     kernel = kernels()
     name = f'joined_by_{os.getpid()}'
     kernel.run(f'mine = start(Talker, name="{name}")')
@@ -93,7 +93,7 @@ def test_terminal_joins_a_notebook_with_the_line_that_it_prints(kernels):
 
 
 def test_domain_follows_what_ros_was_started_with(kernels):
-    """A variable that was changed later does not move the nodes that run."""
+    """Changing the variable later does not affect running nodes."""
     kernel = kernels()
     before = kernel.run('mine = start(Talker); domain()').text
     after = kernel.run('import os; os.environ["ROS_DOMAIN_ID"] = "77"; domain()').text
@@ -109,7 +109,7 @@ def test_graph_calls_only_its_own_listener_this_notebook(kernels, tmp_path):
     try:
         kernel.run('mine = start(Talker)')
         other.run(f'{TALKER}\nheard = listen("chatter", String); heard.wait(2)')
-        # The subscription is known before the name of its node is.
+        # The subscription is discovered before the name of its node.
         known = '{i.node_name for i in mine.get_subscriptions_info_by_topic("/chatter")}'
         unknown = '{"_NODE_NAME_UNKNOWN_"}'
         kernel.run(f'wait_until(lambda: {known} - {unknown}, timeout=60)')

@@ -35,12 +35,12 @@ def notebook(tmp_path, monkeypatch):
     return path
 
 
-# As much of IPython's shell as the guide looks at.
+# The parts of IPython's shell that the guide uses.
 SHELL = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=('', 'the running cell')))
 
 
 def advice_for(code):
-    """Return what is said about the error that code raises."""
+    """Return the advice for the error that code raises."""
     try:
         exec(compile(code, 'cell.py', 'exec'), {})
     except BaseException as error:
@@ -80,12 +80,12 @@ def test_name_of_another_cell_is_answered_with_that_cell(notebook, code, section
     ],
 )
 def test_other_errors_stay_as_they_are(notebook, code):
-    """A misspelt name, a private one, or any other error is none of the guide's business."""
+    """The guide does not replace errors about misspelt or private names, or other errors."""
     assert advice_for(code) is None
 
 
 def test_stub_of_an_exercise_says_what_to_do(notebook):
-    """Not which cells to run: the line itself has to be replaced."""
+    """The advice is to replace the line, not to run other cells."""
     said = advice_for('def to_celsius():\n    raise NotImplementedError()\nto_celsius()')
 
     assert 'line 2' in said
@@ -93,7 +93,7 @@ def test_stub_of_an_exercise_says_what_to_do(notebook):
 
 
 def test_magic_below_a_comment_is_explained(notebook):
-    """IPython takes it for a line magic, which is of no use to a beginner."""
+    """IPython reports a missing line magic, which does not help a beginner."""
     said = advice_for(
         'from IPython.core.error import UsageError\n'
         "raise UsageError('Line magic function `%%node` not found.')"
@@ -131,7 +131,7 @@ def test_cells_that_were_edited_and_not_saved_have_run_all_the_same(run_in_order
 
 
 def test_cell_that_was_left_out_is_told(run_in_order):
-    """The hint is for those who jumped."""
+    """A learner who skipped a cell gets the hint."""
     assert 'Run first' in run_in_order(left_out=(1,))
 
 
@@ -141,7 +141,7 @@ def test_cell_below_that_ran_earlier_is_no_wrong_order(run_in_order):
 
 
 def test_texts_are_those_that_ran_last(notebook, monkeypatch):
-    """A cell that was edited and not saved yet counts as it ran; others as they were saved."""
+    """A cell that ran has the text that ran; other cells have the saved text."""
     cells = guide.read_cells(notebook)
     monkeypatch.setattr(guide, '_executed', {1: cells[1].identifier, 3: cells[1].identifier})
     history = ['', 'older', 'typed in a console', 'newer']
@@ -158,7 +158,7 @@ def test_texts_are_those_that_ran_last(notebook, monkeypatch):
 
 
 def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
-    """A name that an installed module misses is not the learner's."""
+    """A name that is missing in an installed module is not the learner's mistake."""
     installed = tmp_path / 'site-packages'
     installed.mkdir()
     (installed / 'careless.py').write_text('def call():\n    return start\n')

@@ -39,7 +39,7 @@ BLOCKING = {
     'plain Python': 'while True: pass',
     'a command': '!sleep 60\nwait_until(lambda: False, 60)',
     'output of a command': 'said = !sleep 60\nwait_until(lambda: False, 60)',
-    # Python drops what is raised there.
+    # Python drops exceptions raised there.
     'a callback of a weak reference': 'gone = ref(thing, for_a_second); del thing\n'
     'wait_until(lambda: False, 60)',
 }
@@ -160,7 +160,7 @@ while True:
     ids=['executor', '!command'],
 )
 def test_what_an_interrupt_left_half_made_is_thrown_away_quietly(kernel, making):
-    """A finalizer that misses an attribute writes nothing to stderr."""
+    """A finalizer that fails because of a missing attribute writes nothing to stderr."""
     assert kernel.run(f'{making}; del left').streams['stderr'] == ''
 
 

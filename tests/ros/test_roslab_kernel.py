@@ -48,7 +48,7 @@ def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
     ],
 )
 def test_explain_repeats_the_hint_that_was_shown_last(kernel_of_module, cell, words):
-    """An error that is shown as a sentence is the last one, as one with a traceback is."""
+    """An error shown as a sentence counts as the last error, like one with a traceback."""
     kernel_of_module.run('{}["older"]')
     shown = kernel_of_module.run(cell)
 

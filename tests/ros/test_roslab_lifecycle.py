@@ -40,7 +40,7 @@ def test_name_is_as_good_as_the_node(session):
 
 
 def test_node_elsewhere_is_asked_over_its_service(session):
-    """What is not a node of this kernel answers get_state."""
+    """The service get_state gives the state of a node in another process."""
     elsewhere = PrivateSession(session.domain)
     try:
         elsewhere.start(lambda: LifecycleNode('far')).trigger_configure()
@@ -51,7 +51,7 @@ def test_node_elsewhere_is_asked_over_its_service(session):
 
 
 def test_ordinary_node_is_refused_with_what_to_do(session):
-    """It has no states, and the message says which class has."""
+    """An ordinary node has no states, and the message names the class that has."""
     with pytest.raises(
         RoslabError, match=r'expected a LifecycleNode, got a Node.*rclpy\.lifecycle'
     ):
@@ -80,7 +80,7 @@ def test_stopped_node_leaves_the_graph_though_a_name_refers_to_it(session):
 
 @pytest.mark.parametrize('state', [*lifecycle_picture.STATES, 'configuring'])
 def test_drawing_shows_the_state_without_colour_and_in_words(state):
-    """The current box has a thick border and the word now; the alternative text says all."""
+    """The current box has a thick border and the word now; the alternative text does too."""
     drawn = LifecyclePicture('/a<b', state)._repr_html_()
 
     primary = state in lifecycle_picture.STATES
@@ -92,7 +92,7 @@ def test_drawing_shows_the_state_without_colour_and_in_words(state):
 
 @pytest.mark.parametrize(('state', 'ways'), lifecycle_picture.WAYS.items())
 def test_arrows_that_lead_on_are_solid(state, ways):
-    """Those of other states are dashed."""
+    """Arrows from other states are dashed."""
     drawn = LifecyclePicture('/a', state)._repr_html_()
 
     assert drawn.count('<path') - drawn.count('stroke-dasharray') == len(ways)

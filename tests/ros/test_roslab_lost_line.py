@@ -23,7 +23,7 @@ if __name__ == '__main__':
 """
 SENTENCE = (
     'NodeLineMissingError: this cell is a whole program, and the notebook would wait for its '
-    'main() without end. It was not run. Write this as its first line: %%node {}'
+    'main() forever. It was not run. Write this as its first line: %%node {}'
 )
 
 
@@ -34,7 +34,7 @@ def said(kernel, code, **more):
 
 @pytest.fixture
 def lesson(kernel):
-    """Return a function that saves a notebook of one cell beside the kernel."""
+    """Return a function that saves a notebook of one cell in the kernel's folder."""
     folder = kernel.run('import os; os.getcwd()').value.strip("'")
     path = f'{folder}/lesson.ipynb'
 
@@ -57,7 +57,7 @@ def lesson(kernel):
     ],
 )
 def test_program_in_an_ordinary_cell_is_not_run(kernel, program):
-    """Nothing of the cell is executed, and ROS is not started."""
+    """No part of the cell is executed, and ROS is not started."""
     assert said(kernel, f'hung = True\n{program}') == [SENTENCE.format('my_node')]
     assert kernel.run('"hung" in globals(), __import__("rclpy").ok()').value == '(False, False)'
 
@@ -67,14 +67,14 @@ def test_program_in_an_ordinary_cell_is_not_run(kernel, program):
     [('talker', 'talker'), ('temperature_publisher', 'temp_publisher'), ('unknown', 'my_node')],
 )
 def test_cell_of_an_exercise_is_told_its_own_first_line(kernel, lesson, grade_id, name):
-    """The id of its cell, which the grader uses, is still there without the line."""
+    """The cell keeps its grade id when its first line is lost."""
     lesson(PROGRAM, grade_id=grade_id)
 
     assert said(kernel, PROGRAM) == [SENTENCE.format(name)]
 
 
 def test_notebook_that_was_saved_before_tells_the_lost_line(kernel, lesson):
-    """Lessons have node cells that are no exercises."""
+    """Node cells that are not exercises have no grade id."""
     lesson(f'%%node often_seen\n{PROGRAM}')
 
     assert said(kernel, PROGRAM, cell_id='a-cell') == [SENTENCE.format('often_seen')]
@@ -91,5 +91,5 @@ def test_notebook_that_was_saved_before_tells_the_lost_line(kernel, lesson):
     ],
 )
 def test_other_cells_run_as_before(kernel, cell):
-    """Node cells, and cells that are no ROS programs."""
+    """Node cells and cells that are not ROS programs run."""
     assert kernel.run(cell).error is None

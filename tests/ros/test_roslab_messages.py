@@ -65,7 +65,7 @@ def write(kernel, *cells):
 
 @pytest.fixture(scope='module')
 def built(tmp_path_factory):
-    """Return a kernel in which a learner's package was written and built, and what it said."""
+    """Return a kernel in which a learner's package was written and built, and the output."""
     with live_kernels.started(tmp_path_factory.mktemp('built')) as kernel:
         write(kernel, TEMPERATURE, PACKAGE, CMAKE)
         yield kernel, kernel.run('report = build_messages()')

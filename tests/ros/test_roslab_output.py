@@ -42,7 +42,7 @@ def test_callback_exception_appears_beside_the_cell_that_started_the_node(kernel
     outputs = kernel.run('go = True; wait_until(lambda: "bad" not in nodes())', cell_id='second')
     end = time.monotonic() + DEADLINE_S
     while 'bad stopped' not in ''.join(kernel.blocks.values()) and time.monotonic() < end:
-        kernel.run('pass')  # what came meanwhile is read with its outputs
+        kernel.run('pass')  # reads the messages that arrived meanwhile
 
     assert 'bad stopped' not in outputs.text
     assert 'bad stopped' in ''.join(kernel.blocks.values())
@@ -64,7 +64,7 @@ def test_lines_of_a_node_stay_with_the_cell_that_started_it(tmp_path):
         'before = node.count; n = wait_until(lambda: node.count > before + 20, 60)',
     )
     notebook = execute([TALKER + LOUD, start, later], tmp_path)
-    # What the cell itself printed last may come by another way just after the block was begun.
+    # The last line that the cell printed may arrive separately, just after the block was created.
     (block,) = [one for one in notebook.cells[1].outputs if one.output_type == 'display_data']
 
     assert re.search(r'WARN.* \[talker\]: logged 1\b.*\nprinted 1\n', streams(notebook.cells[1]))

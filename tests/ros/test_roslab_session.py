@@ -26,11 +26,11 @@ from roslab.waiting import wait_until
 pytestmark = pytest.mark.ros
 
 RELIABLE = QoSProfile(depth=10)
-SOON_S = 60  # what takes milliseconds on a machine with nothing else to do
+SOON_S = 60  # limit for waits that take milliseconds on an idle machine
 
 
 class Talker(Node):
-    """Counts aloud, fast."""
+    """Logs and publishes numbers fast."""
 
     def __init__(self, name='talker', topic='chatter', qos=RELIABLE):
         super().__init__(name)
@@ -60,7 +60,7 @@ class Failing(Talker):
 
 
 class Endless(Node):
-    """Has a callback that does not come to an end."""
+    """Has a callback that never returns."""
 
     def __init__(self):
         super().__init__('endless')
@@ -85,7 +85,7 @@ def test_started_node_publishes_while_the_test_waits(session):
 
 @pytest.mark.claim('J5')
 def test_node_started_again_replaces_the_older_one_without_a_warning(session, capfd):
-    """Running a cell twice leaves one node, and the middleware has nothing to complain about."""
+    """Running a cell twice leaves one node, and the middleware prints no warning."""
     first = session.start(Talker)
     second = session.start(Talker)
     names = second.get_node_names()
@@ -110,7 +110,7 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
 def test_node_that_is_renamed_by_its_arguments_replaces_the_older_one_without_a_warning(
     session, capfd, rules, full
 ):
-    """The name after remapping is the one that counts."""
+    """Nodes are compared by their names after remapping."""
 
     def adam():
         return Node('adam', cli_args=['--ros-args', *rules.split()])
@@ -133,7 +133,7 @@ def test_name_and_parameters_are_passed_to_a_class_that_takes_no_arguments(sessi
 
 
 def test_plain_node_takes_its_name_from_start(session):
-    """`start(Node, name=...)` needs no class of one's own."""
+    """`start(Node, name=...)` works without a subclass."""
     assert session.start(Node, name='bench').get_name() == 'bench'
 
 
@@ -155,7 +155,7 @@ def test_same_name_in_another_namespace_is_another_node(session):
 
 
 def test_failing_callback_ends_its_node_and_no_other(session, capfd):
-    """The exception names the node and the line; other nodes go on; nothing is on stderr."""
+    """The message names the node and the line, and other nodes continue; stderr stays empty."""
     talker = session.start(Talker)
     failing = session.start(Failing)
     wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
@@ -173,7 +173,7 @@ def test_failing_callback_ends_its_node_and_no_other(session, capfd):
 
 
 def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypatch):
-    """Its first callback may run before the cell's own thread has another turn."""
+    """The first callback may run before the cell's own thread continues."""
     add = BackgroundExecutor.add
 
     def add_slowly(executor, node):
@@ -188,7 +188,7 @@ def test_node_that_fails_before_start_returns_is_named(session, capfd, monkeypat
 
 
 def test_request_that_is_hit_by_the_end_of_a_callback_is_carried_out(session):
-    """The exception that ends a callback may come when the callback has just ended by itself."""
+    """The exception that ends a callback may arrive just after the callback has returned."""
     began = []
 
     def request():
@@ -231,7 +231,7 @@ def test_failed_node_can_be_started_again(session):
 
 @pytest.mark.parametrize('error', [SystemExit, KeyboardInterrupt])
 def test_exit_in_a_callback_ends_its_node_only(session, error):
-    """sys.exit() in a callback takes neither the kernel nor the executor along."""
+    """sys.exit() in a callback ends neither the kernel nor the executor."""
     talker = session.start(Talker)
     session.start(lambda: Failing(error))
     wait_until(lambda: 'failing' not in session.nodes(), SOON_S, 'the failure')
@@ -241,7 +241,7 @@ def test_exit_in_a_callback_ends_its_node_only(session, error):
 
 
 def test_endless_callback_is_named_and_ended_by_stop(session):
-    """A callback in an endless loop is named by a wait, and stop() gets the thread back."""
+    """A failed wait names a callback in an endless loop, and stop() frees the thread."""
     talker = session.start(Talker)
     endless = session.start(Endless)
     assert endless.entered.wait(SOON_S)
@@ -268,7 +268,7 @@ def test_a_node_stopped_in_a_callback_leaves_the_graph(session, which):
 
 
 def test_stop_destroys_the_node_of_a_slow_thread(session, monkeypatch):
-    """On a busy machine the thread may answer only when it is asked again."""
+    """On a busy machine, the thread may respond only to a second request."""
     session.start(Talker)
     other = session.start(Talker, name='other')
     really, slow = BackgroundExecutor._do, [True]
@@ -300,7 +300,7 @@ def test_close_ends_even_an_endless_callback(session):
 
 
 def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
-    """Half a node would stay visible as long as the notebook keeps the traceback."""
+    """An incomplete node would stay visible as long as the notebook keeps the traceback."""
 
     def half():
         Node('half')
@@ -315,7 +315,7 @@ def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
 
 
 def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(session):
-    """A publisher that rclpy has made and not yet noted keeps its node while a frame has it."""
+    """A frame refers to a new publisher, and so keeps its node alive, before rclpy stores it."""
 
     class Half(Node):
         def __init__(self):
@@ -343,7 +343,7 @@ def test_start_of_something_else_says_what_it_expected(session, factory, word):
 
 
 def test_start_of_main_is_refused(session):
-    """main() spins for ever; the cell would never end."""
+    """main() spins forever, so the cell would never end."""
 
     def main():
         raise AssertionError('was called')
@@ -353,7 +353,7 @@ def test_start_of_main_is_refused(session):
 
 
 def test_stop_is_repeatable_and_names_a_wrong_name(session):
-    """Stopping twice is fine, a node that never was is not."""
+    """Stopping a node twice is allowed; an unknown name is an error."""
     node = session.start(Talker)
     session.stop(node)
     session.stop(node)
@@ -372,7 +372,7 @@ def test_stop_takes_a_name_with_its_namespace(session, name):
 
 
 def test_session_starts_anew_after_a_shutdown(session):
-    """A cell that shuts ROS down costs its nodes, not the kernel."""
+    """If a cell shuts ROS down, the nodes end but the kernel remains usable."""
     session.start(Talker)
     session.executor.context.shutdown()
 
@@ -399,7 +399,7 @@ def test_wait_returns_the_value_and_is_woken_by_callbacks(session):
 
 
 def test_wait_from_a_callback_is_refused(session, capfd):
-    """A callback that waits for others would wait for ever."""
+    """A callback that waits for other callbacks would wait forever."""
 
     class Waiting(Node):
         def __init__(self):
@@ -432,7 +432,7 @@ def test_silence_is_explained_by_incompatible_qos(session):
 
 
 def test_another_type_on_the_topic_is_named(session, capfd):
-    """Listening with the wrong type says which type there is, and nothing on stderr."""
+    """The error names the topic's type, and nothing is written to stderr."""
     talker = session.start(Talker)
     wait_until(lambda: talker.count > 0, SOON_S, 'the talker')
     with pytest.raises(RoslabError, match='std_msgs/msg/String'):
@@ -441,7 +441,7 @@ def test_another_type_on_the_topic_is_named(session, capfd):
 
 
 def test_topic_and_type_in_the_other_order_are_told(session):
-    """The example has them in order, ready to be copied."""
+    """The error has a correct example that can be copied."""
     with pytest.raises(RoslabError, match=r"as in listen\('chatter', String\)"):
         Listener(String, 'chatter', RELIABLE)
 
@@ -458,7 +458,7 @@ def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
 
 
 def test_failed_wait_names_the_exception_that_stopped_the_publisher(session):
-    """Nobody publishes any more, and the reason is known."""
+    """The publisher has stopped, and the error gives the reason."""
     session.start(Failing)
     wait_until(lambda: not session.nodes(), SOON_S, 'the failure')
     with pytest.raises(TimeoutError, match='Node failing stopped: ZeroDivisionError: third'):
@@ -477,7 +477,7 @@ def test_listener_without_a_name_hears_no_more(session):
 
 
 def test_stopped_listener_keeps_what_it_heard(session):
-    """stop() ends listening, not the notebook's evidence."""
+    """stop() ends the subscription and keeps the messages."""
     session.start(Talker)
     heard = Listener('chatter', String, RELIABLE)
     heard.wait(2)
@@ -500,7 +500,7 @@ def test_logs_are_kept_by_node(session):
 
 
 def test_helper_is_hidden_and_alone(session):
-    """What the notebook adds to the graph is one node with a hidden name."""
+    """The notebook itself adds a single node with a hidden name to the graph."""
     talker = session.start(Talker)
     Listener('chatter', String, RELIABLE)
 
@@ -508,7 +508,7 @@ def test_helper_is_hidden_and_alone(session):
 
 
 def test_mark_in_the_console_is_counted_and_not_shown():
-    """It comes in pieces, too, and in the middle of a line that has no end yet."""
+    """The mark may arrive in pieces, and in the middle of an unfinished line."""
     console = ConsoleLines()
     mark = MARK.decode()
 

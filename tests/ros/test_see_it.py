@@ -1,4 +1,4 @@
-"""``see_it.py``: the one command for people who only want to look."""
+"""``see_it.py``: the single command for a first look."""
 
 from pathlib import Path
 import re
@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_listener_hears_every_message() -> None:
-    """The program ends by itself after three messages, each published and heard."""
+    """The program ends by itself after three messages, each published and received."""
     done = subprocess.run(
         [sys.executable, 'see_it.py'], cwd=ROOT, capture_output=True, text=True, timeout=60
     )

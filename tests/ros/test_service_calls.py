@@ -1,4 +1,4 @@
-"""A service is called when its node knows the client, with real nodes on both sides."""
+"""A service is called only after its node has discovered the client; real nodes on both sides."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
@@ -39,7 +39,7 @@ def a_node(executor: SingleThreadedExecutor, name: str, **options: bool) -> Node
 
 
 def wait_until_known(node: Node, executor: SingleThreadedExecutor) -> None:
-    """Wait until the node knows who offers the service."""
+    """Wait until the node has discovered the service."""
     end = time.monotonic() + 60.0
     while True:
         with suppress(NodeNameNonExistentError):
@@ -50,7 +50,7 @@ def wait_until_known(node: Node, executor: SingleThreadedExecutor) -> None:
 
 
 def test_a_lost_answer_is_asked_for_again(executors):
-    """Until the first answer has come, each look asks once more."""
+    """Each attempt sends another request until the first response arrives."""
     asking, asked = executors
     node, server = a_node(asking, 'asking'), a_node(asked, 'asked')
     server.create_service(GetParameters, SERVICE, lambda _, answer: answer)
@@ -65,7 +65,7 @@ def test_a_lost_answer_is_asked_for_again(executors):
             if condition():
                 return True
             asking.spin_once(timeout_sec=0.01)
-            if len(lost) < 2:  # the server has taken it, and its answer reaches nobody
+            if len(lost) < 2:  # take the request without sending a response
                 header = parameters.handle.service_take_request(parameters.srv_type.Request)[1]
                 if header is not None:
                     lost.append(header)
@@ -79,7 +79,7 @@ def test_a_lost_answer_is_asked_for_again(executors):
 
 
 def test_who_answers_nothing_is_not_met(executors):
-    """Nobody spins the node that serves."""
+    """The node that offers the service is not being spun."""
     asking, asked = executors
     node, server = a_node(asking, 'asking'), a_node(asked, 'asked')
     server.create_service(GetParameters, SERVICE, lambda _, answer: answer)

@@ -87,7 +87,7 @@ def test_hour_of_a_publisher_has_a_message_at_each_second(virtual_time, program)
 
 
 def test_burst_arrives_at_one_instant_and_two_runs_are_equal(virtual_time, program):
-    """In the order in which it was sent, in each run."""
+    """Messages arrive in the order in which they were sent, in each run."""
     inputs = numbers(*((1, value) for value in range(8)), (2, 20))
     first, second = (virtual_time(program(DOUBLE), 5, inputs=inputs) for _ in range(2))
 
@@ -99,7 +99,7 @@ def test_burst_arrives_at_one_instant_and_two_runs_are_equal(virtual_time, progr
 
 
 def test_late_subscription_receives_the_stored_messages(virtual_time, program):
-    """And then the new ones, each at its moment."""
+    """Then it receives the new messages, each at its time."""
     inputs = numbers(*((second, second) for second in range(1, 8)))
     run = virtual_time(program(DOUBLE), 10, inputs=inputs, late={'double': 5.5})
 
@@ -109,7 +109,7 @@ def test_late_subscription_receives_the_stored_messages(virtual_time, program):
 
 
 def test_crash_ends_the_simulation_and_names_the_exception(virtual_time, program):
-    """What the program did before is there."""
+    """The result contains everything before the crash."""
     run = virtual_time(program(DOUBLE), 10, inputs=numbers((1, 5), (3, 100)))
 
     assert run.times('double') == [1.0]
@@ -118,7 +118,7 @@ def test_crash_ends_the_simulation_and_names_the_exception(virtual_time, program
 
 
 def test_limit_ends_the_simulation_and_keeps_what_came_before(virtual_time, program):
-    """Here the limit of printed text."""
+    """The example is the limit on printed text."""
     endless = """
         self.count = getattr(self, 'count', 0) + 1
         while self.count == 4:
@@ -134,7 +134,7 @@ def test_limit_ends_the_simulation_and_keeps_what_came_before(virtual_time, prog
 
 
 def test_topic_that_appears_later_is_recorded(virtual_time, program):
-    """A publisher that an input creates."""
+    """An input makes the program create the publisher."""
     later = """
 import rclpy
 from std_msgs.msg import Empty, String
@@ -154,13 +154,13 @@ rclpy.spin(node)
 
 
 def test_field_that_a_message_lacks_is_named(virtual_time, program):
-    """The error is that of the inputs, not of the grader."""
+    """The error blames the inputs, not the grader."""
     with pytest.raises(UsageError, match=r"inputs: a message does not fit .* no attribute 'dat'"):
         virtual_time(program(DOUBLE), 5, inputs={'number': [(1, {'dat': 1.0})]})
 
 
 def test_saved_cell_is_simulated_and_drawn(tmp_path, monkeypatch):
-    """The pictures of live messages show it."""
+    """The pictures for live messages also show a simulation."""
     monkeypatch.chdir(tmp_path)
     folder = learner_package().folder / learner_package().name
     folder.mkdir(parents=True)

@@ -11,7 +11,7 @@ from autograder.runs.observe import HERE
 pytestmark = [pytest.mark.ros]
 
 STEADY = Path(HERE, 'inside', 'steady_rclpy.py')
-# What an executor does with a list of waitables, at the moments when another thread destroys one.
+# Handle a list of waitables as an executor does, while another thread destroys one of them.
 PROGRAM = """
 import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation as impl
@@ -55,12 +55,12 @@ def test_plain_rclpy_dies_of_it(program: str):
 
 
 def test_the_launcher_leaves_a_destroyed_event_out(program: str):
-    """As rclpy does with subscriptions, timers, services and clients."""
+    """The same happens in rclpy with subscriptions, timers, services and clients."""
     assert said(str(STEADY), program) == 'left out False None'
 
 
 def test_nothing_is_imported_for_the_program(tmp_path: Path):
-    """A forgotten import stays the mistake that it is."""
+    """The launcher must not hide a missing import in the program."""
     file = tmp_path / 'script.py'
     file.write_text('import sys\nprint(sorted(m for m in sys.modules if "rclpy" in m), __name__)')
 
@@ -81,7 +81,7 @@ rclpy.shutdown()
 
 
 def test_nodes_are_served_in_the_order_in_which_they_were_added(tmp_path: Path):
-    """Of two timers that are due at the same moment, that of the first node comes first."""
+    """If two timers are due at the same time, the timer of the first node runs first."""
     file = tmp_path / 'many.py'
     file.write_text(MANY)
 

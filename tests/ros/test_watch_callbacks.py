@@ -29,7 +29,7 @@ SOON_S = 60.0
 
 @pytest.fixture
 def context():
-    """Return a context on a domain of its own."""
+    """Return a context in a separate domain."""
     with ExitStack() as until:
         made = Context()
         made.init(args=[], domain_id=own_domain(until))
@@ -80,7 +80,7 @@ def test_one_executor_runs_the_callbacks_of_two_nodes_one_after_the_other(contex
 
 
 def test_ticks_during_a_slow_callback_are_one_late_call_and_skipped_ones(context):
-    """No tick is called during the slow callback; those that are skipped were due in it."""
+    """No tick is called during the slow callback; those that are skipped were due during it."""
     node, times = Node('sleeper', context=context), []
 
     def long_work():
@@ -105,7 +105,7 @@ def test_ticks_during_a_slow_callback_are_one_late_call_and_skipped_ones(context
 
 
 def test_ticks_that_were_skipped_before_the_watch_are_not_recorded(context):
-    """The first callback came late; the ticks since then would fill the record."""
+    """The node was spun late; recording all missed ticks would fill the record."""
     node = Node('sleeper', context=context)
     node.create_timer(0.001, lambda: None)
     executor = executor_of(node)
@@ -198,7 +198,7 @@ def test_messages_wait_until_the_node_is_spun_and_the_queue_loses_the_oldest(con
 
 
 def test_messages_of_a_node_that_is_not_named_are_ignored(context):
-    """A name or a full name chooses a node as the node itself does."""
+    """A name or a full name selects a node, like the node itself."""
     nodes = [Node(name, context=context) for name in ('one', 'two')]
     nodes.append(Node('one', namespace='other', context=context))
     for node in nodes:
@@ -213,7 +213,7 @@ def test_messages_of_a_node_that_is_not_named_are_ignored(context):
 
 
 def test_timer_in_simulated_time_has_no_due_time(context):
-    """The picture's axis is real time, so the time of the simulation does not fit on it."""
+    """The picture's axis is real time, so simulated times cannot be shown on it."""
     simulated = [Parameter('use_sim_time', value=True)]
     node, ticks = Node('sim', context=context, parameter_overrides=simulated), []
     clock = node.create_publisher(Clock, '/clock', QoSProfile(depth=10))
@@ -250,7 +250,7 @@ def test_callback_that_raises_is_recorded_and_rclpy_is_restored(context):
 
 
 def test_callback_that_has_not_ended_is_drawn_until_the_end(context):
-    """It is no finished call, but it has a box."""
+    """The call is unfinished, but has a box."""
     node, free = Node('stuck', context=context), threading.Event()
     node.create_timer(0.005, lambda: free.wait(SOON_S))
     executor = executor_of(node, threads=2)
@@ -286,7 +286,7 @@ def test_picture_has_words_a_legend_and_its_data(context):
 
 
 def test_node_that_is_destroyed_while_it_is_ready_is_left_to_rclpy(context):
-    """Its own code expects this, and takes nothing."""
+    """The code of rclpy expects this case and takes nothing."""
     node = Node('mayfly', context=context)
     timer = node.create_timer(0.005, lambda: None)
     node.destroy_node()
@@ -309,7 +309,7 @@ def test_empty_record_is_a_table_without_rows():
 
 
 def test_long_watch_stays_small(context, monkeypatch):
-    """It records the first callbacks and says so."""
+    """The watch records the first callbacks and reports the limit."""
     monkeypatch.setattr(callbacks, 'MAX_CALLS', 5)
     node, ticks = Node('fast', context=context), []
     node.create_timer(0.001, lambda: ticks.append(1))
@@ -317,7 +317,7 @@ def test_long_watch_stays_small(context, monkeypatch):
         spin(executor_of(node), lambda: len(ticks) > 9)
 
     assert len(seen.events) == 5
-    assert str(seen).endswith('later ones are not recorded')
+    assert str(seen).endswith('later callbacks are not recorded')
 
 
 def test_something_else_than_a_node_is_refused():

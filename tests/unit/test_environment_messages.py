@@ -31,9 +31,9 @@ def test_comments_and_empty_lines_name_nothing():
 @pytest.mark.parametrize(
     ('line', 'advice'),
     [
-        ('toy_msgs', 'ros-toy-msgs==VERSION; for its versions: '),
-        ('ros-toy-msgs', 'ros-toy-msgs==VERSION; for its versions: '),
-        ('ros-toy-msgs>=1.0', 'ros-toy-msgs==VERSION; for its versions: '),
+        ('toy_msgs', 'ros-toy-msgs==VERSION; to list its versions: '),
+        ('ros-toy-msgs', 'ros-toy-msgs==VERSION; to list its versions: '),
+        ('ros-toy-msgs>=1.0', 'ros-toy-msgs==VERSION; to list its versions: '),
         ('ros-jazzy-toy-msgs==1.0', 'ros-toy-msgs==1.0'),
         ('toy-msgs==1.0', 'ros-toy-msgs==1.0'),
     ],

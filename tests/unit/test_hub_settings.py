@@ -37,7 +37,7 @@ def test_the_settings_of_the_course_can_be_read() -> None:
         ({'folder': "'hub'"}, 'an absolute path'),
         ({'port': '80'}, 'from 1024 to'),
         ({'port': "'8000'"}, 'from 1024 to'),
-        ({'students': "['bob', 'ann']"}, 'stands twice'),
+        ({'students': "['bob', 'ann']"}, 'listed twice'),
         ({'students': "['bob; reboot']"}, 'not a system user name: bob; reboot'),
         ({'login': "'dummy'"}, 'first_use, pam'),
         ({'memory_mib': '100'}, 'at least 512'),

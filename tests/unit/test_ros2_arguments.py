@@ -56,7 +56,7 @@ def test_help_says_what_it_is(capsys):
     assert cli.main([]) == 0
     text = ' '.join(capsys.readouterr().out.split())
     assert "The course's own small ros2 command" in text
-    assert 'its own ros2 comes first' in text
+    assert 'its own ros2 command is used' in text
     assert set(VERBS) == set(cli.GROUPS)
 
 
@@ -303,8 +303,10 @@ def test_pkg_create_refuses_bad_names(tmp_path):
     """A name that would break the build is refused before anything is written."""
     folder = ['--destination-directory', str(tmp_path)]
 
-    assert "'My-Pkg' is no package name" in cli.main(['pkg', 'create', 'My-Pkg', *folder])
-    assert 'no node name' in cli.main(['pkg', 'create', 'a', '--node-name', 'x y', *folder])
+    assert "'My-Pkg' is not a valid package name" in cli.main(['pkg', 'create', 'My-Pkg', *folder])
+    assert 'not a valid node name' in cli.main(
+        ['pkg', 'create', 'a', '--node-name', 'x y', *folder]
+    )
     kind = ['--build-type', 'ament_python']
     assert "can't be named 'test'" in cli.main(['pkg', 'create', 'test', *kind, *folder])
     assert list(tmp_path.iterdir()) == []
