@@ -161,7 +161,7 @@ def run_steps(
     :returns: False if a step that is not optional failed; the failure was already printed
     """
     for number, step in enumerate(steps, start=1):
-        # Read first, so that later edits apply to the next run.
+        # Computed before the step runs: if its inputs change meanwhile, the next run repeats it.
         digest = step.digest() if step.digest else ''
         if not step.needed() and (not digest or is_stamped(notes, step.name, digest)):
             continue

@@ -70,7 +70,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
             exam,
             'saved files of the exercise',
             'none',
-            'run the cells of the exercise first, those that begin with %%',
+            'first run the cells of the exercise that begin with %%',
         )
     own = _of_exercise(about, files)
     saved = look_up(package.find(name) for name in own)

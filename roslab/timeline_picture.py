@@ -212,7 +212,7 @@ def draw_lanes(
     :param axis: begin and end of the axis [s]
     :param described: the contents of the picture as text
     :param legend: explains the symbols
-    :param moments: times [s] and words for a slider
+    :param moments: positions of the slider: time [s] and caption
     """
     begin, end = axis
     left = _MARGIN + max(

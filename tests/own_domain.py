@@ -37,7 +37,8 @@ def other_domains(until: ExitStack) -> list[int]:
 
 
 def _claimed(until: ExitStack, numbers: list[int], most: int) -> list[int]:
-    import domain_coordinator  # of ROS, which is not there where tests are only collected
+    # Part of ROS, which may be missing if pytest only collects the tests.
+    import domain_coordinator
 
     found: list[int] = []
     for number in numbers:

@@ -66,7 +66,7 @@ def autograde(
     Enter results in the gradebook, as ``nbgrader autograde`` does.
 
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
-    :param results: results by student; no student code runs
+    :param results: results by student
     :param same_work: students whose answers have not changed since their last entry
     :raises GraderError: with nbgrader's message, if some students failed; the others are recorded
     :raises GradebookRefusedError: if the database failed; no further students are recorded

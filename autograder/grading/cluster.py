@@ -171,6 +171,6 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
         if found['mode'] != first:
             raise ClusterUnavailable(
                 f'{where} isolates with {found["mode"]}, others with {first}.',
-                'Try: start all workers as the same kind of user',
+                'Try: start all workers as root, or all as an ordinary user',
             )
     return first

@@ -2,9 +2,9 @@
 Keep a run on one processor.
 
 Two threads of a run hardly ever compute at the same time, because its virtual clock wakes them one
-by one.  So a second processor gains nothing, and even costs time: waking a thread there takes
-longer than switching to it, because an idle processor must first wake up itself.  Before the clock
-moves, the program and the probe start in parallel and use all processors.
+by one.  So a second processor gains nothing.  On the contrary: waking a thread there takes longer
+than switching to it, because an idle processor must first wake up itself.  Before the clock moves,
+program and probe start side by side, and use all processors.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pathlib import Path
 import threading
 
 BUSY = 2
-"""Number of ready threads per processor above which a run does not stay on one processor."""
+"""Threads ready to run, per processor, above which a run does not stay on one processor."""
 _PROCESSOR = 36  # field "processor" of proc(5), counted after the name of the command
 _lock = threading.Lock()
 _runs: Counter[int] = Counter()  # runs of this process on each processor
@@ -26,9 +26,10 @@ _runs: Counter[int] = Counter()  # runs of this process on each processor
 @contextmanager
 def one_processor() -> Iterator[set[int]]:
     """
-    Choose the processor with the fewest runs, for :func:`keep_on`.
+    Choose the processor with the fewest runs for a run, for :func:`keep_on`.
 
-    On a busy machine, choose all processors: none is idle, and the system places threads better.
+    On a busy machine, no processor is idle, and the system chooses better where to run a thread.
+    Then, all processors are chosen.
     """
     allowed = os.sched_getaffinity(0)
     if _ready_to_run() > BUSY * len(allowed):
@@ -48,9 +49,9 @@ def one_processor() -> Iterator[set[int]]:
 
 def keep_on(processors: set[int], pids: Iterable[int]) -> None:
     """
-    Restrict all threads of these processes, and all that they start later, to some processors.
+    Let all threads of these processes, and what they start from now on, use only some processors.
 
-    A process that has ended, or that the grader may not change, is skipped.
+    A process that the grader may not change, or that has ended, is left as it is.
 
     :param processors: numbers of the processors
     :param pids: host pids

@@ -196,7 +196,7 @@ class TestRuns:
 
         found = self.points(path, 'temperature_monitor')
 
-        assert found.pop('limit_keeper')[0] == 0  # this exercise is no part of the package
+        assert found.pop('limit_keeper')[0] == 0  # this exercise is not part of the package
         assert found == {
             'temperature_message': (10, []),
             'temperature_publisher': (15, []),

@@ -18,7 +18,7 @@ WORDS = re.findall(
 ANY_CASE = [word if word[0].isupper() else f'(?i:{word})' for word in WORDS]
 PHRASES = re.compile(rf'\b({"|".join(ANY_CASE)})\b'.replace(' ', r'\s+'))
 # Samples are what students might write, CHANGELOG.md is history, notebooks/ and the tables are
-# generated. A new word in what judges needs all recordings and tables again.
+# generated. After any change to judged texts, all recordings and tables must be made again.
 LEFT_OUT = re.compile(
     r'tests/(submissions|attacks/\w+)/|notebooks/|CHANGELOG\.md|docs/(style|agreement|attacks|causes'
     r'|coverage|mutants)\.md|autograder/(judging|exams|exam|submission/code)/|tests/unit/test_style'
