@@ -210,7 +210,7 @@ def test_check_without_saved_files_says_what_to_run(kernel):
     kernel.run('from roslab import check')
     outputs = kernel.run("report = check('temperature_publisher')")
 
-    assert 'run the cells of the exercise first' in outputs.text
+    assert 'first run the cells of the exercise' in outputs.text
     assert outputs.error is None
     assert kernel.run('bool(report)').value == 'False'
 

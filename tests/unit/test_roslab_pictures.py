@@ -167,8 +167,8 @@ def test_two_nodes_of_one_name_and_an_idle_one_are_told():
 
 
 def test_empty_graph_says_that_nothing_is_seen():
-    assert str(Graph(Facts((), ()))) == 'No nodes are seen now.'
-    assert words(Graph(Facts((), ()))._repr_html_())[-1] == 'No nodes are seen now.'
+    assert str(Graph(Facts((), ()))) == 'No nodes are visible now.'
+    assert words(Graph(Facts((), ()))._repr_html_())[-1] == 'No nodes are visible now.'
 
 
 def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
