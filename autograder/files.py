@@ -92,6 +92,11 @@ def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
         os.close(folder)
 
 
+def packable(path: Path) -> tuple[bytes, int]:
+    """Return the content of a file, and its permissions in a zip, 0o755 if it is executable."""
+    return path.read_bytes(), 0o755 if path.stat().st_mode & stat.S_IXUSR else 0o644
+
+
 def zip_bytes(files: Mapping[str, tuple[bytes, int]]) -> bytes:
     """
     Return a zip file; the same files give the same bytes.

@@ -190,7 +190,7 @@ def finish(
 
     :param accepted: the accepted exit codes
     :param timeout: how long to wait [s]
-    :raises RuntimeError: with the command's output, if it ends with another code
+    :raises RuntimeError: with the command's output, if its exit code is not expected
     :raises subprocess.TimeoutExpired: if it is still running
     """
     began = time.monotonic()

@@ -76,7 +76,7 @@ def has_a_hostile_timestamp(student, solved, blank):
 
 
 @attack(
-    'file names are no commands; they are quoted and cut where they are shown',
+    'the grader never runs file names; it quotes and shortens them when it prints them',
     50,
     'which was graded instead',
 )

@@ -61,7 +61,7 @@ def duplicates_the_checks(student, solved, blank):
 
 @attack('expat limits what entities may grow to; entities from outside are not read', 45)
 def expands_entities(student, solved, blank):
-    """Fill the memory of whoever reads package.xml, with entities in entities."""
+    """Fill the memory of the program that reads package.xml, with nested entities."""
     laughs = ''.join(f'<!ENTITY l{level} "{f"&l{level - 1};" * 10}">' for level in range(1, 10))
     cell(solved, 'package_xml')['source'] = (
         '%%rospkg package.xml\n<?xml version="1.0"?>\n<!DOCTYPE package [<!ENTITY l0 "laugh">'
@@ -249,7 +249,7 @@ def is_no_json(student, solved, blank):
 
 @attack(IN_WORDS, 0, 'not UTF-8')
 def is_not_utf8(student, solved, blank):
-    """Hand in another encoding."""
+    """Hand in a notebook that is not UTF-8."""
     return json.dumps(solved, ensure_ascii=False).encode('utf-16')
 
 
