@@ -13,17 +13,17 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 ENDS = {
-    'complete': 'it ran to its end',
+    'complete': 'the simulation was complete',
     'student_exited': 'the program ended',
     'no_node': 'no node had appeared',
     'not_connected': 'no node was subscribed when an input was due',
-    'cpu_limit': 'it had used 20 s of processor time',
+    'cpu_limit': 'the program had used 20 s of processor time',
     'too_many_events': 'there were more than 20000 messages and log lines',
     'too_much_recorded': 'there were more than 32 MB of messages',
-    'output_limit': 'it had printed more than 8 MB',
-    'memory_limit': 'it used more than 1 GiB of memory',
-    'waits_outside': 'it waited for something outside of Python and ROS',
-    'busy_before_node': 'it computed for 3 s before its first node',
+    'output_limit': 'the program had printed more than 8 MB',
+    'memory_limit': 'the program used more than 1 GiB of memory',
+    'waits_outside': 'the program waited for something outside Python and ROS',
+    'busy_before_node': 'the program had computed for 3 s without creating a node',
 }
 """Descriptions of why a simulation ended, by the reason in its recording."""
 
@@ -187,7 +187,7 @@ class Simulation:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Simulation:
-        """Return the simulation for the output of :meth:`to_json`."""
+        """Create a simulation from the output of :meth:`to_json`."""
         topics = {
             kind: {topic: TopicRecord(**one) for topic, one in data[kind].items()}
             for kind in ('heard', 'late', 'sent')

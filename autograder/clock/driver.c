@@ -1,10 +1,10 @@
 /*
- * The driver, which owns the virtual time of one run and moves it.
+ * The driver owns the virtual clock of one run and advances it.
  *
  *     driver REALTIME_NS TIME_FD SOCKET...
  *
  * REALTIME_NS is the system time at which the run begins. TIME_FD is a memfd for the time page. Each
- * SOCKET is one end of a SEQPACKET pair, with SO_PASSCRED, whose other end a process of the run has. If
+ * SOCKET is one end of a SEQPACKET pair with SO_PASSCRED; a process of the run has the other end. If
  * several processes are due at the same time, the driver wakes them in the order of the command line, and
  * then children, the oldest first.
  *
@@ -32,7 +32,7 @@
 #include <unistd.h>
 
 #define MAX_PROCESSES 128     /* at the same time; a sandbox allows 64 */
-#define START (1000 * SECOND) /* virtual CLOCK_MONOTONIC at the start, not 0, which no program expects */
+#define START (1000 * SECOND) /* virtual CLOCK_MONOTONIC at the start; no program expects 0 */
 
 /* The meaning of an event of the driver's own epoll set, in the low two bits of the event's data. */
 enum { SAYS_SOMETHING, IS_NOW_IDLE, HAS_ENDED, MEANING_BITS = 3 };

@@ -308,7 +308,7 @@ EXPORT int kill(pid_t pid, int signal)
     return result;
 }
 
-/* -- waits for a signal; they also wait for children, whose end sends a signal -- */
+/* -- waits for a signal; they also wait for children, because the end of a child sends SIGCHLD -- */
 
 EXPORT int sigsuspend(const sigset_t *mask)
 {

@@ -1,8 +1,8 @@
 /*
  * The processors that a program sees: four, on every machine.
  *
- * rclpy's MultiThreadedExecutor has one thread for each of them, so without this file a recording would
- * depend on the machine. It also hides that all processes of a run share one processor.
+ * rclpy's MultiThreadedExecutor has one thread per processor, so without this file a recording would
+ * depend on the machine. This file also hides that all processes of a run share one processor.
  */
 #include "library.h"
 
@@ -15,7 +15,7 @@ EXPORT int sched_getaffinity(pid_t process, size_t size, cpu_set_t *set)
 {
     if (!active)
         return REAL(sched_getaffinity)(process, size, set);
-    if (size < sizeof(unsigned long)) { /* as the kernel */
+    if (size < sizeof(unsigned long)) { /* as in the kernel */
         errno = EINVAL;
         return -1;
     }
@@ -25,13 +25,13 @@ EXPORT int sched_getaffinity(pid_t process, size_t size, cpu_set_t *set)
     return 0;
 }
 
-/* A program that chooses its processors gets no error and stays where it is. */
+/* Ignore a program's choice of processors without an error. */
 EXPORT int sched_setaffinity(pid_t process, size_t size, const cpu_set_t *set)
 {
     return active ? 0 : REAL(sched_setaffinity)(process, size, set);
 }
 
-/* ThreadSanitizer calls this function before it can observe one, and before other functions are found. */
+/* ThreadSanitizer calls this function before it can observe calls and before functions are looked up. */
 extern long __sysconf(int name);
 
 __attribute__((no_sanitize("thread"))) EXPORT long sysconf(int name)

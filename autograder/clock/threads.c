@@ -428,7 +428,7 @@ static struct thread *thread_with(pthread_t id)
     return NULL;
 }
 
-/* Wait until a thread has ended; return false if the deadline has passed before. */
+/* Wait until a thread has ended; return false if the deadline passes first. */
 static bool wait_for_end(pthread_t id, int64_t deadline)
 {
     struct thread *thread = self(), *other = NULL;

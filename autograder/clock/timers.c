@@ -22,7 +22,7 @@ static struct timer timers[MAX_TIMERS] = {{.used = true, .fd = -1, .next = NEVER
 
 void forget_timers(void)
 {
-    /* A child of fork has no alarm. Inherited timerfds are not supported; programs do not use them. */
+    /* A forked child inherits no alarm. Inherited timerfds are not supported; programs do not use them. */
     for (int i = 0; i < MAX_TIMERS; i++)
         timers[i] = (struct timer){.used = i == 0, .fd = -1, .next = NEVER};
 }

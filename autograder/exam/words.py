@@ -14,6 +14,9 @@ from typing import Any
 from autograder.errors import ExamInvalid
 from autograder.exam.specification import Cause, Rule, Slip
 
+ABOUT = ('near', 'seen', 'topic', 'base', 'name')
+"""Names in braces whose values help to find the faulty line."""
+
 
 def rows(text: str) -> list[list[str]]:
     """
@@ -28,18 +31,18 @@ def rows(text: str) -> list[list[str]]:
 
 class Causes:
     """
-    The causes of one module, by name.
+    The causes of one text file, by name.
 
     A row of the file has these lines: ``cause`` or ``cause|name``, if several have the same cause
     id; what is wrong; the repair.  Further lines are fields of
     :class:`autograder.exam.specification.Cause`: ``act: ...``, ``about:`` and ``closer:`` with
     words, or names of causes, separated by spaces.
 
-    :param module: path of the module, ``__file__``; its text file has the same name
+    :param module: path of the module or of its text file, which has the same name
     :param words: values for the names in braces
     """
 
-    def __init__(self, module: str, **words: Any) -> None:
+    def __init__(self, module: str | Path, **words: Any) -> None:
         """
         Read the file.
 
@@ -58,12 +61,20 @@ class Causes:
         return self.of(name)
 
     def of(
-        self, name: str, /, about: Sequence[str] = (), line: int | None = None, **words: Any
+        self,
+        name: str,
+        /,
+        about: Sequence[str] = (),
+        act: str = '',
+        line: int | None = None,
+        closer: Sequence[Cause] = (),
+        **words: Any,
     ) -> Cause:
         """
         Return a cause, with values for further names in braces.
 
-        :param about: see :class:`autograder.exam.specification.Cause`, as ``line``
+        :param words: these values; the other parameters are fields of the cause, see
+            :class:`autograder.exam.specification.Cause`
         :raises ExamInvalid: if the file has no such row
         """
         if name not in self._rows:
@@ -74,9 +85,11 @@ class Causes:
         cause_id, *lines = self._rows[name]
         text, try_this, *more = (one.format(**self._words, **words) for one in lines)
         fields = dict(one.split(': ', 1) for one in more)
-        about = about or fields.get('about', '').split()
-        closer = [self[one] for one in fields.get('closer', '').split()]
-        return Cause(cause_id, text, try_this, about, fields.get('act', ''), line, closer)
+        named = [str(words[one]) for one in ABOUT if one in words]
+        about = about or fields.get('about', '').split() or named
+        closer = closer or [self[one] for one in fields.get('closer', '').split()]
+        act = act or fields.get('act', '')
+        return Cause(cause_id.format(**words), text, try_this, about, act, line, closer)
 
     def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: Any) -> Slip:
         """Return a cause with its rules, see :class:`autograder.exam.specification.Slip`."""

@@ -5,7 +5,7 @@ Of the 0.45 s of processor time before the first node exists, numpy takes 0.13 s
 each processor), although only messages with numeric arrays use it.  The generator of message
 classes takes 0.08 s for a parser that only a build needs.  YAML, for parameter files, takes
 0.015 s.  So numpy and YAML are loaded on first use, and the generator is hidden, which its package
-tolerates.  Two processes per run start faster.
+tolerates.  Both the probe and the student's program start faster.
 
 rclpy loads a hundred libraries at once, and the dynamic linker then searches them one by one for
 each of 18 000 symbols.  This module loads the middleware first, so the linker searches fewer

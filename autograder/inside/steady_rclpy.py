@@ -30,7 +30,7 @@ from lean_start import lean  # type: ignore[import-not-found]  # next to this fi
 
 
 def steady() -> None:
-    """Patch rclpy when the program imports it; an import here could hide a missing one."""
+    """Patch rclpy when the program imports it; an import here could hide a missing import."""
     sys.meta_path.insert(0, _Patching())
 
 

@@ -8,8 +8,8 @@ Only the grader can send orders to this process.  A fork enters the network of i
 reads the scenario, it gives up its rights (:func:`confine.give_up`): it gets an unused uid, no
 capabilities, and the system-call filter of the students' programs.
 
-From this project, this file imports only ``probe/`` and ``inside/``: the sandbox has no other file
-of the grader.
+From this project, this file imports only ``probe/`` and ``inside/``, because the sandbox contains
+no other file of the grader.
 """
 
 from __future__ import annotations

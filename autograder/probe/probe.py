@@ -6,8 +6,8 @@ values.  It reads one JSON line from standard input, runs the scenario, and writ
 per line to standard output; :mod:`autograder.recording` documents the events.  It is a separate,
 confined process, because it parses messages that untrusted code sends.
 
-The files of the probe import nothing from this project except each other and ``inside/``: the
-probe's sandbox has no other file of the grader.
+The files of the probe import nothing from this project except each other and ``inside/``, because
+the probe's sandbox contains no other file of the grader.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ The student's program can forge discovery data, so a name may be any string and 
 The probe recognises its endpoints by the id of its own participant, and its node because that node
 existed first.
 
-From this project, this file imports only files of the probe: its sandbox has no others.
+From this project, this file imports only files of the probe, whose sandbox contains no others.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Graph:
         self.processes: dict[bytes, int] = {}
 
     def names(self) -> list[str]:
-        """Return the full names of all nodes except the probe's, including any with its name."""
+        """Return the full names of all nodes but the probe's own, even others with that name."""
         found = sorted(
             f'{namespace.rstrip("/")}/{name}'[:LONGEST_NAME]
             for name, namespace in self.node.get_node_names_and_namespaces()

@@ -6,7 +6,7 @@ stands still while either of them computes.  So when a wait of the probe ends, t
 program has handled every message sent to it, and all its answers have arrived; the probe needs no
 other synchronisation.
 
-From this project, this file imports only files of the probe: its sandbox has no others.
+From this project, this file imports only files of the probe, whose sandbox contains no others.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ MOST_EVENTS = 20000
 MOST_ASKED = 50  # maximum number of nodes whose services are called at the end
 ANSWER_S = 3.0
 QUESTIONS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
-# No rclpy warnings about incompatible QoS, which would not be read. Without their event handlers,
-# the probe waits for a third of the entities.
+# Turn off rclpy's warnings about incompatible QoS, which nobody would read. Without their event
+# handlers, the probe waits on only a third as many entities.
 SILENT_PUBLISHER = PublisherEventCallbacks(use_default_callbacks=False)
 SILENT_SUBSCRIPTION = SubscriptionEventCallbacks(use_default_callbacks=False)
 
@@ -192,7 +192,7 @@ class Probe:
         Let virtual time pass, and handle the messages that arrive.
 
         The probe uses a wait set directly: an executor checks every entity of the node again for
-        each wait, which was half of the probe's processor time.
+        each wait, which took half of the probe's processor time.
         """
         until_ns = time.monotonic_ns() + round(seconds * SECOND)
         while (now_ns := time.monotonic_ns()) < until_ns:
@@ -220,7 +220,7 @@ class Probe:
             now_ns = time.monotonic_ns()
             if now_ns >= until_ns:
                 return False
-            # rclpy truncates the timeout to whole nanoseconds; half of one prevents a loss.
+            # rclpy truncates the timeout to whole nanoseconds; adding half of one prevents a loss.
             self.executor.spin_once(
                 timeout_sec=(self._due_ns(now_ns, until_ns) - now_ns + 0.5) / SECOND
             )

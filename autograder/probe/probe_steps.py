@@ -3,7 +3,7 @@ Execute the steps of a scenario, which :mod:`autograder.exam.scenario` defines.
 
 Each kind of step is a function that gets the probe and the step's data.
 
-From this project, this file imports only files of the probe: its sandbox has no others.
+From this project, this file imports only files of the probe, whose sandbox contains no others.
 """
 
 from __future__ import annotations

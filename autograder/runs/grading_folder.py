@@ -1,4 +1,4 @@
-"""One folder for all temporary files of a grading; if it is killed, the next one removes it."""
+"""One folder for all temporary files of a grading; the next grading removes it if left behind."""
 
 from __future__ import annotations
 

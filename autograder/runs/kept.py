@@ -111,7 +111,7 @@ def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
 
 
 ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
-"""Signals with which people and systems end a process; a program's own errors send others."""
+"""Signals with which people and systems end a process; a program's own errors cause others."""
 
 
 def _may_have_been_ended(recording: Recording) -> bool:

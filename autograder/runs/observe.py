@@ -45,7 +45,7 @@ OF_A_CHECK = {
 """Grader files that the sandbox shows to a check written by a student."""
 BUILDS = ('build', 'package')
 """Values of ``program`` in a scenario for which colcon builds a package first."""
-# Building a message package takes about 5 s of processor time; slower machines get six times that.
+# A message package builds in about 5 s of processor time; slow machines may take six times that.
 BUILD_LIMITS = Limits(cpu_s=30)
 # The package is built, and then its program runs.
 PACKAGE_LIMITS = Limits(cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
@@ -131,7 +131,7 @@ def observe(
     :raises SandboxUnavailable: if the sandbox cannot be started
     """
     compile_code()
-    builds = scenario['program'] in BUILDS  # compilers run side by side
+    builds = scenario['program'] in BUILDS  # compilers run in parallel
     began = time.monotonic()
     with (
         sandbox.turn(),
@@ -215,7 +215,7 @@ class _Watched:
             if not self.killed:
                 code, said = self.probe.returncode, said or 'no word'
                 raise ProbeFailed(
-                    f'exam {self.exam}: the probe broke off with code {code}: {said}.',
+                    f'exam {self.exam}: the probe stopped with exit code {code}: {said}.',
                     _NO_TYPE if 'ModuleNotFoundError' in said else '',
                 )
             self._keep_event({'event': 'end', 'clock_ns': None, 'reason': self.killed})

@@ -8,12 +8,19 @@ takes more than ten minutes of real time is aborted, and the submission is for r
 from __future__ import annotations
 
 from collections.abc import Sequence
+import os
 import time
 
 from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import TooBusy
 from autograder.sandboxes.confined import Confined, Limits
-from autograder.sandboxes.processes import proportional, states, usage, used_ns
+from autograder.sandboxes.processes import (
+    proportional,
+    ready_to_run,
+    states,
+    usage,
+    used_ns,
+)
 
 WATCH_EVERY_S = 0.05
 # Limit of processor time before the first node: imports take 0.3 s, and 1 s on a slow machine.
@@ -21,10 +28,11 @@ BUSY_S = 3.0
 # If the probe and the driver use this much more processor time than the program, a flood of
 # packets keeps them busy.
 PROBE_S = 10.0
-# Limits of real time in which virtual time stands still and no process computes. DISK_S is longer
-# because a thread that waits for a disk looks like one that waits for a child of vfork, and
-# because a person may stop the probe and continue it.
-OUTSIDE_S, DISK_S, BUILD_S = 0.3, 3.0, 20.0
+# Limits of real time in which virtual time stands still and no process computes. HELD_S is longer
+# because a thread that waits for a disk looks like one that waits for a child of vfork, because a
+# person may stop the probe and continue it, and because on a busy machine a part of the system
+# that must answer first, such as a file system, may itself wait for a processor.
+OUTSIDE_S, HELD_S, BUILD_S = 0.3, 3.0, 20.0
 # A program that prints waits until the grader reads. Printed output shows progress only if it is
 # longer than the capacity of a pipe [bytes].
 PIPE = 1 << 16
@@ -138,7 +146,8 @@ class Watchdog:
     def _patience_s(self, begun: bool) -> float:
         if not self.student.released or (self.builds and not begun):
             return BUILD_S
+        busy = ready_to_run() > (os.cpu_count() or 1)
         held = b'D' in states(self.student.pid) or any(
             set(states(pid)) & set(b'DT') for pid in self.others
         )
-        return DISK_S if held else OUTSIDE_S
+        return HELD_S if busy or held else OUTSIDE_S

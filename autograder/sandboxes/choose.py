@@ -82,7 +82,7 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
     if sandbox.facts.root and (folder := landlock.closed_folder(needed)):
         return (
             f'{folder} is closed to other users, and Python or the course is below it.',
-            f'Move them, or open the way: chmod o+x {folder}',
+            f'Move them, or let other users in: chmod o+x {folder}',
         )
     return landlock.refusal(sandbox.facts.root)
 
@@ -117,7 +117,7 @@ def try_out(sandbox: Sandbox) -> None:
             confined.release()
             said, error = confined.process.communicate(timeout=20)
         except subprocess.TimeoutExpired as late:
-            what = 'rclpy did not import within 20 s.'
+            what = 'rclpy could not be imported within 20 s.'
             raise SandboxUnavailable(what, 'Try: make doctor') from late
         finally:
             confined.kill()
@@ -126,7 +126,7 @@ def try_out(sandbox: Sandbox) -> None:
         raise SandboxUnavailable(what, 'Try: run the same command again')
     if said.strip() == b'open':
         raise SandboxUnavailable(
-            f'Isolation {sandbox.mode} lets a program read the grader.', isolation.SECTION
+            f'Isolation {sandbox.mode} lets a program read grader files.', isolation.SECTION
         )
     if said.strip() == b'real':
         what = f'With isolation {sandbox.mode}, a program does not load the virtual clock.'

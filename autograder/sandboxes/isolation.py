@@ -18,11 +18,11 @@ SHARED_USER = (
     "the program runs as the grader's own user: it can change modes and dates of that user's "
     "files, and it shares that user's limit of processes"
 )
-SIGNALS = 'before Linux 6.12 the program can end processes of the same user, the grader included'
+SIGNALS = 'before Linux 6.12 the program can end processes of the same user, including the grader'
 NAMES = 'the program can see names and sizes of files, but cannot read them'
 EVERYTHING = (
     'nothing is hidden or protected from the program: it can use the files, programs and network '
-    'of the user; only limits of time and memory hold'
+    'of the user; only limits of time and memory apply'
 )
 
 
@@ -104,14 +104,14 @@ FIX_OLD = (
     'or put a newer bwrap first on the PATH.'
 )
 FIX_APPARMOR = (
-    'AppArmor forbids user namespaces to bubblewrap here. Until the next start: sudo sysctl -w '
-    'kernel.apparmor_restrict_unprivileged_userns=0. For good, a profile for /usr/bin/bwrap: '
+    'AppArmor blocks user namespaces for bubblewrap here. Until the next restart: sudo sysctl -w '
+    'kernel.apparmor_restrict_unprivileged_userns=0. Permanently, a profile for /usr/bin/bwrap: '
     "printf 'abi <abi/4.0>,\\ninclude <tunables/global>\\nprofile bwrap /usr/bin/bwrap "
     "flags=(unconfined) {\\n  userns,\\n}\\n' | sudo tee /etc/apparmor.d/bwrap "
     '&& sudo systemctl reload apparmor. ' + SECTION
 )
 FIX_CLONE = (
-    'This kernel allows user namespaces to root only: sudo sysctl -w '
+    'This kernel allows user namespaces only for root: sudo sysctl -w '
     'kernel.unprivileged_userns_clone=1.'
 )
 FIX_COUNT = 'This system allows no user namespace: sudo sysctl -w user.max_user_namespaces=15000.'

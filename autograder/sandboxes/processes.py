@@ -103,9 +103,18 @@ def other_domains(used: set[int]) -> list[int]:
 
 def oom_kills() -> int:
     """Return how many processes the kernel has killed since boot because memory ran out."""
-    for line in _read('/proc/vmstat').splitlines():
+    return _count('/proc/vmstat', b'oom_kill')
+
+
+def ready_to_run() -> int:
+    """Return how many threads of the machine run or are ready to run."""
+    return _count('/proc/stat', b'procs_running')
+
+
+def _count(path: str, wanted: bytes) -> int:
+    for line in _read(path).splitlines():
         name, _, count = line.partition(b' ')
-        if name == b'oom_kill':
+        if name == wanted:
             return int(count)
     return 0
 

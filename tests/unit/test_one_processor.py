@@ -16,7 +16,7 @@ AFFINITY = 'import os; print(sorted(os.sched_getaffinity(0)))'
 @pytest.fixture(autouse=True)
 def calm(monkeypatch):
     """Let the machine seem to do nothing else."""
-    monkeypatch.setattr(module, '_ready_to_run', lambda: 1)
+    monkeypatch.setattr(module, 'ready_to_run', lambda: 1)
 
 
 def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor():
@@ -57,6 +57,6 @@ def test_runs_side_by_side_share_the_processors_evenly():
 def test_on_a_busy_machine_the_system_chooses_the_processor(monkeypatch):
     """No processor is idle then, so staying on one gains nothing."""
     allowed = os.sched_getaffinity(0)
-    monkeypatch.setattr(module, '_ready_to_run', lambda: BUSY * len(allowed) + 1)
+    monkeypatch.setattr(module, 'ready_to_run', lambda: BUSY * len(allowed) + 1)
     with one_processor() as chosen:
         assert chosen == allowed

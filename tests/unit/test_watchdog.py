@@ -20,13 +20,17 @@ def look(monkeypatch):
     monkeypatch.setattr(watchdog, 'states', lambda pid: state[pid])
     monkeypatch.setattr(watchdog, 'usage', lambda pid: (0, 0.0))
     monkeypatch.setattr(watchdog, 'used_ns', lambda pid: 0)
+    ready = [1]
+    monkeypatch.setattr(watchdog, 'ready_to_run', lambda: ready[0])
+    monkeypatch.setattr(watchdog.os, 'cpu_count', lambda: 2)
     process = SimpleNamespace(poll=lambda: None)
     student = SimpleNamespace(
         pid=PROGRAM, process=process, released=True, files=lambda: (0, 0), home=None
     )
     dog = watchdog.Watchdog(student, (PROBE,), Limits(), clock, builds=False)
 
-    def look(times: int, program: bytes, probe: bytes, prints: int = 0) -> str:
+    def look(times: int, program: bytes, probe: bytes, prints: int = 0, threads: int = 1) -> str:
+        ready[0] = threads
         state.update({PROGRAM: program, PROBE: probe})
         for _ in range(times):
             clock.now += 0.1
@@ -56,6 +60,11 @@ def test_a_program_that_waits_for_a_disk_has_three_seconds(look):
     """So does one that waits for a child of vfork, which looks the same."""
     assert look(30, b'D', b'S') == ''
     assert look(3, b'D', b'S') == 'waits_outside'
+
+
+def test_a_program_that_waits_on_a_busy_machine_has_three_seconds(look):
+    assert look(30, b'S', b'S', threads=3) == ''
+    assert look(3, b'S', b'S', threads=3) == 'waits_outside'
 
 
 def test_a_program_whose_output_is_read_slowly_does_not_wait_outside(look):

@@ -138,7 +138,7 @@ def refuses_a_senseless_limit(run: Run) -> None:
 
 
 def tells_why(run: Run) -> None:
-    """Each refusal is one ERROR line with the limit in it."""
+    """For each refusal, it logs one ERROR line that contains the limit."""
     refused, told = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
     last = run.during('not a number')
     done = [field_of(one, 'success') for one in last.recording.answers(CHANGE)]

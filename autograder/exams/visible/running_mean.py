@@ -168,12 +168,12 @@ def ignores_nan(run: Run) -> None:
         raise Failed(expected='nothing after NaN', observed='a message', why=WHY['answers_nan'])
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
-    how_many = f'{count or "no"} means' + (', not all of them right' if count == due else '')
+    how_many = f'{count or "no"} mean values' + (', not all correct' if count == due else '')
     why = why_silent(run)
     if wrong and not why:
         why = why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))
     raise Failed(
-        expected=f'{due} right means after the first NaN',
+        expected=f'{due} correct mean values after the first NaN',
         observed=how_many if found[-1] is not None else 'a node that stops answering',
         why=why,
     )

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
-from autograder.exam.words import rows
+from autograder.exam.words import ABOUT, Causes, rows
 from autograder.submission.code.acts import find
 from autograder.submission.code.learners_code import Code
 
 FOLDER = Path(__file__).parent
-_ABOUT = ('near', 'seen', 'topic', 'base', 'name')
-"""Names in braces whose values help to find the line, see :class:`autograder.exam.exam.Cause`."""
+cause_of = Causes(FOLDER / 'by_evidence.txt').of
 
 
 class Row(NamedTuple):
@@ -37,7 +35,7 @@ class Row(NamedTuple):
 
     def cause(self, **words: object) -> Cause:
         """Return the cause, with values for the names in braces."""
-        about = [str(words[name]) for name in _ABOUT if name in words]
+        about = [str(words[name]) for name in ABOUT if name in words]
         text, try_this = self.text.format(**words), self.try_this.format(**words)
         return Cause(self.cause_id.format(**words), text, try_this, about)
 
@@ -58,29 +56,6 @@ def acts_by_cause() -> dict[str, str]:
     text = (FOLDER / 'places.txt').read_text(encoding='utf-8').replace('\n  ', ' ')
     lines = (line.split(': ') for line in text.splitlines() if line and line[0] != '#')
     return {one: acts for causes, acts in lines for one in causes.split()}
-
-
-def cause_of(
-    situation: str,
-    *,
-    about: Sequence[str] = (),
-    act: str = '',
-    line: int | None = None,
-    closer: Sequence[Cause] = (),
-    **words: object,
-) -> Cause:
-    """
-    Return the cause for a situation from ``by_evidence.txt``.
-
-    :param words: values for the names in braces; the other parameters are fields of the cause
-    """
-    cause = _by_situation()[situation].cause(**words)
-    return replace(cause, about=about or cause.about, act=act, line=line, closer=closer)
-
-
-@cache
-def _by_situation() -> dict[str, Row]:
-    return {(row.more or [row.cause_id])[0]: row for row in rows_of('by_evidence.txt')}
 
 
 # -- conditions on the code ----------------------------------------------------------------------

@@ -6,7 +6,7 @@ reads the files that it writes.  After a change, run
 ``python autograder/sandboxes/seccomp/make_filters.py`` and commit this file and the filters.
 
 The filter is the last layer, after namespaces, dropped capabilities and resource limits.  It
-blocks the following, which they leave open (tested with real rclpy nodes inside):
+blocks the following, which those layers leave open (tested with real rclpy nodes inside):
 
 * new namespaces and mounts (as root, there is no user namespace that forbids them),
 * socket families that a network namespace does not isolate, such as AF_VSOCK,
