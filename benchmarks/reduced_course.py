@@ -103,7 +103,7 @@ def submitted(layout: Layout) -> Path:
 def _left_out(folder: str, names: list[str]) -> list[str]:
     """Return the names not to copy: results of grading, and the other exams."""
     if Path(folder).name in ('visible', 'hidden'):
-        return [name for name in names if name not in ('__init__.py', f'{EXAM}.py')]
+        return [name for name in names if Path(name).stem not in ('__init__', EXAM)]
     return [name for name in names if name == '_work']
 
 
