@@ -77,7 +77,7 @@ def generator(exam: str, purpose: str) -> random.Random:
     """
     secret = _other_secret.get() or course_secret()
     digest = hmac.new(secret, f'{exam}/{purpose}'.encode(), hashlib.sha256).digest()
-    return random.Random(digest)  # noqa: S311 - the seed is the secret, not the generator
+    return random.Random(digest)  # noqa: S311 - only the seed must be secret
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.learners_code import Code
 
-_OF_A_CHECK = 'check_'  # prefix of a mistake of nodes that a learner's check makes too
+_OF_A_CHECK = 'check_'  # prefix of a cause if a learner's check repeats a mistake of nodes
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:

@@ -45,7 +45,7 @@ REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
     'DURABILITY': 'Leave durability out: the sensor keeps nothing for late subscriptions.',
     'DEADLINE': 'Request deadline=Duration(seconds=0.3), as the sensor promises.',
-    'LIVELINESS': 'Leave liveliness out: the sensor does not assert it by hand.',
+    'LIVELINESS': 'Leave liveliness out: the sensor does not assert it manually.',
 }
 LOGGED = each(lambda distance: (distance,))
 SLIPS = (
