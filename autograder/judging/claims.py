@@ -1,5 +1,5 @@
 """
-Provide ready-made checks for ordinary nodes, called claims.
+Provide claims: ready-made checks for ordinary nodes.
 
 Each function returns a check with its name and sentence.  An exam reads like the table of its
 lesson::

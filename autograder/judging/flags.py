@@ -1,8 +1,8 @@
 """
 List facts in a recording that an instructor should look at; they do not affect a verdict.
 
-Most of them can have an innocent explanation, so a flag makes no judgement.  Flags do not depend
-on the speed of the machine: equal submissions get equal flags.
+Most flags can have an innocent explanation, so they only state a fact.  Flags do not depend on the
+speed of the machine: equal submissions get equal flags.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ def _judge_one(
     waits = [name for name in check.needs if name in blocked]
     if waits:
         blocked.add(check.name)
-        why = f'This waits for: {earlier[waits[0]].title}'
+        why = f'This check waits for: {earlier[waits[0]].title}'
         result = CheckResult(check.name, check.title, Verdict.NOT_RUN, 0.0, points, observed=why)
         return replace(result, waits_for=waits[0])
     try:

@@ -152,7 +152,7 @@ def publishes_each_survey(run: Run) -> None:
         raise Failed(
             expected='a map for each survey, in their order'
             if run.secret
-            else f'the maps {_shown(run, asked.inputs)} after the surveys of the same texts',
+            else f'the maps {_shown(run, asked.inputs)} after surveys with the same texts',
             observed=_shown(run, _all_new(run)),
             why=_why_other_maps(run),
         )
