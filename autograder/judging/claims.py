@@ -174,7 +174,7 @@ def publishes(
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
-    sentence = sentence or f'It publishes the right messages on {base}.'
+    sentence = sentence or f'It publishes the correct messages on {base}.'
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), published(run, ask, topic, *fields)

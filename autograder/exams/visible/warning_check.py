@@ -256,7 +256,7 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
     Runs of correct nodes give all points or none; each run of a wrong node gives a part of them.
 
     :param places: indices of the runs
-    :param due: their right answer
+    :param due: the right answer for these runs
     """
     asked, came = run.facts['answers'], answers_of(run)
     wrong = asked.wrong(came, places)
@@ -284,7 +284,7 @@ def _kind(right: bool) -> str:
 
 
 def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
-    """Explain what the node of a run does and, if known, why the check gets it wrong."""
+    """Explain what the node of a run does and, if known, why the check misjudges it."""
     answer = came[place]
     if isinstance(answer, str):
         return _why_no_answer(run, answer)
