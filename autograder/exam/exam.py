@@ -206,7 +206,7 @@ class Exam:
         names = [other.name for other in self.checks]
         where = f'exam {self.name}, check {check.name}'
         if check.name in names:
-            raise ExamInvalid(f'{where}: the name is used twice.', 'Rename one of them.')
+            raise ExamInvalid(f'{where}: the name is used twice.', 'Rename one of the checks.')
         if not check.title:
             raise ExamInvalid(f'{where}: no docstring.', 'Write the sentence learners will read.')
         if check.points <= 0:

@@ -1,5 +1,5 @@
 """
-Draw secret inputs that are the same for the whole class and can be repeated.
+Draw secret, reproducible inputs that are the same for the whole class.
 
 A random generator is seeded with HMAC-SHA256(course secret, exam name and purpose).  So a
 submission cannot contain the answers, all students get the same inputs, and a run can be repeated
