@@ -15,7 +15,8 @@ An exam module follows the lesson that it grades::
             raise Failed(expected='60 messages in 60 s', observed='...')
 
 Learners read the docstring of a check.  A check passes by returning and fails by raising
-:class:`Failed`.  Any other exception is a fault of the grader: the submission is for review.
+:class:`Failed`.  Any other exception is a fault of the grader: the submission is marked
+*for review*.
 """
 
 from __future__ import annotations
@@ -199,21 +200,21 @@ class Exam:
         Add a check.
 
         :raises ExamInvalid: if a name is repeated, a docstring is missing, the points are not
-            above 0, a need is not an earlier check, or only a program could answer the check and
-            the scenario has none
+            above 0, a need is not an earlier check, or the check needs a program and the scenario
+            runs none
         """
         names = [other.name for other in self.checks]
         where = f'exam {self.name}, check {check.name}'
         if check.name in names:
-            raise ExamInvalid(f'{where}: the name is used twice.', 'Rename one of them.')
+            raise ExamInvalid(f'{where}: the name is used twice.', 'Rename one of the checks.')
         if not check.title:
             raise ExamInvalid(f'{where}: no docstring.', 'Write the sentence learners will read.')
         if check.points <= 0:
             raise ExamInvalid(f'{where}: expected points > 0, got {check.points}.')
         if not (check.static or self.scenario.program):
             raise ExamInvalid(
-                f'{where}: the scenario runs no program, so only files can answer it.',
-                'Add it with static=True, or give the scenario a program.',
+                f'{where}: the scenario runs no program, so the check can use only files.',
+                'Add the check with static=True, or give the scenario a program.',
             )
         for need in check.needs:
             if need not in names:

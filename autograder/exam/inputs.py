@@ -1,5 +1,5 @@
 """
-Draw secret inputs that are the same for the whole class and can be repeated.
+Draw secret, reproducible inputs that are the same for the whole class.
 
 A random generator is seeded with HMAC-SHA256(course secret, exam name and purpose).  So a
 submission cannot contain the answers, all students get the same inputs, and a run can be repeated
@@ -77,7 +77,7 @@ def generator(exam: str, purpose: str) -> random.Random:
     """
     secret = _other_secret.get() or course_secret()
     digest = hmac.new(secret, f'{exam}/{purpose}'.encode(), hashlib.sha256).digest()
-    return random.Random(digest)  # noqa: S311 - the seed is the secret, not the generator
+    return random.Random(digest)  # noqa: S311 - only the seed must be secret
 
 
 @contextmanager

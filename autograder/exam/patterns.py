@@ -14,7 +14,7 @@ from autograder.exam.specification import Cause, in_order, Specification
 QUEUE = 'Drop nothing: give your own list or queue no maximum size.'
 DEPTH = 'Give create_subscription() the depth 10, and store no message for later.'
 LONGEST = 5  # period of a pattern [inputs]
-EACH = 'Treat each message alike, without a counter, a flag or a list that grows.'
+EACH = 'Treat all messages alike, without a counter, a flag or a list that grows.'
 BUSY = Cause(
     'drops_while_busy',
     'If several messages arrive at once, your node answers only the first: it drops those that '
@@ -30,7 +30,7 @@ def why_pattern(
     Explain counts of answers by a pattern over the inputs.
 
     :param due: expected number of messages or log lines after each input
-    :param came: their real number, None for inputs that were not sent
+    :param came: the actual numbers, None for inputs that were not sent
     :param verb: what the program does once per input
     :param what: the inputs with an expected answer, in the singular
     """

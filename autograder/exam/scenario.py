@@ -127,7 +127,7 @@ class Step:
 
     def mistakes(self, there: There) -> Iterator[str]:
         """
-        Yield contradictions to earlier steps, and update the set of endpoints.
+        Yield contradictions with earlier steps, and update the set of endpoints.
 
         :param there: endpoints that exist before this step
         """
@@ -257,7 +257,8 @@ class Join(Endpoint):
     """
     Add a subscription of the probe.
 
-    Its messages are recorded with ``listener``, and a ``joined`` event records whether it matched.
+    Its messages are recorded with ``listener``; a ``joined`` event records whether the
+    subscription matched.
 
     :param listen_s: how long to listen before the next step [s]
     """
@@ -299,7 +300,7 @@ class Unheard(Step):
     """
     Let time pass while the probe has no subscription on a topic, and then listen again.
 
-    As the first step, except for :class:`Mark`, the topic has no subscription from the start on.
+    If only a :class:`Mark` precedes this step, the topic has no subscription from the start.
     See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
 
     :param topic: full topic name in :attr:`Scenario.watch`

@@ -17,7 +17,7 @@ from autograder.exam.specification import Rule, Slip
 from autograder.exam.words import Causes
 
 HIGHEST = 125.0
-"""Some programs treat a higher value as a sensor fault; common sensors measure up to it."""
+"""Highest value of common sensors; some programs treat a higher one as a sensor fault."""
 Compare = Callable[[float, float], bool]
 """Returns whether a warning is due, given a value and its limit."""
 
@@ -148,7 +148,7 @@ def leaving_out(
     :param rule: the correct rule; its answers are tuples with the expected messages for each input
     :param key: returns the part of an input by which a program may decide to skip it
     :param do: what to do for each message, as the first word of a sentence
-    :param numbers: whether the keys are numbers, of which a program may leave out some kinds
+    :param numbers: whether the keys are numbers; a program may leave out, say, negative numbers
     """
 
     def slip(name: str, skips: Callable[[Any, Sequence[Any]], bool]) -> Slip:

@@ -11,7 +11,7 @@ exactly the recorded answers::
         slips=(Slip('sign_lost', 'The sign is lost.', 'Leave out abs().', each(half_of_abs)),),
     )
 
-This module does not decide points.  An exam is rejected if its inputs cannot distinguish a slip
+This module does not award points.  An exam is rejected if its inputs cannot distinguish a slip
 from the correct answers (:meth:`Specification.mistakes`), because a program with that slip would
 pass.
 """

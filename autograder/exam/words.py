@@ -33,8 +33,8 @@ class Causes:
     """
     The causes of one text file, by name.
 
-    A row of the file has these lines: ``cause`` or ``cause|name``, if several have the same cause
-    id; what is wrong; the repair.  Further lines are fields of
+    A row of the file has these lines: ``cause``, or ``cause|name`` if several rows have the same
+    cause id; what is wrong; the repair.  Further lines are fields of
     :class:`autograder.exam.specification.Cause`: ``act: ...``, ``about:`` and ``closer:`` with
     words, or names of causes, separated by spaces.
 

@@ -72,8 +72,8 @@ class Reading:
 
     def message(self, number: int) -> dict[str, Any]:
         """Return the fields of the message."""
-        # Two successive readings share a stamp: a node that drops readings with an equal stamp
-        # loses one.  Readings 1 and 2 do, so the hidden exam can send one message twice.
+        # Two successive readings share a stamp, so a node that drops readings with an equal stamp
+        # loses one.  Readings 1 and 2 share one, so the hidden exam can send one message twice.
         return {
             'temperature_value': self.value,
             'unit': self.unit,

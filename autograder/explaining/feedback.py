@@ -226,7 +226,7 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
     cost: dict[tuple[str, str], float] = {}
     first: dict[tuple[str, str], CheckResult] = {}
     for exam in result.exams:
-        failed: dict[str, CheckResult] = {}  # by check that loses points: the reason
+        failed: dict[str, CheckResult] = {}  # by check that loses points: the failed check
         for check in exam.checks:
             why = check if check.verdict is Verdict.FAILED else failed.get(check.waits_for)
             if why is not None:

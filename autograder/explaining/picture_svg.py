@@ -31,7 +31,7 @@ AXES = {
     'ros_seconds': ('ROS seconds', 'against time', 'times [s]'),
     'input': ('message sent', 'by the messages sent', 'at numbers'),
 }
-"""By unit: the words at the axis, in the title, and at the head of a column."""
+"""By unit: the words on the axis, in the title, and at the head of a column."""
 
 
 def picture_html(picture: Mapping[str, Any]) -> str:

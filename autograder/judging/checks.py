@@ -73,7 +73,7 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
 
 
 def _own_namespace(code: Code) -> str:
-    """Return how to repair what overrides the namespace of the command line."""
+    """Return how to repair code that overrides the namespace of the command line."""
     named = {one.arg for calls in code.calls.values() for call in calls for one in call.keywords}
     for name in ('namespace', 'use_global_arguments', 'cli_args'):
         if name in named:
@@ -88,7 +88,7 @@ def _own_namespace(code: Code) -> str:
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:
     """
-    Return the endpoints on a topic that have a type; fail if there are none.
+    Return the endpoints on a topic with a given type; fail if there are none.
 
     :param kind: ``'publisher'`` or ``'subscription'``
     """
@@ -150,7 +150,7 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
 
 
 def _require_from_the_start(run: Run, topic: str) -> None:
-    """Fail if a subscription was created later, when earlier messages would have been lost."""
+    """Fail if a subscription was created later, so that it would have missed messages."""
     graphs = run.recording.of('graph', when='start')
     there = {end['topic'] for graph in graphs for end in graph['endpoints']}
     if graphs and topic not in there:
@@ -198,7 +198,7 @@ def require_messages(
                 f'which are {known}, got {topic!r}.'
             )
         found = run.recording.messages(topic) if found is None else found
-        # If a program ends before discovery, whether its message arrives varies from run to run.
+        # If a program ends before discovery, its message arrives only in some runs.
         if least > 0:
             require_endpoint(run, 'publisher', topic, kind)
         what = f'messages on {topic.rpartition("/")[2]}' if what == 'messages' else what
@@ -213,7 +213,7 @@ def require_messages(
 
 def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) -> None:
     """
-    Fail unless a field has one value in every message.
+    Fail unless a field has the given value in every message.
 
     :param messages: of the student's node
     :param field: name of the field; dots separate nested fields

@@ -1,5 +1,5 @@
 """
-Provide ready-made checks for ordinary nodes, called claims.
+Provide claims: ready-made checks for ordinary nodes.
 
 Each function returns a check with its name and sentence.  An exam reads like the table of its
 lesson::
@@ -174,7 +174,7 @@ def publishes(
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
-    sentence = sentence or f'It publishes the right messages on {base}.'
+    sentence = sentence or f'It publishes the correct messages on {base}.'
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), published(run, ask, topic, *fields)

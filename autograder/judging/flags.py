@@ -1,8 +1,8 @@
 """
-List what an instructor should look at in a recording, without any effect on a verdict.
+List facts in a recording that an instructor should look at; they do not affect a verdict.
 
-Most observations can have an innocent reason, so a flag only states a fact.  Flags do not depend
-on the speed of the machine: equal submissions get equal flags.
+Most flags can have an innocent explanation, so they only state a fact.  Flags do not depend on the
+speed of the machine: equal submissions get equal flags.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from autograder.exam.scenario import Scenario
 from autograder.recording import Event, Recording
 
 MANY_ENDPOINTS = 100
-"""More publishers and subscriptions cause a flag; a node of the course has fewer than ten."""
+"""More publishers and subscriptions than this are flagged; a node of the course has under ten."""
 
 _OWN_TOPICS = ('/rosout', '/parameter_events')  # one publisher per node, created by rclpy
 

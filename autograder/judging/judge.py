@@ -18,7 +18,7 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.learners_code import Code
 
-_OF_A_CHECK = 'check_'  # prefix of a mistake of nodes that a learner's check makes too
+_OF_A_CHECK = 'check_'  # prefix of a cause if a learner's check repeats a mistake of nodes
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
@@ -68,7 +68,7 @@ def _judge_one(
     waits = [name for name in check.needs if name in blocked]
     if waits:
         blocked.add(check.name)
-        why = f'This waits for: {earlier[waits[0]].title}'
+        why = f'This check waits for: {earlier[waits[0]].title}'
         result = CheckResult(check.name, check.title, Verdict.NOT_RUN, 0.0, points, observed=why)
         return replace(result, waits_for=waits[0])
     try:

@@ -127,7 +127,7 @@ The generators turn the .msg file into code while the package is built.
 
 <depend>builtin_interfaces</depend>
 depend|build_depend exec_depend
-Time is a type of builtin_interfaces, when the package is built and when it is used.
+Time is a type of builtin_interfaces, which the build and users of the message need.
 
 <exec_depend>rosidl_default_runtime</exec_depend>
 exec_depend|depend
@@ -206,8 +206,7 @@ def require_registered(text: str) -> None:
     """
     Fail if a package generates messages but is not registered with ROS 2.
 
-    :param text: content of a CMakeLists.txt; only ``ament_package()`` may be missing, otherwise
-        this does not fail
+    :param text: content of a CMakeLists.txt
     """
     bare = re.sub(r'#[^\n]*', '', text[:LONGEST_CMAKE]).lower()
     called = re.findall(r'\b(ament_(?:auto_)?package|rosidl_generate_interfaces)\s*\(', bare)

@@ -17,7 +17,7 @@ _NUMBER = re.compile(
     r'[-+]?(?:\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)', re.IGNORECASE
 )
 GRAIN = 0.051
-"""Maximum difference between a value and its number in a text, which may have one decimal."""
+"""Maximum difference between a value and the number that shows it, which may have one decimal."""
 
 
 def numbers_in(text: str) -> list[float]:

@@ -29,7 +29,7 @@ def require_stamps(
     run: Run, found: Iterable[tuple[Event, int]], clock: RosClock, field: str = 'timestamp'
 ) -> None:
     """
-    Fail unless the stamps of messages are the ROS time of their moment.
+    Fail unless the stamp of each message is the ROS time at which the node sent it.
 
     :param found: messages, each with the virtual time of the earliest valid stamp [ns]; the latest
         valid stamp is the time of the message

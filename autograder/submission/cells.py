@@ -82,7 +82,7 @@ class CellFile:
 
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :param name: the name on the magic line
-    :param body: text of the file; solution marks are replaced by empty lines, so line n of the
+    :param body: text of the file; solution markers are replaced by empty lines, so line n of the
         body is line n + ``first_line`` of the cell
     :param first_line: number of cell lines before the body
     """
@@ -160,7 +160,7 @@ def first_line(source: str) -> tuple[str, int]:
 
 def body_of(text: str) -> str:
     """
-    Replace solution marks by empty lines, and end the text with exactly one newline.
+    Replace solution markers by empty lines, and end the text with exactly one newline.
 
     :param text: the cell's text below its magic line
     """

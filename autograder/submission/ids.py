@@ -9,7 +9,7 @@ import unicodedata
 from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
 
 _DIGITS = 12
-"""Hexadecimal digits of the digest: enough to rule out a search for a name with a given id."""
+"""Hexadecimal digits of the digest: enough that finding a name with a given id is infeasible."""
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 

@@ -50,7 +50,7 @@ class Submission:
         Read the notebook from its file on each call.
 
         :param where: name of the file in messages
-        :returns: the content, None if it is missing; and the problems in search and reading
+        :returns: the content, None if it is missing; and the problems in finding and reading it
         """
         if self.path is None:
             return self.data, self.problems

@@ -199,7 +199,7 @@ def read_release(path: Path) -> Notebook:
 
 
 MARKS = ('grade', 'solution', 'locked', 'points', 'task')
-"""Fields of nbgrader's metadata that decide how a cell is graded."""
+"""Fields of nbgrader's metadata that determine how a cell is graded."""
 _NUMBERS = {number / 20: number / 20 for number in range(20001)}
 """Usual points, in steps of 0.05; they are shared objects, because a file may contain millions."""
 

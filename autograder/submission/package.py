@@ -235,7 +235,7 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
         result,
         observed=what_is_there(files),
         cause='The file was not saved in the folder that is checked.',
-        try_this='Save it there, then check again.',
+        try_this='Save the file in that folder, then check again.',
     )
 
 

@@ -328,7 +328,7 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
     ('line', 'wanted', 'words'),
     [
         ('m.stamp = self.get_clock().now()', "a sub message of type 'Time'", 'Add .to_msg()'),
-        ('m.pose = 1', "a sub message of type 'Pose'", 'Put a whole Pose there'),
+        ('m.pose = 1', "a sub message of type 'Pose'", 'Assign a whole Pose'),
         ('m.stamp.sec = time.time()', "of type 'int'", 'now().to_msg()'),
         ('m.data = 3.0', "of type 'int'", 'int(value)'),
         ('m.data = self.count', "of type 'str'", 'str(value), or an f-string'),
@@ -506,7 +506,7 @@ def test_raise_that_passes_an_exception_on_is_told():
     found = at(code, 'UnknownUnit: K')
 
     assert found.cause_id == 'exception'
-    assert 'catches it and raises it again' in found.try_this
+    assert 'catches the exception and raises it again' in found.try_this
 
 
 def test_paths_of_the_machine_are_cut():

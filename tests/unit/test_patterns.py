@@ -155,7 +155,7 @@ def test_count_that_goes_back_is_told_with_what_else_happened():
     ('code', 'says'),
     [
         ('n += 1\nif n > 9:\n    n = 0', 'begin again.'),
-        ('def tick(self):\n    self.n += 1\n    self.n = 0', 'something sets it again.'),
+        ('def tick(self):\n    self.n += 1\n    self.n = 0', 'your code resets it.'),
         ("n += 1\nif n % 5 == 0 or n % 7:\n    show(f'hello {n % 24}')", 'the remainder of'),
         ('n += 1\nif n % 5 == 0 or n % 7:\n    show(n)', 'begin again.'),
         ('numbers = cycle(range(1, 9))', 'cycle() repeats them.'),

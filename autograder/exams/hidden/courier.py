@@ -4,6 +4,6 @@ from autograder.exam.inputs import generator
 from autograder.exams.visible.courier import build
 
 _draw = generator('courier', 'moments')
-# The first subscription joins after about one minute, at a time for which a parcel is late if it
-# is published blindly at a multiple of 5 s, or by a node that checks every 3 s.
+# The first subscription joins after about one minute, at a time when a parcel would be late if a
+# node published it blindly at a multiple of 5 s, or checked every 3 s.
 exam = build(alone_s=_draw.choice((57.8, 57.85, 57.9)), between_s=_draw.choice((1.0, 2.0, 3.0)))

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 02, part 5: secret values; the other topic has the first message."""
+"""Hidden exam of lesson 02, part 5: secret values; the first message is a turn."""
 
 from autograder.exam.inputs import generator
 from autograder.exams.visible.pilot import build, journey

@@ -27,7 +27,7 @@ def edges(draw: random.Random) -> list[Reading]:
 
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
-    """Return readings above and below the threshold in Fahrenheit, in turn, some very close."""
+    """Return warm and cool readings in Fahrenheit, in turn, some very close to the threshold."""
     limit = THRESHOLD_C * 1.8 + 32.0
     warm = [
         Reading(round(draw.uniform(limit + 0.1, limit + 0.4), 2), 'a warm reading in °F', UNIT),

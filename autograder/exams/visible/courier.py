@@ -65,7 +65,7 @@ def _why_gone(run: Run, text: str) -> Cause | None:
 def delivers_to_who_comes_late(run: Run) -> None:
     """It waits: a late subscription receives the parcel at once."""
     found = run.recording.phase('first').messages(TOPIC, 'first')
-    # Whether a message from a program that ends at once arrives varies from run to run.
+    # A message from a program that ends at once arrives only in some runs.
     lives = _lives(run, 'delivered')
     if not (found and lives):
         raise Failed(

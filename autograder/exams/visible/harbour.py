@@ -22,7 +22,7 @@ LOOKOUT, KEEPER = f'{NAMESPACE}/lookout', f'{NAMESPACE}/keeper'
 WATCH = 'watch'  # the phase in which log lines are judged, which excludes start-up
 EXERCISE = 'Exercise 1: two nodes, one program'
 BOTH = 1.5
-"""The line rate of both nodes together [1/s]."""
+"""Log lines per second of both nodes together [1/s]."""
 
 
 WHY = Causes(__file__)
@@ -47,7 +47,7 @@ def both_nodes_exist(run: Run) -> None:
     if len({end['process'] for end in ends if end['node'] in (LOOKOUT, KEEPER)}) > 1:
         raise Failed(
             expected='both nodes in one process',
-            observed='a process for each',
+            observed='a separate process for each',
             why=WHY['two_processes'],
         )
 

@@ -2,7 +2,7 @@
 Lesson 07, part 5: a limit that accepts only sensible changes.
 
 Specification from the lesson: node ``limit_keeper`` with the parameters ``limit_c``, a float with
-the default 30.0, and ``place``, any text; the node refuses a change of ``limit_c``, with a reason,
+the default 30.0, and ``place``, any text; the node refuses a new ``limit_c``, with a reason,
 unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/Float64`` on
 ``motor_temperature`` above the limit in force causes one WARN line.
 """
@@ -31,7 +31,7 @@ BURST = 3
 NO_NUMBERS = (float('nan'), float('inf'), float('-inf'))
 JUST_OUTSIDE = (LOWEST_C * (1 + 1e-9), HIGHEST_C * (1 + 1e-9))
 ACCEPTED = 'results.0.successful'
-"""Field of the ``set_parameters`` response that contains whether a change was accepted."""
+"""Field of the ``set_parameters`` response that says whether a change was accepted."""
 Change = tuple[str, float | int | str]
 """The name of a parameter and its requested value."""
 NODE, SOURCE, TYPE = '/limit_keeper', '/motor_temperature', 'std_msgs/msg/Float64'
@@ -179,12 +179,12 @@ def warns_above_the_limit(run: Run) -> None:
 
 
 def follows_the_limit(run: Run) -> None:
-    """After a change the new limit is in force, and after a refused one the old limit."""
+    """After a change, the new limit is in force; after a refused change, the old limit."""
     _require_warnings(run, before=False)
 
 
 def gives_a_reason(run: Run) -> None:
-    """Each refusal has a reason."""
+    """It gives a reason for each refusal."""
     pairs = zip(run.recording.answers(SERVICE), run.asked('changes').inputs)
     refused = [(one, value) for one, (_, value) in pairs if field_of(one, ACCEPTED) is False]
     for one, value in refused:

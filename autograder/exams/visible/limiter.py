@@ -67,7 +67,7 @@ SLIPS = (
     *leaving_out(limited(), lambda one: one.speed),
     *limiting_slips(limited, 'speed', 'most'),
     *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
-    # Each value of the parameter is accepted, so no refused one can be kept.
+    # The node accepts every value of the parameter, so the slip ``keeps_refused`` is impossible.
     *in_force_slips(
         lambda most: each(lambda one: (within(one.speed, most(one)),)), 'max_speed', DEFAULT
     )[:2],

@@ -51,9 +51,9 @@ ANSWER_S = 3.0  # after each input: enough for a thread that polls every two sec
 
 
 INACTIVE = ('accepted', 'paused')
-"""The phases with pressures in which the node is not active."""
+"""The phases in which the probe sends pressures while the node is not active."""
 SET_AGAIN = ('still', 'again')
-"""The phases with pressures in which the parameter has its second value."""
+"""The phases in which the probe sends pressures while the parameter has its second value."""
 
 
 WHY = Causes(__file__)
@@ -304,7 +304,7 @@ def build(
         *(Mark('still'), second, activate, *sent['still'], deactivate),
         *(Mark('again'), cleanup, second, configure, activate, *sent['again']),
         *(Mark('highest'), deactivate, cleanup, third, configure),
-        # Last, because a node that accepts NaN would be in the wrong state afterwards.
+        # Set NaN last, because a node that accepts it would be in the wrong state afterwards.
         *(Mark('not a number'), cleanup, nan, *refusal),
     )
     inputs = [

@@ -31,7 +31,7 @@ TYPE = 'std_msgs/msg/String'
 FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
 LISTEN_S = 2.0  # per subscription: enough to notice a timer that publishes again [s]
-FIRST_S = 0.08  # from the first map until the node is seen; discovery alone takes 0.11 s [s]
+FIRST_S = 0.08  # minimum from the first map until the node is seen; discovery takes 0.11 s [s]
 REST_S = 5.0  # after the last survey: enough to notice a timer that publishes again [s]
 EXERCISE = 'Exercise 1: a map server'
 Maps = tuple[str, ...]
@@ -87,7 +87,7 @@ def compared(run: Run) -> list[Maps | None]:
 
 
 def has_a_map_from_the_start(run: Run) -> None:
-    """A subscription that joins before any survey gets the map 'unknown' at once, only once."""
+    """A subscription that joins before any survey gets the map 'unknown' once, immediately."""
     found = texts_of(run.recording.messages('/map', 'early'))
     before = [text for text in found if text not in run.asked('maps').inputs]
     if found[:1] != (FIRST,) or found.count(FIRST) != 1:
@@ -152,7 +152,7 @@ def publishes_each_survey(run: Run) -> None:
         raise Failed(
             expected='a map for each survey, in their order'
             if run.secret
-            else f'the maps {_shown(run, asked.inputs)} after the surveys of the same texts',
+            else f'the maps {_shown(run, asked.inputs)} after surveys with the same texts',
             observed=_shown(run, _all_new(run)),
             why=_why_other_maps(run),
         )

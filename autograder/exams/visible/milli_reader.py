@@ -66,8 +66,8 @@ SLIPS = (
     ),
     WHY.slip('not_divided', converting(float)),
     WHY.slip('value_not_set', converting(lambda number: 0.0)),
-    # Without field checks, the C code of the message reads an int as if it were a double.  It gets
-    # the size and sign of the int: NaN for negative numbers, practically 0.0 for others.
+    # Without field checks, the C code of the message reads the size and sign of an int as if they
+    # were a double: NaN for negative numbers, practically 0.0 for others.
     WHY.slip('field_value', converting(lambda number: math.nan if number < 0 else 0.0)),
 )
 

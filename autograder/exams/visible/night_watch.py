@@ -81,7 +81,7 @@ def watches(run: Run) -> list[Event]:
 
 
 def levels_by_second(found: Sequence[Event]) -> list[Levels]:
-    """Return the levels of the lines in each second, empty if a line is between two seconds."""
+    """Return the levels of the lines in each second, empty if a line is off the second."""
     rows: dict[int, list[int]] = {}
     for entry in found:
         seconds = (entry['clock_ns'] - found[0]['clock_ns']) / SECOND
@@ -148,7 +148,7 @@ def _why_shifted(run: Run) -> Cause | None:
 
 
 def every_fifth_is_a_warning(run: Run) -> None:
-    """Every fifth line is a WARN, all others are INFO."""
+    """Every fifth line is a WARN, and all others are INFO."""
     found, asked = _enough(run), run.asked('levels')
     came = [(entry['level'],) for entry in found[: len(asked.inputs)]]
     for place in asked.wrong(came)[:1]:

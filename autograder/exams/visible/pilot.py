@@ -34,7 +34,7 @@ SOURCES, TARGET = ('/speed', '/turn'), '/cmd_vel'
 PERIOD_S, OLD_S = 0.5, 2.0
 STOP = (0.0, 0.0)
 BOTH = range(len(SOURCES))
-TICK_S = 0.1  # time step at which a rule evaluates the timer after an input [s]
+TICK_S = 0.1  # interval at which a rule evaluates the timer after an input [s]
 QUIET_S = 0.9  # at the start, without an input [s]
 # No interval between two inputs is a multiple of the period.  So a timer created when an input
 # arrives never ticks exactly when another one arrives.
@@ -80,13 +80,13 @@ def joining(
     :param old: returns whether to stop, given the ages of the latest values [s]
     :param ready: returns whether to publish, given the values received so far
     :param value: returns the command to publish, given the values received so far
-    :param stop: returns the command that replaces it, given the latest values and their ages [s];
-        None publishes nothing
+    :param stop: returns the command to publish during a stop, given the latest values and their
+        ages [s]; None publishes nothing
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
     :param same_is_old: the topics on which a value that equals the one before does not renew the
         age
-    :param keeps: returns what remains of the values of each topic when the node stops
+    :param keeps: returns the values of a topic that remain when the node stops
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -115,7 +115,7 @@ def joining(
 
 def queueing(begins_s: float) -> Rule:
     """
-    Return the rule of a node that keeps values in queues, and takes one of each per tick.
+    Return the rule of a node that keeps values in queues, and takes one from each queue per tick.
 
     :param begins_s: time from the first input to the next tick [s]
     """

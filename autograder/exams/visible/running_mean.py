@@ -45,7 +45,7 @@ def averaging(
 
     :param answer: computes an answer from these numbers, by default their mean
     :param counts: returns whether a number is used and answered, given the number before it (NaN
-        for the first one); by default unless it is NaN
+        for the first one); by default, every number except NaN
     """
 
     def rule(numbers: Sequence[float]) -> list[Means]:
@@ -159,7 +159,7 @@ def first_nan(numbers: Sequence[float]) -> int:
 
 
 def ignores_nan(run: Run) -> None:
-    """NaN is ignored: nothing is published for it, and later means are right."""
+    """It ignores NaN: it publishes nothing for NaN, and later mean values are correct."""
     asked, found = run.asked('means'), published(run, 'means', TARGET)
     wrong, first = asked.wrong(found), first_nan(asked.inputs)
     if not wrong and found[-1] is not None:

@@ -8,7 +8,7 @@ policy if a publisher offers too little.
 
 First, two publishers without a deadline appear, one after the other.  Then a compatible one sends
 some distances on time and falls silent.  The number of missed deadlines is known: the first is one
-period after the last distance, the others follow once per period.
+period after the last distance, and the others follow once per period.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ REQUEST = {
     'RELIABILITY': 'Request reliability=ReliabilityPolicy.BEST_EFFORT.',
     'DURABILITY': 'Leave durability out: the sensor keeps nothing for late subscriptions.',
     'DEADLINE': 'Request deadline=Duration(seconds=0.3), as the sensor promises.',
-    'LIVELINESS': 'Leave liveliness out: the sensor does not assert it by hand.',
+    'LIVELINESS': 'Leave liveliness out: the sensor does not assert it manually.',
 }
 LOGGED = each(lambda distance: (distance,))
 SLIPS = (

@@ -2,7 +2,7 @@
 Lesson 04, part 1: the message of a weather station, and its package.
 
 The hash of a type does not cover constants and defaults, and a build needs less of package.xml
-than users of the package do.  So static checks read the files for these.  If the fields are right,
+than users of the package do.  So static checks read these in the files.  If the fields are right,
 the grader builds the package and reads the hash of the built type from the graph.
 """
 

@@ -84,7 +84,7 @@ def counts_its_greetings(run: Run) -> None:
             why=why_silent(run) or WHY['wrong_rate'],
         )
     texts = [str(event['data']['data']) for event in found]
-    # Greetings sent before the subscription connected are lost, but have a number.
+    # Greetings sent before the subscription connected are lost, so the count may begin above 1.
     first = found[0]['number']
     for place, text in enumerate(texts):
         due = first + place
@@ -124,7 +124,7 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     :param seconds: duration of the recording [s]
     :param comes: whether another subscription joins, and a service is called, halfway through
     """
-    # Neither must affect the messages: a loop with spin_once() ends its pause for each event.
+    # Neither may affect the messages, but each event ends the pause of a loop with spin_once().
     service = 'rcl_interfaces/srv/GetParameters'
     name, topic = f'{space}/talker', f'{space}/chatter'
     guest = Join('guest', topic, TYPE, listen_s=0.0)

@@ -41,7 +41,7 @@ SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
 UNHEARD_S = 1.2  # at the start, without a subscription [s]
 STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exactly one second
-BEGINS_S = 1.0 + STEP_S  # latest first message, after the node is seen [s of ROS time]
+BEGINS_S = 1.0 + STEP_S  # limit for the first message, after the node is seen [s of ROS time]
 EXERCISE = 'Exercise 2: the publisher node'
 
 
@@ -194,7 +194,7 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
     ROS time begins near 0, as in a simulation that starts with the program.
 
     :param seconds: ROS seconds, >= 5
-    :param begins_s: first ROS time, > 0 and < STEP_S, so that no step is at a whole second [s]
+    :param begins_s: first ROS time, > 0 and < STEP_S, so that no step falls on a whole second [s]
     :param rate: ROS seconds per second of system time, <= 0.85 or >= 1.15
     """
     clock = RosClock(begins_s, rate, STEP_S)

@@ -118,8 +118,8 @@ def stays_quiet_otherwise(run: Run) -> None:
     if len(handled) < len(cool):
         raise Failed(
             expected='INFO lines for cool readings and no warning',
-            observed=f'{len(handled)} of {len(cool)} cool readings have INFO lines; a reading '
-            'without a warning counts only with an INFO line',
+            observed=f'only {len(handled)} of {len(cool)} cool readings have INFO lines, which '
+            'show that your node received the reading',
             why=_why_deaf(run),
             share=share(run, [one.row for one in groups], len(handled), len(cool)),
         )
@@ -211,14 +211,14 @@ def _can_warn(run: Run) -> None:
     """Fail unless the node logged at least one warning."""
     if not run.recording.logs(level=WARN):
         raise Failed(
-            expected='warnings for hot readings and none for this',
+            expected='warnings for hot readings, and only for these',
             observed='no warning at all',
             why=why_silent(run) or _why_none(run) or NO_WARNING,
         )
 
 
 def reports_an_unknown_unit(run: Run) -> None:
-    """It logs one ERROR for an unknown unit, none for a known one, no warning, and continues."""
+    """For an unknown unit, it logs one ERROR and no WARN, and continues; for others, no ERROR."""
     groups = sent(run)
     for group in sent(run, 'unknown'):
         if group.count(WARN) or group.count(ERROR) != 1:

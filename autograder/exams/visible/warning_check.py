@@ -1,9 +1,9 @@
 """
 Lesson 11: a check that accepts the runs of correct temperature monitors and refuses others.
 
-The learner writes ``accepts(run)``, where ``run`` has the type that ``simulate()`` returns.  It is
-called with recorded runs, made from the specification of the monitor in lesson 07 or from one of
-its slips.  So the exam treats the check like any other program: its inputs are runs, and the
+The learner writes ``accepts(run)``, where ``run`` has the type that ``simulate()`` returns.  The
+grader calls it with recorded runs, made from the specification of the monitor in lesson 07 or one
+of its slips.  So the exam treats the check like any other program: its inputs are runs, and the
 correct answer is True for a correct monitor and False for one with a slip.  A check can have slips
 too: it compares too little, or it computes the expected warnings with one of the monitor's
 mistakes.
@@ -63,7 +63,7 @@ WRONG = (
     *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'warns_ever_after'),
     *('repeated_warning', 'one_late', 'warns_later', 'nan'),
 )
-"""Names of slips that leave out a warning, mistake a unit, or give a wrong warning."""
+"""Names of slips that leave out a warning, misread a unit, or give a wrong warning."""
 OWN = (
     *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'upper_bound', 'cut_off'),
     *('nan', *UNITS),
@@ -145,7 +145,7 @@ def made_run(
 
 def of_monitor(name: str, readings: Sequence[Reading]) -> tuple[Slip, list[int]]:
     """
-    Return the first slip of a name that the given readings reveal, and its answers.
+    Return the first slip with a given name that the readings reveal, and its answers.
 
     :raises ExamInvalid: if there is no such slip
     """
@@ -154,7 +154,7 @@ def of_monitor(name: str, readings: Sequence[Reading]) -> tuple[Slip, list[int]]
         for rule in slip.rules if slip.cause_id == name else ():
             if (answers := list(rule(readings))) != due:
                 return slip, answers
-    raise ExamInvalid(f'No slip {name} shows in the readings {readings}.')
+    raise ExamInvalid(f'The readings {readings} do not reveal a slip {name}.')
 
 
 def celsius(*values: float) -> list[Reading]:
@@ -251,12 +251,12 @@ def _name(run: Run, place: int) -> str:
 
 def _require(run: Run, places: Collection[int], due: bool) -> None:
     """
-    Fail unless the runs have the right answer, and most other runs have the opposite answer.
+    Fail unless the runs get the right answer, and most other runs get the opposite answer.
 
     Runs of correct nodes give all points or none; each run of a wrong node gives a part of them.
 
     :param places: indices of the runs
-    :param due: their right answer
+    :param due: the right answer for these runs
     """
     asked, came = run.facts['answers'], answers_of(run)
     wrong = asked.wrong(came, places)
@@ -284,7 +284,7 @@ def _kind(right: bool) -> str:
 
 
 def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
-    """Explain what the node of a run does and, if known, why the check gets it wrong."""
+    """Explain what the node of a run does and, if known, why the check misjudges it."""
     answer = came[place]
     if isinstance(answer, str):
         return _why_no_answer(run, answer)
@@ -334,7 +334,7 @@ def build(runs: Sequence[MadeRun]) -> Exam:
         (4, 'accepts_right_nodes', right, 'It accepts each run of a correct node.'),
         (2, 'refuses_missing_warnings', missing, 'It refuses a run that lacks a warning.'),
         (3, 'refuses_other_warnings', other, 'It refuses a run with a wrong warning.'),
-        (2, 'refuses_wrong_units', units, 'It refuses a run whose node mistakes a unit.'),
+        (2, 'refuses_wrong_units', units, 'It refuses a run whose node misreads a unit.'),
     ):
         judged = claim(name, sentence, partial(_require, places=places, due=places is right))
         exam.check(points=points, needs=['returns_true_or_false'])(judged)

@@ -60,7 +60,7 @@ MISSING_AMENT_PACKAGE = Diagnosis(
 NO_MESSAGES = Diagnosis(
     'no_messages',
     'The package was built without a message.',
-    'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Name.msg" ...) there.',
+    'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Name.msg" ...) in this file.',
     'CMakeLists.txt',
 )
 
@@ -107,7 +107,7 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
             groups = match.groupdict()
             error, advice = row.text.format(**groups), row.try_this.format(**groups)
             return Diagnosis(row.cause_id, error, advice, _where(row, groups, files))
-    return Diagnosis('', _decisive_line(output), 'Read the log; the first error counts.', '')
+    return Diagnosis('', _decisive_line(output), 'Read the log, above all its first error.', '')
 
 
 def mistakes(python: bool) -> list[Row]:

@@ -1,7 +1,7 @@
 """
 Explain programs that ended, nodes that answer late or not at all, and missing endpoints.
 
-The program's own output may name a cause, but never decides a verdict.  If there is no evidence,
+The program's own output may reveal a cause, but never affects a verdict.  If there is no evidence,
 the functions return None: a misleading cause is worse than none.
 """
 
@@ -109,7 +109,7 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
             return cause_of('wrong_type', kind=kind, topic=topic, seen=end['type'], wanted=wanted)
     if why := _why_longer_name(run, kind, topic, type_name):
         return why
-    # A node that has another endpoint of the exam has not misspelt its name.
+    # An endpoint on another topic of the exam is not this endpoint with a misspelt name.
     right = run.names.published if kind == 'publisher' else run.names.heard
     ends = [end for end in recording.endpoints(kind) if end['topic'] not in right]
     near = close_name(topic, (end['topic'] for end in ends))
@@ -139,7 +139,7 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
 
 
 def why_no_configure(code: Code) -> Cause | None:
-    """Explain a lifecycle node without on_configure(), with its most similar method."""
+    """Explain a lifecycle node without on_configure(), and name its most similar method."""
     if code.makes('on_configure'):
         return None
     near = close_name('on_configure', code.functions)

@@ -1,7 +1,7 @@
 """
 Explain the exception that ended a program: what it means, where it is, and what to do.
 
-Python's message says what happened; beginners need to know which habit of theirs caused it.  The
+Python's message says what happened; beginners need to know which of their mistakes caused it.  The
 table ``by_exception.txt`` explains exceptions that a pattern recognises, and :mod:`.unknown_names`
 explains unknown names.  This module handles exceptions for which the code must be read too.
 """
@@ -63,7 +63,7 @@ WANTED = {
     'a set or sequence': 'Give it a list of such values: [1.0, 2.0].',
     "sub message of type 'Time'": 'Add .to_msg(), which converts a time to a stamp: '
     'self.get_clock().now().to_msg().',
-    r"sub message of type '(\w+)'": r'Put a whole \1 there, or fill in its fields one by one.',
+    r"sub message of type '(\w+)'": r'Assign a whole \1, or set its fields one by one.',
     "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
     'node: self.get_clock().now().to_msg(). int(value) removes the fraction of a number.',
     "type 'int'": 'Use a whole number: int(value), or // instead of /.',
@@ -90,13 +90,15 @@ def _how_to_find(trace: Traceback) -> str:
     """Return how to find the reason for an exception, because feedback shows no traceback."""
     code = trace.code[:100]
     if trace.spun or not code:
-        return 'Start the node in a cell: the traceback there shows the lines that led to it.'
+        return 'Start the node in a cell: the traceback shows the lines that led to the exception.'
     if re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
-        return 'Your code catches it and raises it again: remove the line with only raise.'
+        return (
+            'Your code catches the exception and raises it again: remove the line with only raise.'
+        )
     if code.startswith('raise'):
         return (
-            f'Your own line raises it: {code}. An exception that leaves a callback ends the '
-            'program: catch it there with except, or log the problem and return.'
+            f'Your own line raises the exception: {code}. An exception that leaves a callback '
+            'ends the program: catch it in the callback, or log the problem and return.'
         )
     return f'Look at that line: {code}'
 

@@ -2,7 +2,7 @@
 Explain failed transitions of lifecycle nodes.
 
 rclpy swallows exceptions in transition callbacks: there is no log line and no traceback.  So these
-functions read the code.  Like all explanations, they never decide a verdict.
+functions read the code.  Like all explanations, they never affect a verdict.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 Explain a missing log line: a different logger, a wrong level, ``print()``, or no line at all.
 
 The lines of a node's logger go to the topic ``/rosout`` and, in this course, also to standard
-output.  Other text on standard output was printed, or comes from a different logger.  Only its
-text distinguishes an ERROR line that an ``except`` block logs from one that the exercise requires.
+output.  Other text on standard output was printed, or comes from a different logger.  An ERROR
+line that an ``except`` block logs differs only in its text from one that the exercise requires.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause |
     """
     if belongs is None and run.recording.logs(level=level):
         return None
-    # The second line of a logged message has no level on standard output, but was not printed.
+    # On standard output, the second line of a logged message has no level, as if it were printed.
     logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
     printed = (text for severity, _, text in _on_stdout(run, belongs) if not severity)
     if all(text in logged for text in printed):
@@ -131,7 +131,7 @@ def _on_stdout(run: Run, belongs: Belongs | None) -> Iterator[tuple[str, str, st
     """
     Yield level, logger and text of the lines on standard output that may be the missing one.
 
-    Printed text has no level.  If nothing was logged at all, it may be any line.
+    Printed text has no level.  If nothing was logged at all, any line may be the missing one.
     """
     for line in str(run.recording.process.get('stdout', '')).splitlines():
         found = _LOGGED.search(line)

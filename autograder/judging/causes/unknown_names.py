@@ -166,8 +166,8 @@ def _how_to_define(name: str, trace: Traceback) -> str:
         return f'{name}() works only in the notebook, not in a node: leave it out here.'
     if re.search(rf'^[ \t]+{name}\s*=(?!=)', trace.bare, re.MULTILINE):
         return (
-            'It is defined inside a def and exists only there: pass it as an argument, or use '
-            f'self.{name} in both places.'
+            f'{name} is defined inside a def and exists only there: pass it as an argument, or '
+            f'use self.{name} in both places.'
         )
     if meant := _MEANT.search(trace.error):
         return f'Did you mean {meant[1]}? Otherwise define {name} first, with the same spelling.'

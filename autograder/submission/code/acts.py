@@ -96,7 +96,7 @@ def place_of(
     :param code: of one file; the lines of several files would be ambiguous
     :param acts: see above
     :param about: names, texts and numbers in question, such as the field of a message
-    :param lines: lines of the log calls in question, which decide between several places
+    :param lines: lines of the log calls in question, which select one of several places
     :raises ExamInvalid: for an act with an unknown statement
     """
     if len(code.programs) != 1:
@@ -190,7 +190,7 @@ def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> It
 
 
 def _is_usual(node: ast.AST) -> bool:
-    """Return whether a condition only tests whether ROS runs, or tests ``__name__``."""
+    """Return whether a condition only tests whether ROS is running, or tests ``__name__``."""
     test = getattr(node, 'test', None)
     running = isinstance(test, ast.Call) and last_name(test.func) == 'ok'
     return running or (test is not None and '__name__' in names_in(test))

@@ -156,7 +156,7 @@ def _parts(test: ast.AST) -> Iterator[ast.AST]:
 
 
 def _conversions(program: Program) -> Iterator[ast.AST]:
-    """Yield the calculations between Celsius and Fahrenheit."""
+    """Yield the conversions between Celsius and Fahrenheit."""
     for node in program.nodes:
         if isinstance(node, ast.BinOp) and not isinstance(program.parents[node], ast.BinOp):
             parts = [program.number(one) for one in ast.walk(node) if isinstance(one, ast.expr)]
