@@ -8,7 +8,7 @@
  * several processes are due at the same time, the driver wakes them in the order of the command line, and
  * then children, the oldest first.
  *
- * Time moves when every process is IDLE, no descriptor that a thread waits for can be read, and no
+ * Time advances when every process is IDLE, no descriptor that a thread waits for can be read, and no
  * process has changed its state since (README.md explains why). The driver uses no other data from a
  * process. A process that reports a wrong state or deadline affects only its own wake-ups.
  */
@@ -305,7 +305,7 @@ static struct process *first_due(int64_t *deadline)
     return first;
 }
 
-/* Move time to the earliest deadline if every process waits. Return whether to try again at once. */
+/* Advance time to the earliest deadline if every process waits. Return whether to try again at once. */
 static bool advance(void)
 {
     struct epoll_event unused;

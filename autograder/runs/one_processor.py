@@ -4,7 +4,7 @@ Keep a run on one processor.
 Two threads of a run hardly ever compute at the same time, because its virtual clock wakes them one
 by one.  So a second processor gains nothing, and even costs time: waking a thread there takes
 longer than switching to it, because an idle processor must first wake up itself.  Before the clock
-moves, the program and the probe start in parallel and use all processors.
+advances, the program and the probe start in parallel and use all processors.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def _alone(settings: Settings) -> Iterator[None]:
     """
     Hold the lock of a running hub: a second one would end the proxy of the first.
 
-    :raises HubError: if a hub of the same folder runs
+    :raises HubError: if a hub in the same folder is already running
     """
     with (settings.run / 'lock').open('w') as lock:
         try:

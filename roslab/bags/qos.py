@@ -84,9 +84,9 @@ def read_profiles(text: str) -> list[dict[str, Any]]:
     try:
         stored = yaml.safe_load(text) or []
     except yaml.YAMLError as error:
-        raise ValueError(f'unreadable quality of service: {error}') from None
+        raise ValueError(f'the stored QoS profiles are not valid YAML: {error}') from None
     if not isinstance(stored, list):
-        raise ValueError('unreadable quality of service')
+        raise ValueError('the stored QoS profiles are not a list')
     return stored
 
 
