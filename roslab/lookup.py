@@ -68,7 +68,7 @@ def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
     others = ', '.join(sorted(set(names))) or 'none'
     return NotHereError(
         f'There is no {kind} {name} now. Known: {others}. '
-        'A node that should have it may not be started yet.'
+        'Perhaps its node has not been started yet.'
     )
 
 

@@ -209,7 +209,7 @@ static void watch_for_end(struct process *process, pid_t pid)
         checked(listen_to(process->pidfd, process, HAS_ENDED, EPOLLIN) ? 0 : -1, "epoll_ctl");
 }
 
-/* Handle one message of a process; return whether there was one. */
+/* Handle one message of a process; return false if it has sent none. */
 static bool hear(struct process *process)
 {
     union {
@@ -244,7 +244,7 @@ static bool hear(struct process *process)
     return true;
 }
 
-/* Handle all pending events; if `wait` is set, wait for the first. Return whether there was one. */
+/* Handle all pending events; if `wait` is set, wait for the first. Return whether an event was handled. */
 static bool handle(bool wait)
 {
     struct epoll_event events[32];

@@ -106,7 +106,7 @@ def _run(settings: Settings, path: Path) -> int:
 
 
 def _answers(hub: subprocess.Popen[bytes], address: str) -> bool:
-    """Wait until the hub answers; return False if it ends before that."""
+    """Wait until the hub answers; return False if it ends first."""
     while hub.poll() is None:
         try:
             with urlopen(f'{address}hub/login'):
