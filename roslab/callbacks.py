@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from typing import Self
 
 MAX_CALLS = 300
-"""Callbacks that a watch records; it ignores those that begin later."""
+"""Maximum number of callbacks that a watch records; it ignores later ones."""
 
 
 class Source(NamedTuple):
@@ -149,7 +149,7 @@ class Watch:
         self._groups.clear()
 
     def take(self, node: Node, take: Callable[[Any], Any], entity: Any) -> Any:
-        """Take what is ready, as ``take`` does, and return the callback's coroutine function."""
+        """Take from a ready entity as ``take`` does; return the callback's coroutine function."""
         try:
             source = self._source(node, entity) if self.end is None else None
         except rclpy_implementation.InvalidHandle:  # destroyed after it became ready

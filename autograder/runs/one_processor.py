@@ -38,7 +38,7 @@ def one_processor() -> Iterator[set[int]]:
         return
     here = _current()
     with _lock:
-        # The system has chosen the current processor, and it also knows of other programs.
+        # Prefer the current processor: the system has chosen it, and knows of other programs, too.
         chosen = min(allowed, key=lambda one: (_runs[one], one != here))
         _runs[chosen] += 1
     try:
