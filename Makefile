@@ -58,7 +58,7 @@ publisher: prepare
 subscriber: prepare
 	@exec $(WITH_ROS) '$(NODES)/temp_subscriber' $(ARGS)
 
-# Does not prepare anything first: it reports what is missing.
+# This goal prepares nothing, because doctor reports what is missing.
 doctor:
 	@for python in '$(PY)' python3 python3.12 python3.11 python3.13 python3.10 /usr/bin/python3; do \
 	  if "$$python" -S -E -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then \

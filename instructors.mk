@@ -30,7 +30,7 @@ quick test: export PYTHONDONTWRITEBYTECODE =
 grade: prepare
 	@exec $(PY) -m autograder grade $(ARGS)
 
-# To run after each change. Type checking takes half a minute the first time, then a second.
+# Run this after each change. Type checking takes half a minute the first time, then a second.
 quick: prepare
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
@@ -77,8 +77,8 @@ check: prepare
 coverage: prepare
 	@exec $(PY) -m tests.claims.coverage
 
-# Runs every program without a kept recording: some minutes. The secret of the tests makes the tables
-# the same on every machine.
+# Run every program that has no stored recording, which takes some minutes. With the secret of the
+# tests, the tables are the same on every machine.
 judgement: export COURSE_SECRET = the secret of the tests
 judgement: prepare
 	$(PY) -m tests.judgement.agreement

@@ -86,7 +86,7 @@ def of_sample_class(report: str) -> str:
     """
     Return the result of grading the sample class, from what ``make grade`` printed.
 
-    :raises RouteFailed: if submissions are missing, a right one lost points, or isolation was weak
+    :raises RouteFailed: if submissions are missing, a correct one lost points or isolation is weak
     """
     graded = sum(map(int, re.findall(r'^(\d+) submissions in ', report, re.M)))
     sample = re.search(r'so the (\d+) example submissions', report)

@@ -71,7 +71,7 @@ def describe_wheels(places: Places, base_prefix: str) -> RosEnvironment:
         'VIRTUAL_ENV': str(venv),
         'PATH': join_paths(venv / 'bin', SYSTEM_PATH),
         'AMENT_PREFIX_PATH': str(venv),
-        # Without these two variables, every Python start re-executes itself once to set them.
+        # Without these two variables, every Python process would restart itself once to set them.
         # Nearly all of the hundred libraries that rclpy loads are in the first folder.
         'LD_LIBRARY_PATH': join_paths(venv / 'lib', sorted(site.glob('ros_*.libs'))),
         '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1',

@@ -95,7 +95,7 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_kernel(places, ros)
     yield check_ros2_command(places, ros)
     ready = stamps.is_ready(places, environ)
-    detail = 'complete and up to date' if ready else 'the next make command prepares something'
+    detail = 'complete and up to date' if ready else 'the next make command updates it'
     yield Finding('set-up', OK if ready else WEAK, detail, PREPARE)
     yield check_exchange(exchange_root(places.project, environ))
     yield check_room(
@@ -319,12 +319,12 @@ def check_room(name: str, folder: Path, need_mb: int, fix: str) -> Finding:
 
 
 def check_shared_memory() -> Finding:
-    """Check that ROS 2 can create shared memory, and that there is room."""
+    """Check that ROS 2 can create shared memory, and that it has enough free space."""
     name = str(SHARED_MEMORY)
     try:
         system.refuse_closed_shared_memory()
     except StepError as error:
-        return Finding(name, MISSING, 'you cannot create files there', error.try_this)
+        return Finding(name, MISSING, 'you cannot create files in it', error.try_this)
     return check_room(name, SHARED_MEMORY, SHM_MB, 'in Docker: --shm-size=512m')
 
 

@@ -33,7 +33,7 @@ HEADER = """\
 # of installation. rosidl_parser works with lark 1.x (the apt installation of Jazzy uses 1.1.9), so
 # only lark is installed. rfc3987-syntax, an option of jsonschema for addresses in other alphabets,
 # compiles a grammar in every process that imports nbformat: 2.4 of 2.6 s. Without it, jsonschema
-# takes such an address for well written.
+# accepts any such address.
 """
 RESOLVED = '#\n# Resolved with CPython '
 LEFT_OUT = {'lark-parser', 'rfc3987-syntax'}

@@ -92,7 +92,7 @@ class Places:
 
     @property
     def lock(self) -> Path:
-        """Held while the set-up runs. It is next to the venv, because the venv may be removed."""
+        """The lock file of the set-up; it is next to the venv, because the venv may be removed."""
         return self.venv.with_name(self.venv.name + '.lock')
 
     @property

@@ -84,7 +84,7 @@ def make_plan(places: Places, environ: Mapping[str, str]) -> Plan:
     Choose the source of ROS 2 and the Python.
 
     A sourced ROS 2 Jazzy is used if its Python can import rclpy. A venv that was prepared this way
-    keeps it in later shells, even if nothing is sourced there.
+    keeps using that ROS 2 in later shells, even if nothing is sourced in them.
 
     :raises StepError: if the source is missing, or this user cannot create shared memory
     """

@@ -58,7 +58,7 @@ def prepare(places: Places, environ: Mapping[str, str]) -> bool:
             screen.say(f'  try: {error.try_this}' if error.try_this else '')
             return False
         places.ready.unlink(missing_ok=True)
-        # Computed first: later edits apply to the next run.
+        # Compute the digest first: if an input changes meanwhile, the next run prepares again.
         digest = stamps.whole_digest(places)
         if not run_steps(steps_of(plan), places.notes, screen, (handle,)):
             return False
@@ -91,7 +91,7 @@ def steps_of(plan: Plan) -> list[Step]:
     return [
         Step(
             'system',
-            'Programs from the system',
+            'System packages',
             lambda: (
                 bool(plan.interpreter is None or not plan.interpreter.complete)
                 or any(tool.required for tool in system.missing_tools())

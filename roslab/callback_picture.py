@@ -135,6 +135,6 @@ def watch_callbacks(*nodes: Node | str) -> Callbacks:
 
     :param nodes: nodes or their names; none for all nodes that are not hidden
     :returns: the record, for a ``with`` statement; its ``calls`` are the callbacks so far
-    :raises RoslabError: if something else is given
+    :raises RoslabError: if one of ``nodes`` is neither a node nor a name
     """
     return Callbacks(nodes)

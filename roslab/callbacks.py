@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from typing import Self
 
 MAX_CALLS = 300
-"""Callbacks that a watch records; it ignores those that begin later."""
+"""Maximum number of callbacks that a watch records; it ignores later ones."""
 
 
 class Source(NamedTuple):
@@ -78,7 +78,7 @@ class Watch:
     A record of the callbacks in a ``with`` block.
 
     :param nodes: nodes, their names or full names; if empty, all nodes that are not hidden
-    :raises RoslabError: if something else is given
+    :raises RoslabError: if one of ``nodes`` is neither a node nor a name
     """
 
     def __init__(self, nodes: tuple[Node | str, ...]) -> None:
@@ -149,10 +149,10 @@ class Watch:
         self._groups.clear()
 
     def take(self, node: Node, take: Callable[[Any], Any], entity: Any) -> Any:
-        """Take what is ready, as ``take`` does, and return the callback's coroutine function."""
+        """Take from a ready entity as ``take`` does; return the callback's coroutine function."""
         try:
             source = self._source(node, entity) if self.end is None else None
-        except rclpy_implementation.InvalidHandle:  # destroyed since it was ready
+        except rclpy_implementation.InvalidHandle:  # destroyed after it became ready
             source = None
         if source is None:
             return take(entity)
@@ -173,7 +173,7 @@ class Watch:
         return run and self._noted(source, came, run)
 
     def _noted(self, source: Source, came: float | None, run: Callable[[], Any]) -> Any:
-        """Return the coroutine function of a callback that records its begin and end."""
+        """Return the coroutine function of a callback that records its start and end."""
 
         async def noted() -> None:
             thread = threading.get_ident()
@@ -248,7 +248,7 @@ def _take_message(entity: Subscription) -> tuple[Callable[[], Any] | None, dict[
     try:
         with entity.handle:
             taken = entity.handle.take_message(entity.msg_type, entity.raw)
-    except rclpy_implementation.InvalidHandle:  # destroyed since it was ready
+    except rclpy_implementation.InvalidHandle:  # destroyed after it became ready
         return None, {}
     if taken is None:
         return None, {}
@@ -260,7 +260,7 @@ def _take_timer(
     timer: Timer, take: Callable[[Any], Any]
 ) -> tuple[Callable[[], Any] | None, int | None, list[int]]:
     """Call a timer; return its callback, when it was due, and the ticks that it skips [ns]."""
-    # A simulated clock does not say when a tick was due in the time of the picture.
+    # A simulated clock does not show when, on the picture's time axis, a tick was due.
     if getattr(timer.clock, 'ros_time_is_active', False):
         return take(timer), None, []
     try:

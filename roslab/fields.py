@@ -93,7 +93,7 @@ def _class_of(kind: NamespacedType) -> Any:
 
 
 def _no_number(msg_type: Any, path: str, kind: Any, said: str) -> RoslabError:
-    """Return the error for a field that is not numeric; ``said`` is its type in words."""
+    """Return the error for a field that is not numeric; ``said`` describes its type."""
     field = f'The field {path!r} of {msg_type.__name__} is'
     if isinstance(kind, AbstractNestedType) and isinstance(kind.value_type, BasicType):
         item = f'{path}[0]'

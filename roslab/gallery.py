@@ -97,7 +97,7 @@ def explain(error: str | BaseException | None = None) -> None:
     if advice:
         print(_wrapped('The notebook said:', advice))
     if meant := _misspelt_module(text):
-        happened = f'Python finds no module of that name; {meant} exists.'
+        happened = f'Python finds no module with that name, but {meant} exists.'
         print(_paragraph(happened, f'If you mean {meant}, correct the spelling in the import.'))
         return
     found = nearest(text)
@@ -126,7 +126,7 @@ def _misspelt_module(text: str) -> str:
 
 
 def _one_slip(written: str, right: str) -> bool:
-    """Return whether one letter is missing, added or wrong, or two neighbours are swapped."""
+    """Return whether one letter is missing, added or wrong, or two adjacent ones are swapped."""
     pairs = enumerate(zip(written, right, strict=False))
     at = next((at for at, pair in pairs if len(set(pair)) == 2), min(len(written), len(right)))
     first, second = written[at:], right[at:]
@@ -157,7 +157,7 @@ def _raised_by_ros(error: str | BaseException | None) -> bool:
 def _text(error: str | BaseException | None) -> str:
     if error is None:
         raise RoslabError(
-            'explain() looks at the last red error of this notebook, and there was none. '
+            'explain() looks at the last red error of this notebook, but there was none. '
             "Try: explain('No executable found')."
         )
     if isinstance(error, BaseException):

@@ -36,7 +36,7 @@ _SHOWN = 44
 _INIT_TWICE = 'Context.init() must only be called once'
 _NO_INIT = (
     'RuntimeError: rclpy.init() was called, but ROS 2 runs in this notebook already. '
-    'Leave it out, and do not call main() here: start(...) runs a node in the background.'
+    'Remove that call, and do not call main() here: start(...) runs a node in the background.'
 )
 _INVALID_HANDLE = (
     'InvalidHandle: this node, or the node that owns this object, was stopped or replaced. '
@@ -142,7 +142,7 @@ def _not_there(error: Any, shell: Any) -> str | None:
     missing, is_module = error.name, isinstance(error, ModuleNotFoundError)
     if not missing:
         return None
-    # Code, not a comment, passes a bare name to check().
+    # Ignore comments: only a call in code can pass a bare name to check().
     if re.search(rf'(?m)^[^#\n]*\bcheck\(\s*{re.escape(missing)}\b', _history(shell)[-1]):
         return (
             f'NameError: check() takes the name of an exercise in quotes. Write: '
@@ -152,7 +152,7 @@ def _not_there(error: Any, shell: Any) -> str | None:
     if cell is None:
         return None
     kind = 'module ' if is_module else ''
-    return f'{type(error).__name__}: {kind}{missing} is not there yet. Run first: {cell.place}'
+    return f'{type(error).__name__}: {kind}{missing} does not exist yet. Run first: {cell.place}'
 
 
 def advice_shown(error: BaseException) -> str:

@@ -136,7 +136,8 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
     if not isinstance(node, LifecycleNodeMixin):
         raise RoslabError(
             f'lifecycle({node.get_name()}) expected a LifecycleNode, got a {type(node).__name__}, '
-            'which has no states. Try: class X(LifecycleNode), from rclpy.lifecycle.'
+            'which has no states. Try: from rclpy.lifecycle import LifecycleNode, then '
+            'class X(LifecycleNode)'
         )
     machine: Any = getattr(node, '_state_machine', None)
     if machine is None:  # destroyed together with the node, see destroy_wholly

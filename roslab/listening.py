@@ -155,7 +155,7 @@ def _subscribe(
     known = topic_types(node, node.resolve_topic_name(topic))
     if known and type_name(msg_type) not in known:
         raise RoslabError(
-            f'{topic} carries {" and ".join(known)}, so it cannot be heard as '
+            f'{topic} carries {" and ".join(known)}, so you cannot subscribe to it with '
             f'{type_name(msg_type)}. Listen with the type that the publisher uses.'
         )
     return node.create_subscription(

@@ -91,7 +91,7 @@ class _Recorder:
         line = LogLine(time.time(), level, str(name), message)
         self.on_line(line)
         self._write(severity, name, message, *place)
-        self.lines.append(line)  # stored last: a cell that waits for the line must already show it
+        self.lines.append(line)  # last: a cell that waits for the line must show it
 
 
 _recorder: _Recorder | None = None

@@ -1,5 +1,5 @@
 """
-Look up names in the live ROS graph, and explain what is missing there.
+Look up names in the live ROS graph, and explain why a name or messages are missing.
 
 Nodes of this kernel are visible at once, nodes of other processes only after discovery.  So the
 functions look for a missing name for some seconds before they call it unknown.
@@ -68,7 +68,7 @@ def not_here(kind: str, name: str, known: Iterable[str]) -> NotHereError:
     others = ', '.join(sorted(set(names))) or 'none'
     return NotHereError(
         f'There is no {kind} {name} now. Known: {others}. '
-        'A node that should have it may not be started yet.'
+        'Perhaps its node has not been started yet.'
     )
 
 
@@ -102,15 +102,15 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
         name = publisher.node_name
         if publisher.topic_type != type_name(msg_type):
             return (
-                f'{name} publishes {publisher.topic_type} there, not {type_name(msg_type)}, '
-                'and topics of different types do not connect.'
+                f'{name} publishes {publisher.topic_type} on {topic}, not {type_name(msg_type)}. '
+                'A publisher and a subscription connect only if their types are the same.'
             )
         compatibility, reason = qos_check_compatible(publisher.qos_profile, qos)
         if compatibility == QoSCompatibility.ERROR:
             reason = reason.strip().removesuffix(';')
-            return f'{name} publishes there, but the QoS does not match. {reason}'.strip()
+            return f'{name} publishes on {topic}, but the QoS does not match. {reason}'.strip()
     names = ' and '.join(sorted({publisher.node_name for publisher in publishers}))
-    return f'{names} publishes there and is connected, but sends too little or too slowly.'
+    return f'The subscription is connected to {names}, but too few messages arrive, or too slowly.'
 
 
 def no_publisher(node: Node, topic: str) -> str:

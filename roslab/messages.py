@@ -135,7 +135,7 @@ def _package(package_dir: str | Path | None) -> LearnerPackage:
     for name in ('package.xml', 'CMakeLists.txt'):
         if not (package.folder / name).is_file():
             raise NotHereError(
-                f'{package.shown(package.folder / name)} is not there yet: run the cell that '
+                f'{package.shown(package.folder / name)} does not exist yet: run the cell that '
                 f'begins with %%rospkg {name} first.'
             )
     return package

@@ -62,7 +62,7 @@ def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
     :param file: an MCAP file, or the folder that ``ros2 bag record`` has written
     :param topics: only these topics
     :param rate: speed relative to the recording, 2.0 for twice as fast
-    :raises RoslabError: if the file is damaged or not a bag, or a type has changed since
+    :raises RoslabError: if the file is damaged or not a bag, or a type has changed since then
     """
     from roslab.bags.player import CONNECT_S, Player
     from roslab.bags.reader import open_bag

@@ -80,7 +80,7 @@ class Robot(LivePicture):
         self._change(command.linear.x, command.angular.z)
 
     def stop_in_silence(self) -> None:
-        """Stop because no command arrived within the deadline; ignore further misses in a row."""
+        """Stop because no command arrived within the deadline; ignore consecutive misses."""
         if self._track.happened[-1:] and self._track.happened[-1].what == DEADLINE:
             return
         self._change(0.0, 0.0, DEADLINE)

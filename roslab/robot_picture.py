@@ -39,7 +39,7 @@ _HEAD = ('seconds', 'what', 'times', 'speed [m/s]', 'turn [rad/s]', 'x [m]', 'y 
 
 def track_words(track: Track, refused: str = '') -> str:
     """
-    Return the picture in words.
+    Return a description of the picture.
 
     :param refused: QoS policy for which a publisher was refused, empty if none was
     """

@@ -116,7 +116,7 @@ def timeline(
     :raises RoslabError: if a source has an unknown type, or a mark has no times
     """
     found = [one for source in sources for one in getattr(source, 'listeners', (source,))]
-    found = [getattr(source, 'listener', source) for source in found]  # a plot has one
+    found = [getattr(source, 'listener', source) for source in found]  # a plot has a listener
     if not found:
         raise RoslabError(
             "timeline() expected listeners, as in timeline(listen('chatter', String))."
@@ -209,7 +209,7 @@ def draw_lanes(
     """
     Return a picture with labelled rows above a time axis.
 
-    :param axis: begin and end of the axis [s]
+    :param axis: start and end of the axis [s]
     :param described: the contents of the picture as text
     :param legend: explains the symbols
     :param moments: positions of the slider: time [s] and caption

@@ -114,7 +114,7 @@ EXPORT int poll(struct pollfd *fds, nfds_t count, int timeout)
     return self() ? poll_until(fds, count, after_ms(timeout)) : REAL(poll)(fds, count, timeout);
 }
 
-/* Return the result of a wait; during the wait, set the signal mask if there is one. */
+/* Return the result of a wait; during the wait, set the signal mask if one is given. */
 #define RETURN_WITH_MASK(mask, wait) \
     sigset_t before; \
     if (mask) \

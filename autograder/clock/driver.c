@@ -8,7 +8,7 @@
  * several processes are due at the same time, the driver wakes them in the order of the command line, and
  * then children, the oldest first.
  *
- * Time moves when every process is IDLE, no descriptor that a thread waits for can be read, and no
+ * Time advances when every process is IDLE, no descriptor that a thread waits for can be read, and no
  * process has changed its state since (README.md explains why). The driver uses no other data from a
  * process. A process that reports a wrong state or deadline affects only its own wake-ups.
  */
@@ -209,7 +209,7 @@ static void watch_for_end(struct process *process, pid_t pid)
         checked(listen_to(process->pidfd, process, HAS_ENDED, EPOLLIN) ? 0 : -1, "epoll_ctl");
 }
 
-/* Handle one message of a process; return whether there was one. */
+/* Handle one message of a process; return false if it has sent none. */
 static bool hear(struct process *process)
 {
     union {
@@ -244,7 +244,7 @@ static bool hear(struct process *process)
     return true;
 }
 
-/* Handle all pending events; if `wait` is set, wait for the first. Return whether there was one. */
+/* Handle all pending events; if `wait` is set, wait for the first. Return whether an event was handled. */
 static bool handle(bool wait)
 {
     struct epoll_event events[32];
@@ -305,7 +305,7 @@ static struct process *first_due(int64_t *deadline)
     return first;
 }
 
-/* Move time to the earliest deadline if every process waits. Return whether to try again at once. */
+/* Advance time to the earliest deadline if every process waits. Return whether to try again at once. */
 static bool advance(void)
 {
     struct epoll_event unused;

@@ -273,7 +273,7 @@ int wake_waiters(const void *on, int most)
 
 /*
  * Sleep until a deadline instead of reading the clock in a loop (clocks.c). If any other thread works in
- * the meantime, the sleep ends before time moves: the thread may hold the interpreter lock, or its loop
+ * the meantime, the sleep ends before time advances: the thread may hold the interpreter lock, or its loop
  * may wait for the result of the other thread.
  */
 void sleep_polling(struct thread *thread, int64_t deadline)

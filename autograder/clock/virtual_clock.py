@@ -34,7 +34,7 @@ class VirtualClock:
     """
     The virtual clock of one run.
 
-    :param driver: the process that moves the time
+    :param driver: the process that advances the time
     :param places: sockets for the processes of the run, in the order in which the driver serves
         them
     :param library: path of the library that these processes load

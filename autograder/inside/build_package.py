@@ -22,8 +22,8 @@ def add_what_no_cell_is(folder: Path, package: str) -> None:
     """
     Add the files that ``ros2 pkg create`` makes to a Python package from a notebook.
 
-    The node files of a notebook are in the top folder; they move to the folder with the package's
-    name.
+    The node files of a notebook are in the top folder; this function moves them to the folder
+    with the package's name.
     """
     modules, marker = folder / package, folder / 'resource' / package
     if not (folder / 'setup.py').is_file() or modules.exists() or marker.exists():

@@ -1,5 +1,5 @@
 """
-Speed up the import of rclpy, which loads much that a run does not need.
+Speed up the import of rclpy, which loads many modules that a run does not need.
 
 Of the 0.45 s of processor time before the first node exists, numpy takes 0.13 s (and a thread for
 each processor), although only messages with numeric arrays use it.  The generator of message

@@ -42,7 +42,7 @@ class Graph:
         self.processes: dict[bytes, int] = {}
 
     def names(self) -> list[str]:
-        """Return the full names of all nodes but the probe's own, even others with that name."""
+        """Return the full names of all nodes except the probe's; include others with that name."""
         found = sorted(
             f'{namespace.rstrip("/")}/{name}'[:LONGEST_NAME]
             for name, namespace in self.node.get_node_names_and_namespaces()

@@ -260,7 +260,7 @@ class Probe:
             if not self._somebody_comes():
                 raise Stop('no_node')
             self.emit('seen', nodes=self.seen.askable())
-            self.graph('seen')  # for a program that ends in the first callback of a timer
+            self.graph('seen')  # the program may end in its first timer callback
             self.listen(MEET_S)
             self.graph('start')
             for number, step in enumerate(self.scenario['steps'], 1):

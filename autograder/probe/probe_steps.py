@@ -77,7 +77,7 @@ def _of_the_only_node(probe: Any, step: dict[str, Any]) -> Any:
     """
     Return a client for the service with the name of the program's only node, or None.
 
-    So a wrong node name fails only the check of the name, and not all checks of the service.
+    A wrong node name then fails only the check of the name, not all checks of the service.
     """
     names, service = probe.seen.askable(), step['service']
     if len(names) != 1:

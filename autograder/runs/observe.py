@@ -45,7 +45,7 @@ OF_A_CHECK = {
 """Grader files that the sandbox shows to a check written by a student."""
 BUILDS = ('build', 'package')
 """Values of ``program`` in a scenario for which colcon builds a package first."""
-# A message package builds in about 5 s of processor time; slow machines may take six times that.
+# A message package takes about 5 s of processor time; slow machines need up to six times as much.
 BUILD_LIMITS = Limits(cpu_s=30)
 # The package is built, and then its program runs.
 PACKAGE_LIMITS = Limits(cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
@@ -226,7 +226,7 @@ class _Watched:
         return self.events if self.ended_ns is None else _until(self.events, self.ended_ns)
 
     def _hear_of_its_end(self) -> None:
-        """Record the exit of the program if it ended before its scenario, in virtual time."""
+        """Record the exit of the program if, in virtual time, it ended before its scenario."""
         over = self.events[-1] if self.events else {}
         if over.get('event') != 'end':
             return  # a limit has ended the run, or the probe has failed

@@ -2,9 +2,9 @@
 Keep a run on one processor.
 
 Two threads of a run hardly ever compute at the same time, because its virtual clock wakes them one
-by one.  So a second processor gains nothing, and even costs time: waking a thread there takes
-longer than switching to it, because an idle processor must first wake up itself.  Before the clock
-moves, the program and the probe start in parallel and use all processors.
+by one.  So a second processor gains nothing, and even costs time: waking a thread on it takes
+longer than switching to the thread, because an idle processor must first wake up itself.  Before
+the clock advances, the program and the probe start in parallel and use all processors.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def one_processor() -> Iterator[set[int]]:
         return
     here = _current()
     with _lock:
-        # The system has chosen the current processor, and it also knows of other programs.
+        # Prefer the current processor: the system has chosen it, and knows of other programs, too.
         chosen = min(allowed, key=lambda one: (_runs[one], one != here))
         _runs[chosen] += 1
     try:

@@ -57,7 +57,7 @@ def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
     Read the answer of :func:`run_task`.
 
     :returns: the recording, and times of the run [s]
-    :raises GraderError: if the worker raised one; an error of the same class if it is known here
+    :raises GraderError: if the worker reported one; its class is the same if it is known here
     """
     found = json.loads(answer)
     if 'fault' in found:
@@ -104,7 +104,7 @@ def _sandbox(mode: str) -> Sandbox:
     """
     Return the sandbox for an isolation mode, created once per worker.
 
-    :raises GraderError: if this is not the full isolation that works for the worker's user
+    :raises GraderError: if the mode is not the full isolation for the worker's user
     """
     from autograder.sandboxes.isolation import full
     from autograder.sandboxes.sandbox import Sandbox
@@ -112,6 +112,6 @@ def _sandbox(mode: str) -> Sandbox:
     if mode != full(os.geteuid() == 0):
         raise GraderError(
             f'A worker refused the task: isolation {mode} does not work for its user.',
-            'Start all workers as the same kind of user.',
+            'Start all workers as root, or all as an ordinary user.',
         )
     return Sandbox(mode)

@@ -1,8 +1,8 @@
 """
 Enforce the limits of a run: processor time, memory, files, output, and stalled virtual time.
 
-Real time costs no points: a busy machine makes a run longer and changes nothing in it.  A run that
-takes more than ten minutes of real time is aborted, and the submission is for review.
+A busy machine makes a run longer, but does not change its result.  A run that takes more than ten
+minutes of real time is aborted, and the submission is for review.
 """
 
 from __future__ import annotations

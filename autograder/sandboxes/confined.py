@@ -112,7 +112,7 @@ class Confined:
         Release the program, which waits in :mod:`autograder.inside.gate`.
 
         bubblewrap's own ``--block-fd`` is not suitable: if the grader is killed, a sandbox that
-        waits there survives and runs the program.
+        waits for that descriptor survives and runs the program.
         """
         with suppress(OSError):  # the program has ended already; the run loop detects its exit
             self.gate.send(b'x')

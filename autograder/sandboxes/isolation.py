@@ -12,7 +12,7 @@ from pathlib import Path
 
 SHARED_NETWORK = (
     'the network is shared: a program can send to other programs on this machine and, over UDP, '
-    'to others; a program that finds its ROS domain can take part in its run'
+    'to other machines; a program that finds its ROS domain can take part in its run'
 )
 SHARED_USER = (
     "the program runs as the grader's own user: it can change modes and dates of that user's "
@@ -89,7 +89,7 @@ def banner(mode: str) -> str:
     lines += [f'  - {lack}.' for lack in MODES[mode].lacks]
     if not MODES[mode].keeps_secrets:
         lines.append('  Only visible checks are run, and nothing is entered in the gradebook.')
-    return '\n'.join([*lines, '  Every result of this run says so.'])
+    return '\n'.join([*lines, '  Every result of this run mentions this.'])
 
 
 # -- fixes ---------------------------------------------------------------------------------

@@ -4,7 +4,8 @@ Confine student code with bubblewrap in separate namespaces, or with weaker isol
 :mod:`autograder.sandboxes.isolation` lists the modes by strength, and what each does not protect.
 The two modes with full isolation give the student's process its own mount, pid, network, ipc and
 uts namespaces, a read-only system, temporary folders of limited size, resource limits and a
-system-call filter.  Hidden exams, the gradebook and other submissions do not exist there.
+system-call filter.  Hidden exams, the gradebook and other submissions do not exist in these
+namespaces.
 Bubblewrap starts with an almost empty environment, because a program inside can read that
 environment from ``/proc/1/environ``.
 

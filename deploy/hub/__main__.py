@@ -57,7 +57,7 @@ def _alone(settings: Settings) -> Iterator[None]:
     """
     Hold the lock of a running hub: a second one would end the proxy of the first.
 
-    :raises HubError: if a hub of the same folder runs
+    :raises HubError: if a hub in the same folder is already running
     """
     with (settings.run / 'lock').open('w') as lock:
         try:
@@ -106,7 +106,7 @@ def _run(settings: Settings, path: Path) -> int:
 
 
 def _answers(hub: subprocess.Popen[bytes], address: str) -> bool:
-    """Wait until the hub answers; return False if it ends before that."""
+    """Wait until the hub answers; return False if it ends first."""
     while hub.poll() is None:
         try:
             with urlopen(f'{address}hub/login'):

@@ -6,7 +6,7 @@ kernels=$(pgrep --euid "$(id -u)" --full '[i]pykernel_launcher' | while read -r 
 done)
 chosen=${1:-$kernels}
 case $chosen in
-  '') echo 'No kernel with a ROS world of its own is running. Try: run a cell of a lesson first' >&2; exit 1 ;;
+  '') echo 'No kernel with a separate network is running. Try: run a cell of a lesson first' >&2; exit 1 ;;
   *[!0-9]*)
     echo 'Several kernels are running. Try: ros_world NUMBER' >&2
     for pid in $kernels; do echo "  $pid  in $(readlink "/proc/$pid/cwd")" >&2; done

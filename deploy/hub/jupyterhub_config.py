@@ -85,7 +85,7 @@ c.FirstUseAuthenticator.create_users = False
 
 c.Spawner.pre_spawn_hook = prepare_server
 c.Spawner.start_timeout = 120
-c.Spawner.http_timeout = 120  # with ten starts at once, 30 s (the default) ended some servers
+c.Spawner.http_timeout = 120  # 30 s, the default, is too short for ten starts at once
 c.Spawner.args = [
     '--MultiKernelManager.default_kernel_name=ros2_jazzy',
     # Stop idle kernels even if a plot in them is still drawing: outputs do not count as activity.

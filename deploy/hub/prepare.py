@@ -45,7 +45,7 @@ def prepare(settings: Settings) -> None:
         ("students' copy", _students_copy),
         ("instructor's clone", _instructors_clone),
         ('exchange', _exchange),
-        ('a ROS world for each kernel', _worlds),
+        ('a separate network for each kernel', _worlds),
     )
     os.umask(0o022)  # all users must be able to read the installed files
     for number, (title, step) in enumerate(steps, 1):

@@ -1,5 +1,5 @@
-/* What the generated code of every message for Python includes; see fast_dds.hpp. Without numpy: only
- * some of it includes that, and a header that is not asked for could add symbols. */
+/* The headers that the generated code of every message for Python includes; see fast_dds.hpp. NumPy's
+ * headers are omitted: only some messages include them, and an additional header could add symbols. */
 #include <Python.h>
 #include <stdbool.h>
 #include <stdint.h>

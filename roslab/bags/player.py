@@ -18,7 +18,7 @@ from roslab.ros2.interface import hash_of, interface_class
 CONNECT_S = 3.0
 """Maximum time for subscriptions of other nodes to connect before the first message [s]."""
 LONGEST_WAIT_S = 0.5
-"""A signal that arrives just before a wait begins does not end it, so each wait is short."""
+"""A signal that arrives just before a wait begins does not end the wait, so each wait is short."""
 _ACKNOWLEDGED = Duration(seconds=2.0)
 
 

@@ -23,9 +23,9 @@ _POLICIES = {
 _PERIODS = ('deadline', 'lifespan', 'liveliness_lease_duration')
 _NS = 10**9
 _ENDLESS_S = 2**31 - 1
-"""Longer periods mean that there is no limit; older ROS 2 releases stored this one."""
+"""Periods of this length or longer mean no limit; older ROS 2 releases stored exactly this."""
 _DEPTH = 10
-"""For publishers whose depth is unknown: the network does not announce it."""
+"""Depth for publishers whose depth is unknown, because the network does not announce it."""
 
 
 def plain_profiles(profiles: Iterable[QoSProfile]) -> list[dict[str, Any]]:
@@ -84,9 +84,9 @@ def read_profiles(text: str) -> list[dict[str, Any]]:
     try:
         stored = yaml.safe_load(text) or []
     except yaml.YAMLError as error:
-        raise ValueError(f'unreadable quality of service: {error}') from None
+        raise ValueError(f'the stored QoS profiles are not valid YAML: {error}') from None
     if not isinstance(stored, list):
-        raise ValueError('unreadable quality of service')
+        raise ValueError('the stored QoS profiles are not a list')
     return stored
 
 

@@ -43,7 +43,7 @@ def open_bag(path: Path) -> Bag:
     """
     Return the summary of a bag.
 
-    :raises BagError: if there is none, or it is damaged or does not hold ROS 2 messages
+    :raises BagError: if there is no bag, or the bag is damaged or does not contain ROS 2 messages
     """
     files = _files_in(path) if path.is_dir() else (path,)
     topics: dict[str, BagTopic] = {}

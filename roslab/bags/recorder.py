@@ -17,7 +17,7 @@ from roslab.ros2.graph import qos_for_publishers
 from roslab.ros2.interface import interface_class
 
 _DEPTH = 1000
-"""Messages that may wait for the next callback, so that a burst is not lost."""
+"""How many messages may wait for the next callback, so that a burst is not lost."""
 
 
 class Recorder:
@@ -27,7 +27,7 @@ class Recorder:
     Callbacks only store messages, because they may run in another thread; :meth:`drain` writes.
 
     :param node: a node that something else spins
-    :param tell: called with the name of each topic that is subscribed
+    :param tell: called with the name of each topic to which it subscribes
     """
 
     def __init__(

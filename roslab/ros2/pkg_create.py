@@ -73,7 +73,8 @@ def _refuse(args: argparse.Namespace) -> None:
             )
     if args.build_type == 'ament_python' and args.package_name == 'test':
         raise RuntimeError(
-            "Aborted since 'ament_python' packages can't be named 'test': its tests are there."
+            "Aborted since 'ament_python' packages can't be named 'test', the name of the folder "
+            'for their tests.'
         )
     path = f'{args.destination_directory.rstrip("/")}/{args.package_name}'
     if Path(path).exists():

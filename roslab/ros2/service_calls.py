@@ -46,12 +46,12 @@ def call(node: Node, kind: Any, name: str, limit_s: float = ANSWER_S, **request:
     client = node.create_client(kind, name)
     try:
         if not wait_for(node, client.service_is_ready, limit_s):
-            raise NoAnswer(f'Wait for service timed out: {name} is not there')
+            raise NoAnswer(f'Wait for service timed out: {name} is not available')
         if meet(node, name, limit_s):
             future = client.call_async(kind.Request(**request))
             if wait_for(node, future.done, limit_s):
                 return future.result()
-        raise NoAnswer(f'{name} did not answer within {limit_s:.0f} s: is its node spun?')
+        raise NoAnswer(f'{name} did not answer within {limit_s:.0f} s: is its node being spun?')
     finally:
         node.destroy_client(client)
 

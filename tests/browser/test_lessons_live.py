@@ -188,7 +188,7 @@ def test_cell_that_is_run_too_early_names_the_cell_to_run_first(
     cell.locator('.jp-InputArea-editor').click()
     page.keyboard.press('Control+Enter')
     shown = cell.locator('.jp-Cell-outputArea')
-    expect(shown).to_contain_text('NameError: plot is not there yet.', timeout=CELL_MS)
+    expect(shown).to_contain_text('NameError: plot does not exist yet.', timeout=CELL_MS)
     expect(shown).to_contain_text('Run first: ')
     expect(shown).to_contain_text('the cell that begins with: from roslab import')
     cell.screenshot(path=shots / 'too_early.png')

@@ -163,7 +163,7 @@ def test_echo_finds_type_and_qos_and_prints_yaml(session, capsys):
 def test_echo_that_hears_nothing_says_why_and_leaves_no_subscription(session):
     wave = session.start(Wave)
 
-    with pytest.raises(TimeoutError, match=r'there, but the QoS does not match\. .*subscription$'):
+    with pytest.raises(TimeoutError, match=r'/name, but the QoS does not match\. .*subscription$'):
         echo('/name', 1, 0.1, qos=LATCHED)
     assert wait_in(lambda: not wave.count_subscribers('/name'), SOON_S)
 
