@@ -141,7 +141,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
             if students_in(submitted / name, known):
                 fix = f'--submitted {short(submitted / name, layout)}'
     return UsageError(
-        f'{submitted}: no folder STUDENT/ASSIGNMENT with a notebook, ASSIGNMENT being one of '
+        f'{submitted}: no folder STUDENT/ASSIGNMENT with a notebook; ASSIGNMENT is one of '
         f'{", ".join(assignments)}. Try: {fix}'
     )
 
