@@ -55,7 +55,7 @@ def class_of_talkers() -> list[dict[str, str]]:
 
 
 def told(result) -> dict:
-    """Return what a result says, without what depends on time and place of the run."""
+    """Return a result without the parts that depend on the time and place of the run."""
     data = result.to_json()
     for name in ('timing', 'recording'):
         data.pop(name)
