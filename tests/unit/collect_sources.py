@@ -1,4 +1,4 @@
-"""Sources of submissions as the systems make them, and what lies in ``submitted/`` afterwards."""
+"""Sources of submissions in each platform's form, and the resulting files in ``submitted/``."""
 
 from functools import partial
 import json

@@ -171,7 +171,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """A link in a zip is left out, and its student appears in the reports."""
+        """A link in a zip is left out, and the reports name its student."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
@@ -186,7 +186,7 @@ class TestHostileSources:
         assert [one.student for one in read_not_collected(layout)] == ['ann']
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
-        """Links and pipes in a folder are left out, and nothing waits for a pipe."""
+        """Links and pipes in a folder are left out, and no read blocks on a pipe."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         (source / 'bob').mkdir()
         (source / 'bob' / 'talk.ipynb').symlink_to(source / 'ann' / 'talk.ipynb')
@@ -203,7 +203,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_file_that_grows_when_unpacked_is_bounded(self, tmp_path, layout, monkeypatch):
-        """The bytes that are unpacked are limited, whatever size the zip states."""
+        """The number of unpacked bytes is limited, whatever size the zip states."""
         limit(monkeypatch, file_bytes=1000)
         source = packed(tmp_path / 's.zip', {'ann/talk.ipynb': b' ' * 100_000})
 

@@ -1,4 +1,4 @@
-"""One grading at a time, and what a killed grading leaves behind."""
+"""Only one grading runs at a time, and the files of a killed grading are removed."""
 
 import os
 from pathlib import Path
@@ -42,7 +42,7 @@ def unfinished(layout):
 
 
 def test_a_second_grading_is_told_who_is_there(tmp_path):
-    """A second grading is refused with the name of the first, and runs after it."""
+    """A second grading is refused with the name of the first, and runs once that has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):

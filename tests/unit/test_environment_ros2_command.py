@@ -1,4 +1,4 @@
-"""The ros2 command that the set-up installs, which leaves room for a real one."""
+"""The ros2 command that the set-up installs, and which gives way to a real one."""
 
 from dataclasses import replace
 import os
@@ -28,7 +28,7 @@ def wheels(places):
 
 @pytest.fixture
 def sourced(tmp_path, wheels):
-    """Provide the description of an installation that has a ros2 of its own."""
+    """Provide the description of an installation that already has a ros2."""
     folder = tmp_path / 'opt' / 'bin'
     folder.mkdir(parents=True)
     program = folder / 'ros2'

@@ -1,4 +1,4 @@
-"""Texts that would take hours or break a check take no time."""
+"""Hostile texts neither take hours nor break a check."""
 
 import time
 
