@@ -1,4 +1,4 @@
-"""A class in numbers: the statistics, the page, and the text on the terminal."""
+"""Statistics of a class: the numbers, the page, and the text on the terminal."""
 
 from dataclasses import asdict, replace
 from itertools import pairwise
@@ -108,7 +108,7 @@ class TestNumbers:
         assert 'no student has a mark' in stats_text(numbers)
 
     def test_causes_are_counted_by_their_name(self):
-        """Causes are grouped by their id and shown with their commonest words."""
+        """Causes are grouped by id and shown with their most frequent text."""
         others = [submission(f's{n}', (failed(words=f'a typo in line {n}'),)) for n in range(2)]
         same = [submission(f't{n}', (failed(words='a typo in line 1'),)) for n in range(2)]
         odd = submission('u', (failed(words='late', cause_id='late'),))
@@ -249,7 +249,7 @@ class TestPage:
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
     def test_checks_stand_in_the_order_of_the_exams(self):
-        """The checks have the order that students see, with their commonest cause."""
+        """The checks have the order that students see, with their most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
         text = read(class_page(CLASS, numbers_of(both))).text

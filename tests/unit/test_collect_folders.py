@@ -1,4 +1,4 @@
-"""Folders of students, and which names decide how the work of a class is read."""
+"""Folders of students, and the names that determine how a class is read."""
 
 from collect_sources import (
     CANVAS,
@@ -176,7 +176,7 @@ class TestIdsOfFolders:
 
 
 class TestNamesThatStudentsGive:
-    """Only the names that a system gives decide how a class is read."""
+    """Only names from the platform determine how a class is read."""
 
     FORGED = (
         b"submission_102:\n  :submitters:\n  - :sid: '1001'\n"
@@ -306,7 +306,7 @@ class TestNamedKind:
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """Names of the stated system are read, and the other names get their lines."""
+        """Names of the stated platform are read, and each other name gets a row."""
         files = {f'notes_{n}.txt': b'' for n in range(9)}
         source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
 
