@@ -1,5 +1,5 @@
 """
-Somebody on this machine who talks in every ROS domain, on all topics of an exercise.
+Publish on all topics of an exercise, in every given ROS domain.
 
 Usage: foreign_talker.py DOMAIN...  Prints ``talking`` once it does, and goes on until its standard
 input ends.

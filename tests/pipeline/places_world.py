@@ -49,7 +49,7 @@ def exam_of_a_talker() -> Exam:
 
 
 def class_of_talkers() -> list[dict[str, str]]:
-    """Return the files of three students: right, wrong, ended by an exception."""
+    """Return the files of three students: correct, wrong, ended by an exception."""
     files = [{'talker.py': TALKER.format(word=word)} for word in ('right', 'wrong')]
     return [*files, {'talker.py': 'raise ValueError("oops")\n'}]
 

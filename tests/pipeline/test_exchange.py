@@ -64,7 +64,7 @@ def nbgrader(course: Layout, exchange: Path) -> NbGraderAPI:
 
 
 def act(user: pwd.struct_passwd, home: Path, code: str) -> str:
-    """Run code as another user of the system; return what it printed."""
+    """Run code as a different user of the system; return its output."""
     ids = str(user.pw_uid), str(user.pw_gid)
     done = subprocess.run(
         [sys.executable, '-W', 'ignore', '-c', AS_USER, *ids, str(home), code],
@@ -146,7 +146,7 @@ def test_work_that_bob_hands_in_as_ann_is_refused(nbgrader, exchange, homes, cou
 
 @needs_root
 def test_bob_can_neither_move_nor_exchange_what_ann_handed_in(nbgrader, exchange, homes, course):
-    """Even if he knows the name of her folder, which no other student can list."""
+    """Bob may even know the name of her folder, which no other student can list."""
     ann, bob = ANN.pw_name, BOB.pw_name
     act(ANN, homes[ann], SUBMIT)
     (hers,) = (exchange / COURSE_ID / 'inbound').glob(f'{ann}+*')

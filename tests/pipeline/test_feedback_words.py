@@ -133,7 +133,7 @@ def test_the_terminal_says_them(result, said, tmp_path, capsys):
 
 
 def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
-    """The text and the HTML that ``check(...)`` shows, from its own child process."""
+    """The child process of ``check(...)`` returns the text and the HTML that the cell shows."""
     package = LearnerPackage('temp_monitor_pkg', tmp_path)
     nodes = package.folder / 'temp_monitor_pkg'
     nodes.mkdir(parents=True)

@@ -148,7 +148,7 @@ def _sent(settings: Path, *marks: Mark, dry_run: bool = False):
 
 
 def test_each_mark_reaches_the_member_with_the_students_id(platform, settings):
-    """By login or e-mail address; the members have two pages."""
+    """Members are matched by login or e-mail address, and their list has two pages."""
     done = _sent(settings, Mark('ada', 6.25, 6.5), Mark('Bob@uni.example', 0.0, 6.5))
 
     assert [kind for kind, _ in platform.scores] == ['application/vnd.ims.lis.v1.score+json'] * 2

@@ -212,7 +212,7 @@ class TestPlace:
         assert place('if:warning()', code=code) == (4, '')
 
     def test_log_lines_of_the_run_choose_between_functions(self):
-        """The recording has the line of each log call, which decides between two functions."""
+        """The recording contains the line of each log call, which identifies the function."""
         assert place('warning() info()', lines=[19]) == (19, '')
         assert place('log', lines=[26]) == (26, '')
         assert place('warning() info()', lines=[26]) == (25, 'tock')

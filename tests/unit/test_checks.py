@@ -72,7 +72,7 @@ class TestReached:
 
     @pytest.mark.parametrize(('lost', 'passes'), [('/other', True), (TOPIC, False)])
     def test_topic_that_is_not_connected_fails_alone(self, lost, passes):
-        """The run ends there, which is not the fault of another topic."""
+        """The run ends at this topic, so other topics are not blamed."""
         seen = [{**GRAPH, 'when': when, 'endpoints': [HEARD]} for when in ('start', 'end')]
         run = run_of(*seen, {'event': 'not_connected', 'topic': lost})
 
@@ -81,7 +81,7 @@ class TestReached:
 
 class TestEndpoint:
     def test_endpoint_of_another_type_is_named(self):
-        """The cause is the type of the endpoint, although its topic is right."""
+        """The cause is the type of the endpoint, although its topic is correct."""
         with pytest.raises(Failed) as failed:
             checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
 

@@ -312,7 +312,7 @@ class TestVisibleChecksAlone:
     """Isolation that cannot hide the hidden exams leaves only the visible checks."""
 
     def test_they_make_no_marks(self):
-        """The verdicts are counted, and there are no marks."""
+        """The verdicts are counted, but no marks are shown."""
         numbers = numbers_of(VISIBLE)
 
         assert numbers.marks is None

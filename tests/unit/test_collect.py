@@ -1,4 +1,4 @@
-"""Collect sources of each kind, right and wrong, into the folders of nbgrader and one table."""
+"""Collect sources of each kind, valid and invalid, into nbgrader's folders and one table."""
 
 import json
 import os

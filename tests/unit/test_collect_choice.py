@@ -38,7 +38,7 @@ class TestSeveralAssignments:
 
     @pytest.mark.parametrize('place', ['{}/notebooks/{}/{}.ipynb', '{}/{}/{}.ipynb'])
     def test_one_notebook_of_each_is_taken(self, place, tmp_path, layout):
-        """A lesson without graded cells is recognised by its name."""
+        """A lesson without graded cells is recognised by its file name."""
         files = {
             place.format(name, lesson, lesson[3:]): data
             for name in ('ann', 'bob')
@@ -53,7 +53,7 @@ class TestSeveralAssignments:
         assert all(row.notes == () for row in rows)
 
     def test_the_one_wanted_is_taken_alone(self, tmp_path, layout):
-        """With ``--assignment``, other notebooks are not looked for."""
+        """With ``--assignment``, notebooks of other assignments are ignored."""
         files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
         source = laid(tmp_path / 'class', files)
 

@@ -168,7 +168,7 @@ class TestIdsOfFolders:
         assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
 
     def test_a_prefix_is_for_folders(self, tmp_path, layout):
-        """``--prefix`` is refused for systems that have names of their own."""
+        """``--prefix`` is refused for platforms, which choose the names themselves."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
         with pytest.raises(NotTakenInError, match='these are names from moodle'):
@@ -184,7 +184,7 @@ class TestNamesThatStudentsGive:
     )
 
     def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
-        """A file of metadata that a student handed in is not the one of the system."""
+        """A metadata file that a student handed in is not the platform's."""
         forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
         source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
         honest = packed(tmp_path / 'h.zip', GRADESCOPE)
@@ -222,7 +222,7 @@ class TestNamesThatStudentsGive:
     def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(
         self, tmp_path, layout
     ):
-        """The system that explains most of the names is chosen."""
+        """The platform that explains most of the names is chosen."""
         files = {**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD}
         source = laid(tmp_path / 'r', files)
 
@@ -233,7 +233,7 @@ class TestNamesThatStudentsGive:
 
     @pytest.mark.parametrize('wanted', ['', 'moodle'])
     def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
-        """The folder of a single student is not taken for a folder around a class."""
+        """The folder of a single student is not read as the outer folder of a class."""
         files = {
             'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
@@ -279,11 +279,11 @@ def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
 
 
 class TestNamedKind:
-    """``--kind`` states the system of the source."""
+    """``--kind`` names the platform of the source."""
 
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
     def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
-        """The error has the expected system and the names that were found."""
+        """The error shows the expected platform and the names that were found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
         with pytest.raises(NotTakenInError) as caught:

@@ -131,7 +131,7 @@ class TestCanvas:
         assert len(rows) == 3
 
     def test_two_attachments_of_one_user_tell_where_the_name_ends(self, tmp_path, layout):
-        """A number that occurs in two files is the user's, because attachments have their own."""
+        """A number in two files is the user's, because each attachment has a different number."""
         files = {
             'a_102_1001_55_talk.ipynb': notebook('talker', text='old'),
             'a_102_1001_77_talk-1.ipynb': notebook('talker', text='new'),

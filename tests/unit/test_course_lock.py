@@ -23,7 +23,7 @@ with alone(Layout(Path(sys.argv[1])), 'a grading'):
 
 
 def held(root):
-    """Start another process that grades."""
+    """Start a second process that grades."""
     process = subprocess.Popen(
         [sys.executable, '-c', HOLDER, str(root)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
@@ -32,7 +32,7 @@ def held(root):
 
 
 def unfinished(layout):
-    """Return one file that a killed grading leaves, and two that are not its own."""
+    """Return one file that a killed grading leaves, and two that belong to other programs."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
     files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']

@@ -33,7 +33,7 @@ def test_exchange_is_in_the_course_unless_the_setting_names_another(tmp_path):
 
 
 def test_protect_sets_the_sticky_bit_and_keeps_the_rest(exchange):
-    """With the sticky bit, a student can hand in and can remove only their own work."""
+    """With the sticky bit, students can hand in work, and remove only their own."""
     protect(exchange)
 
     assert mode(exchange) == 0o1777

@@ -97,7 +97,7 @@ def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
 
 
 def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
-    """A folder of pyenv in the home of another user, as after ``su``, is skipped."""
+    """A pyenv folder in the home of a different user, as after ``su``, is skipped."""
     closed = tmp_path / 'home'
     (closed / 'pyenv' / 'versions' / '3.12.1' / 'bin').mkdir(parents=True)
     closed.chmod(0)

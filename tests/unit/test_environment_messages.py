@@ -74,7 +74,7 @@ def test_requirements_names_the_packages_that_are_used():
     ],
 )
 def test_package_of_another_distribution_is_refused(asked, said, advice):
-    """The compiled code of another distribution would not fit."""
+    """The compiled code of a different distribution would be incompatible."""
     with pytest.raises(StepError) as caught:
         messages.requirements(report(asked), {'ros-std-msgs': '5.3.6'})
 

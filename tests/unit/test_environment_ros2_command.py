@@ -56,7 +56,7 @@ def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
 
 
 def test_discovery_variables_leave_another_middleware_alone(wheels):
-    """Settings for Fast DDS are not set for another middleware."""
+    """The variables for Fast DDS are not set for a different middleware."""
     other = replace(wheels, variables={'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'})
 
     assert ros2_command.discovery_variables(other) == {}

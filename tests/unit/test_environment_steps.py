@@ -1,4 +1,4 @@
-"""Steps of the set-up: they resume, explain failures and wait for one another."""
+"""Steps of the set-up resume, explain failures and wait for one another."""
 
 import dataclasses
 import io

@@ -218,7 +218,7 @@ class TestTimeline:
         assert f'59 in all, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
-        """Without messages, the row of expected times is above an empty one."""
+        """Without messages, the row of expected times is above an empty row."""
         picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
 
         assert [row['count'] for row in picture['rows']] == [10, 0]

@@ -267,7 +267,7 @@ class TestTalker:
         ],
     )
     def test_wrong_rate_is_explained(self, period_s, code, cause_id):
-        """Even gaps show the period; a callback that sleeps explains a longer one."""
+        """Equal gaps show the period; a callback that sleeps explains a longer period."""
         run = self.run_of([''] * round(6.0 / (period_s or 0.25)), period_s=period_s, code=code)
 
         assert cause_of(talker.speaks_twice_a_second, run) == cause_id

@@ -98,7 +98,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     ],
 )
 def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
-    """Without a name no weak mode is used, and root never runs programs as root."""
+    """Without its name, no weak mode is used, and root never runs programs as root."""
     assert isolation.permitted(named, root) == tried
 
 
@@ -191,7 +191,7 @@ def built(tmp_path):
 
 
 def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
-    """Files next to a closed one are opened one by one, and only names in folders above it."""
+    """Files next to a closed one are opened one by one; folders above it can only be listed."""
     workspace = Path(built.workspace)
     read, names = landlock.readable(built, course_messages=True)
     assert {str(tmp_path / 'bin'), str(workspace / PACKAGE / '__init__.py')} <= set(read)

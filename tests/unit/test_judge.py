@@ -106,7 +106,7 @@ class TestJudge:
         assert result.read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
-        """If the node has a wrong name, its messages are judged as if the name were right."""
+        """If the node has a wrong name, its messages are judged as if the name were correct."""
         exam = make_exam()
 
         @exam.check(points=1)

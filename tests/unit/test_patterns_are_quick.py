@@ -1,5 +1,5 @@
 """
-Check that no text keeps a regular expression of the grader busy.
+Check that no text makes a regular expression of the grader slow.
 
 Students choose the texts that the grader searches, and it searches them in its own process.  The
 tests try each pattern that is a single string in a call of ``re`` or in the tables of mistakes on

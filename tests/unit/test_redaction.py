@@ -51,9 +51,9 @@ ANSWERS = {
 @dataclass(frozen=True)
 class Program:
     """
-    What is wrong with a program.
+    The mistakes of a program.
 
-    :param place: put before the names of its nodes and topics, in which a {} is the namespace
+    :param place: prefix of the names of its nodes and topics, in which a {} is the namespace
     :param slip: put behind the names of its nodes, or of its topics
     :param ends: whether it has publishers and subscriptions
     :param type: of all of them, if it is a wrong one

@@ -287,7 +287,7 @@ def test_manifest_of_a_new_package_is_right(build_type):
 
 
 def test_python_files_compile_and_name_the_program():
-    """setup.py starts what the node's file defines; without a node there is no program."""
+    """The program in setup.py is a function in the node's file; no node means no program."""
     files = pkg_files.ament_python_files(new_package('ament_python'))
     for name, text in files.items():
         if name.endswith('.py'):

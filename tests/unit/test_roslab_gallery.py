@@ -126,7 +126,7 @@ def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize('nonsense', [3, '', '  '])
 def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
-    """A number or an empty text is answered with an example of a right call."""
+    """For a number or an empty string, the answer is an example of a correct call."""
     with pytest.raises(RoslabError, match='expected the text of an error'):
         explain(nonsense)
 

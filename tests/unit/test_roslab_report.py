@@ -46,7 +46,7 @@ def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
 
 
 def test_html_escapes_what_the_program_did():
-    """What a learner's program prints is text, never markup."""
+    """The output of a learner's program is text, never markup."""
     page = report(FAILED)._repr_html_()
 
     assert '<script>' not in page

@@ -114,7 +114,7 @@ def test_impossible_length_is_refused(seconds):
 
 
 def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
-    """The order travels to another process as JSON."""
+    """The order is sent to a different process as JSON."""
     fields = {'value': float('nan'), 'stamp': {'sec': 1}, 'items': (1.5, float('-inf'))}
     (one,) = order_of('echo.py', 10, {'in': [(1, fields)]}).inputs
 

@@ -128,7 +128,7 @@ class TestMistakes:
         assert list(Specification((31.0,), above(), slips).mistakes()) == []
 
     def test_another_secret_changes_nothing_for_those_who_grade(self):
-        """Drawing with another secret does not change the exam in use."""
+        """Drawing with a different secret does not change the exam in use."""
         before = catalog.load('running_mean')
 
         other = catalog.drawn('running_mean', 'another secret')

@@ -14,7 +14,7 @@ STYLE = ROOT / 'docs' / 'style.md'
 WORDS = re.findall(
     r'^\| ([A-Za-z ]+) \|', STYLE.read_text(encoding='utf-8').partition('| not | but |')[2], re.M
 )
-# A capital in the table is meant: "cannot tell whether" is good English.
+# Capitals in the table are significant: "cannot tell whether" is good English.
 ANY_CASE = [word if word[0].isupper() else f'(?i:{word})' for word in WORDS]
 PHRASES = re.compile(rf'\b({"|".join(ANY_CASE)})\b'.replace(' ', r'\s+'))
 # Samples are what students might write, CHANGELOG.md is history, notebooks/ and the tables are

@@ -51,7 +51,7 @@ def source_of(notebook, grade_id):
 
 
 class TestUnusable:
-    """If nothing of the assignment can be read, a person decides: there is no evidence."""
+    """If no cell of the assignment can be read, there is no evidence, so a person decides."""
 
     @pytest.mark.parametrize(
         ('data', 'got'),

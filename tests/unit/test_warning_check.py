@@ -84,7 +84,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 
 
 def test_warning_that_comes_a_reading_late_is_explained():
-    """The node of this slip keeps its reading too long, and the learner is told so."""
+    """The node with this slip keeps its reading too long, and the learner is told so."""
     missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
     missed[5] = False
     found = results(missed)
@@ -93,7 +93,7 @@ def test_warning_that_comes_a_reading_late_is_explained():
 
 
 def test_warning_some_time_after_its_reading_is_explained():
-    """A check that misses this run and a right one compares something else than times."""
+    """A check that misjudges this run and a correct one does not compare times."""
     exam = catalog.load('warning_check')
     runs = exam.asks['answers'].inputs
     answers = [one.slip is None or one.slip.cause_id == 'warns_later' for one in runs]
