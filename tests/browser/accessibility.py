@@ -1,4 +1,4 @@
-"""What axe finds on a page: https://github.com/dequelabs/axe-core."""
+"""Find violations on a page with axe: https://github.com/dequelabs/axe-core."""
 
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ def violations(page: Any, *ignored: str, of: str = 'html') -> list[list[str]]:
     Return the rules that a page breaks, each with its first element.
 
     :param page: of a context with ``bypass_csp``, because axe is a script
-    :param ignored: rules that are not tried
+    :param ignored: rules that are not tested
     :param of: selector of the elements to test
     """
     import axe_playwright_python

@@ -54,11 +54,12 @@ class Program:
     The mistakes of a program.
 
     :param place: prefix of the names of its nodes and topics, in which a {} is the namespace
-    :param slip: put behind the names of its nodes, or of its topics
+    :param node_slip: suffix of the names of its nodes
+    :param topic_slip: suffix of the names of its topics
     :param ends: whether it has publishers and subscriptions
-    :param type: of all of them, if it is a wrong one
-    :param says: what it logs and publishes of what it has heard, None for nothing
-    :param died: whether an exception with all inputs in it ends it
+    :param type: type of all its endpoints, empty for the correct types
+    :param says: template of the text that it logs and publishes about an input; None for none
+    :param died: whether an exception that contains all inputs ends the program
     """
 
     place: str = '{}'
