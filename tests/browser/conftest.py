@@ -46,9 +46,9 @@ class Lab:
     """
     A running JupyterLab.
 
-    :param address: of the server, with a slash at its end
+    :param address: address of the server, with a slash at its end
     :param token: needed once; after that, a cookie identifies the browser
-    :param course: the folder that it serves
+    :param course: the folder that JupyterLab serves
     :param log: file with its terminal output
     """
 
@@ -189,7 +189,7 @@ def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
                 with urlopen(f'{address}api'):
                     return address
             except (OSError, ValueError):
-                pass  # half written, or not listening yet
+                pass  # file incomplete, or server not listening yet
         time.sleep(POLL_S)
     raise AssertionError(f'JupyterLab did not start:\n{log.read_text()[-3000:]}')
 

@@ -36,7 +36,7 @@ def open_notebook(lab: Lab, page: Any, path: str) -> None:
     """
     Open a notebook in an empty JupyterLab and wait for its cells and its kernel.
 
-    :param path: inside the course
+    :param path: path inside the course
     """
     from playwright.sync_api import expect
 

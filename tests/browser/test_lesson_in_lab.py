@@ -80,7 +80,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     assert page.evaluate(WRAPPING) == ['normal']
     assert page.locator(TROUBLE).all_inner_texts() == []
     assert page.errors == []
-    assert 'without encryption' not in lab.log.read_text()  # as kernels warn learners
+    assert 'without encryption' not in lab.log.read_text()  # a warning of kernels
 
 
 def hand_in(lab: Lab, student: str, **changes: str) -> None:

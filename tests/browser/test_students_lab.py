@@ -48,7 +48,7 @@ def test_a_terminal_knows_the_course(lab, page, shots):
     page.locator('.jp-LauncherCard', has_text='Terminal').click()
     screen = page.locator('.jp-Terminal .xterm-screen')
     screen.click(timeout=OPEN_MS)
-    # The program ends at its first parameter, which is refused: nothing stays in the background.
+    # The program ends at once, because its parameter is refused: no process is left behind.
     for line in (
         'basename "$PWD" > said.txt',
         'ros2 pkg executables temp_monitor_pkg >> said.txt',

@@ -152,7 +152,7 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
     grade(course)
     path = gradebook_file(course)
     if path is None:
-        return  # a server is not harmed for a test
+        return  # a test does not damage a server
     path.write_bytes(b'no database' * 100)
 
     assert 'gradebook.db: the gradebook is damaged: ' in refused(course)
@@ -214,7 +214,7 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
     grade(course)
     path = gradebook_file(course)
     if path is None:
-        return  # a server keeps it
+        return  # a server keeps its database
 
     path.unlink()
     assert journal.shown(course, ASSIGNMENT) == {}

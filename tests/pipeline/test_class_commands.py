@@ -108,7 +108,7 @@ class TestMarks:
         assert mark().points is None
         grade_by_hand(course, 'cut', 2.0)
 
-        assert mark().points == 10.0  # for each of four checks and the written question
+        assert mark().points == 10.0  # two points for each of four checks and the written question
 
     def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
         """The checks give 50 points, the instructor 4, and lateness costs 2."""

@@ -286,7 +286,7 @@ class TestRuns:
         assert said.out.count('[pass]') == 8
         assert 'Total: 15 of 15 points; visible checks; isolation: ' in said.out
         times = [line for line in said.err.splitlines() if '/temperature_topic: ' in line]
-        assert len(times) == 9  # for the first second, nothing subscribes
+        assert len(times) == 9  # no subscription exists in the first second
         assert times[0].strip().startswith('2.400s  /temperature_topic: temperature_value: 23.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):

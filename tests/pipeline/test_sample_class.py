@@ -60,7 +60,7 @@ def graded(assignment: str) -> dict[str, SubmissionResult]:
         for number, path in enumerate(folders(assignment))
         if late or number % EVERY == 0 or path.name == UNTOUCHED
     ]
-    # More than there are processors: much of the time, a program is watched and sleeps.
+    # More jobs than processors, because a run often only waits for a sleeping program.
     done = grade_class(class_, lesson, engine, jobs=4)
     return {one.result.student: one.result for one in done}
 

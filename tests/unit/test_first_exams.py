@@ -26,7 +26,7 @@ def log(clock_s, text, level=INFO, name='n.night_watch'):
 
 def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
     """
-    Return a run of the night watch with these lines, one a second; None is silence.
+    Return a run of the night watch with these lines, one per second; None is silence.
 
     :param start: texts that it logs when it starts
     """

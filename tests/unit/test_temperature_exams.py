@@ -36,7 +36,7 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
     """
     Return a run of the publisher with readings at these moments.
 
-    :param moments_s: system time [s], of which a minute of ten ROS seconds has eight
+    :param moments_s: system time [s]; the run lasts ten ROS seconds, which are eight of these
     """
     events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
     for moment_s in moments_s:
