@@ -238,7 +238,7 @@ class Grading:
                 refuse_unfit_points(self.layout, lesson)
 
     def all(self, assignments: Sequence[str]) -> tuple[list[SubmissionResult], str]:
-        """Grade each assignment; return all results, and why some were not entered (or empty)."""
+        """Grade each assignment; return all results, and why some were not entered, if any."""
         results: list[SubmissionResult] = []
         trouble: list[str] = []
         for assignment in assignments:
