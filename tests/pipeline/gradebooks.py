@@ -259,7 +259,7 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
 
 
 def gives_students_more_time(course: Layout) -> None:
-    """An extension takes the penalty away; taking it back lowers the mark, so it is listed."""
+    """An extension removes the penalty; withdrawing it lowers the mark, which is listed."""
     config = course.root / 'nbgrader_config.py'
     text = config.read_text(encoding='utf-8')
     config.write_text(

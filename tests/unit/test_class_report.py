@@ -79,7 +79,7 @@ class TestNumbers:
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
     def test_one_submission_has_numbers_too(self):
-        """The marks of a single submission are its quartiles."""
+        """With a single submission, every quartile is its mark."""
         marks = numbers_of(*with_points(7)).marks
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)

@@ -104,7 +104,7 @@ class TestReading:
         ],
     )
     def test_what_is_not_understood_is_no_time(self, text, note):
-        """Other times are refused; CST, for example, names four zones."""
+        """Other times are refused; CST, for example, is the name of four zones."""
         assert read_time(text) == (None, note)
 
     @pytest.mark.parametrize(
@@ -250,7 +250,7 @@ class TestStaleTime:
     """A time belongs to the notebook next to it."""
 
     def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
-        """An old time is removed, because late work would seem to be in time."""
+        """An old time is removed; otherwise late work would seem to be on time."""
         collect(
             laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
             layout,

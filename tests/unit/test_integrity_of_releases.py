@@ -149,7 +149,7 @@ def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
                 place = place[key]
             place[path[-1]] = value
         except (TypeError, KeyError, IndexError, AttributeError):
-            continue  # an earlier damage has removed this place
+            continue  # earlier damage has removed this place
     opened = open_submission(json.dumps(student).encode(), release, 'x.ipynb')
 
     for wanted, found in zip(release['cells'], opened.notebook['cells'], strict=True):

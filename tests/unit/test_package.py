@@ -190,7 +190,7 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
-        """A truncated zip is one line, like a file that is not a zip."""
+        """A truncated zip gives one line, like a file that is not a zip."""
         (tmp_path / 'a.zip').write_bytes(data)
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):

@@ -1,8 +1,8 @@
 """
 No feedback on a hidden exam reveals the inputs that the exam has drawn.
 
-A program is played, not run: for each step of the exam's scenario it does something wrong, and
-most of all it says again what it was sent.  Every check judges it, whatever it would wait for.
+A program is played, not run: for each step of the exam's scenario, it makes a mistake, and
+above all it repeats its inputs.  Every check judges it, whatever it would wait for.
 """
 
 from collections.abc import Iterator

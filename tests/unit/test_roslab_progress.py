@@ -145,7 +145,7 @@ class TestProgress:
         assert as_text(lessons, done).startswith('18 of 18 points; every exercise')
 
     def test_text_has_points_and_right_answers(self, lessons):
-        """A lesson without exercises has empty columns; an unknown exercise counts nothing."""
+        """A lesson without exercises has empty columns; an unknown exercise does not count."""
         results = {
             'checks': {'talker': 99, 'courier': 2.5, 'of_an_older_course': 7},
             'quizzes': {'01-a': False, '01-b': True},

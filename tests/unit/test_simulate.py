@@ -178,7 +178,7 @@ def test_end_of_a_program_is_told_with_its_last_line():
 
 
 def test_limit_keeps_what_was_observed_until_then():
-    """The end by a limit of the grader has no time."""
+    """An end caused by a limit of the grader has no time."""
     run = recorded(message(4 * 10**9, 'a'), reason='cpu_limit', over_ns=None)
 
     assert (run.times('out'), run.seconds) == ([4.0], 4.0)
