@@ -64,7 +64,7 @@ def laid(folder: Path, files: dict[str, bytes]) -> Path:
 
 
 def limit(monkeypatch, **limits: int) -> None:
-    """Lower limits for the size of a source."""
+    """Lower the limits for the size of a source."""
     monkeypatch.setattr(deliveries, 'BOUNDS', deliveries.BOUNDS._replace(**limits))
 
 

@@ -56,7 +56,7 @@ class TestEveryKind:
     """Each source is read as a zip and as an unpacked folder."""
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
-        """The names in a source are enough to recognise its system."""
+        """The names in a source are enough to recognise its platform."""
         with opened(how(tmp_path / 'source.zip', files)) as found:
             assert recognised(found)[0] == kind
 
@@ -116,7 +116,7 @@ class TestStudentIds:
         assert student_id(name) == name
 
     def test_no_two_names_become_one(self):
-        """Names keep different ids without their signs or vowels, and if they are too long."""
+        """Names that differ only in signs or vowels, or are too long, get different ids."""
         names = ['a,b', 'a;b', 'a_b', 'a_b,', 'अमित', 'अमीत', 'x' * 101, 'x' * 102, ' ann', 'ann']
         names += ['می\u200cخواهم', 'میخواهم', 'O’Neil', "O'Neil", 'O_Neil', student_id('a,b')]
 

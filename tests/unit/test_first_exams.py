@@ -187,7 +187,7 @@ class TestHarbour:
 
     @pytest.mark.parametrize('moments', [(2.0, 4.0, 6.0, 8.0), (1.1, 3.1, 5.1, 7.1)])
     def test_it_does_not_matter_in_which_second_the_rhythm_begins(self, moments):
-        """One line every two seconds is what is asked for."""
+        """The exercise requires one line every two seconds."""
         harbour.keeper_reports_every_two_seconds(self.keeper(*moments))
 
     @pytest.mark.parametrize(

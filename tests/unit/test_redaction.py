@@ -2,7 +2,7 @@
 No feedback on a hidden exam reveals the inputs that the exam has drawn.
 
 A program is played, not run: for each step of the exam's scenario, it makes a mistake, and
-above all it repeats its inputs.  Every check judges it, whatever it would wait for.
+above all it repeats its inputs.  Every check judges it, without waiting for other checks.
 """
 
 from collections.abc import Iterator

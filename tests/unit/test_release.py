@@ -1,5 +1,5 @@
 """
-The check of a release: notebooks, exams, and what students receive fit together.
+The check of a release: notebooks, exams and the students' files match.
 
 ``make check`` runs it on this course.
 """

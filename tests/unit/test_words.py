@@ -1,4 +1,4 @@
-"""The text files of exams have the words of each cause that the code names, and of no other."""
+"""The text files of exams contain the texts of exactly the causes that the code names."""
 
 import ast
 import importlib
