@@ -52,7 +52,7 @@ COMMANDS = {
         'create an exercise: a lesson and its two exams',
     ),
 }
-"""Commands by name: the function below ``autograder.commands``, and the help text."""
+"""Commands by name: the function, as MODULE:NAME in ``autograder.commands``, and the help text."""
 GOES_ON = {
     'grade': 'Finished runs are kept; run the same command again to continue.',
     'collect': 'Collected files are kept; run the same command again to continue.',
@@ -117,7 +117,7 @@ def _how_to_go_on(chosen: argparse.Namespace) -> str:
     if getattr(chosen, 'fresh', False):
         return (
             'Assignments with a table above are done. With --fresh, the same command repeats '
-            'every run; add --assignment NAME to grade only what is missing.'
+            'every run; add --assignment NAME to grade one of the others.'
         )
     return GOES_ON[chosen.command]
 

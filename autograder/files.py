@@ -49,8 +49,8 @@ def safe_name(student: str) -> str:
     """
     Return a safe file name for any student id; different ids have different names.
 
-    The name has six characters or more for each letter outside ASCII.  If the name is too long, a
-    digest of the whole id replaces its end, after ``~~``, which no other name contains.
+    The name has six characters or more for each letter outside ASCII.  If the name is too long,
+    its end is replaced by ``~~`` and a digest of the whole id; no other name contains ``~~``.
     """
     name = quote(student, safe='').replace('~', '~7E').replace('%', '~') or '~'
     if name.startswith('.'):
@@ -69,7 +69,7 @@ def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
     could leave an empty file.
 
     :param path: the file; its folder is created if it is missing
-    :param mode: permissions, from which the process's umask is removed
+    :param mode: permissions before the process's umask is applied
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')

@@ -10,7 +10,7 @@ workers are compared with one worker twice: on the same cores, and with one core
 a lab with identical machines.
 
 The greatest possible gain of two workers is measured before and after: the time of two processes
-that only count, against one process that does the same work.  Virtual CPUs may share one real CPU.
+that only count, compared with one that does the same work.  Virtual CPUs may share one real CPU.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """
 ROS domains that no other test and no notebook on this machine uses at the same time.
 
-Two kinds of claims keep them apart, also between two checkouts: the course's own, which kernels
+Two kinds of claims keep them apart, even between two checkouts: the course's own, which kernels
 respect, and the TCP port of ROS's ``domain_coordinator``, which the tests of the ROS package use.
 """
 
@@ -18,7 +18,7 @@ def own_domain(until: ExitStack) -> int:
     """
     Return a domain that no other program has claimed.
 
-    :param until: what gives it back when it is closed
+    :param until: the stack that returns the domain when it closes
     """
     found = _claimed(until, random.SystemRandom().sample(DOMAINS, len(DOMAINS)), most=1)
     if not found:
@@ -30,7 +30,7 @@ def other_domains(until: ExitStack) -> list[int]:
     """
     Return all domains that no other program has claimed, without some for tests that begin later.
 
-    :param until: what gives them back when it is closed
+    :param until: the stack that returns the domains when it closes
     """
     chosen = random.SystemRandom().sample(DOMAINS, len(DOMAINS) - LEFT_TO_OTHERS)
     return _claimed(until, chosen, most=len(chosen))

@@ -61,7 +61,7 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
     probe = Path(__file__).parents[1] / 'probe'
     done = subprocess.run(
         [ros.python, str(Path(__file__).with_name('exam_values.py')), str(probe)],
-        input=json.dumps(pairs, default=repr),  # The probe sends only values that JSON has.
+        input=json.dumps(pairs, default=repr),  # The probe sends only JSON values.
         env={**os.environ, **ros.variables, 'ROS_PYTHON_CHECK_FIELDS': '1'},
         capture_output=True,
         text=True,
@@ -78,7 +78,7 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
 
 
 def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
-    """Yield what must be equal in the hidden and the visible exam but differs, one line each."""
+    """Yield one line for each field that must equal that of the visible exam but differs."""
     for what in ('cells', 'requires', 'part', 'assignment'):
         if getattr(exam, what) != getattr(visible, what):
             yield (
@@ -89,7 +89,7 @@ def differs_from_visible(exam: Exam, visible: Exam) -> Iterator[str]:
 
 def inseparable_slips(exam: Exam) -> Iterator[str]:
     """
-    Yield slips that some drawn inputs cannot distinguish from right answers or other slips.
+    Yield slips that some drawn inputs cannot distinguish from correct answers or other slips.
 
     With these inputs, a program with such a slip would get full marks or a wrong cause.
     """

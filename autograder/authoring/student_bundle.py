@@ -45,7 +45,7 @@ ALLOWED = (
     'autograder/simulated.py',
     'autograder/simulation/',
     'autograder/submission/',
-    # What GitHub Actions runs on every push.
+    # The code that GitHub Actions runs on every push.
     'autograder/workflow/',
 )
 """Files and folders of this project that students receive; folders end with a slash."""

@@ -26,8 +26,8 @@ class Delivered:
     """
     The place of a collected notebook in its source.
 
-    :param kind: of the source, such as ``canvas``
-    :param place: name of its file or folder there
+    :param kind: platform of the source, such as ``canvas``
+    :param place: name of the notebook's file or folder in the source
     """
 
     kind: str
@@ -135,7 +135,8 @@ def not_collected(
         for one in read_not_collected(layout)
         if one.assignment in ('', assignment) and one.student not in graded
     ]
-    # The class list has the id that collect would give; a folder may have the name itself.
+    # The class list contains ids from collect, but the folder of a submission may be named with
+    # the original name: accept both.
     known = {*graded, *map(student_id, graded), *(one.student for one in found)}
     found += [
         NotCollected(student, assignment, NOTHING, name)

@@ -145,7 +145,7 @@ def _common(
 
 
 def _labels(marks: Marks) -> list[tuple[str, int]]:
-    """Return the range of points that each bar represents, as text, and its submissions."""
+    """Return the range of points of each bar, as text, and the number of its submissions."""
     *lower, last = marks.rows()
     rows = [(f'{low} to below {high}', count) for low, high, count in lower]
     return [*rows, (f'{last[0]} to {last[1]}', last[2])]

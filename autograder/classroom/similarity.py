@@ -32,7 +32,7 @@ MOST = 50
 SHORTEST = 40
 """Minimum number of tokens of the student's own code; shorter answers are often equal."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
-"""Beginnings of paths that are not compared: their right answers are all equal."""
+"""Prefixes of paths that are not compared, because all correct answers are equal."""
 NAME = re.compile(r'\w+')
 TOKEN = re.compile(r"""[bf]?(?P<quote>['"]).*?(?<!\\)(?P=quote)|\w+|[^\w\s]=?""")
 """A string literal is one token, as for Python's own tokenizer."""

@@ -45,7 +45,7 @@ class Table:
 
 def parse_table(data: bytes) -> Table:
     """
-    Return the cells of a CSV file; empty lines do not count.
+    Return the cells of a CSV file; empty lines are ignored.
 
     :raises ValueError: with the reason, if it is not a table with equally long rows
     """

@@ -3,16 +3,16 @@ Select one notebook per student and assignment.
 
 A *delivery* is everything that one student handed in at one time.  Notebooks with cells of the
 assignment take precedence, then the newest delivery.  Within a delivery, the notebook with the
-most grade ids of the assignment is selected, regardless of its file name.  If several have the
-same number, the file name decides, and then the newest attempt.
+most grade ids of the assignment is selected, regardless of its file name.  Ties
+are broken by the file name, and then by the time: the newest attempt is selected.
 
 A notebook without any cell of the course is collected only if no other notebook was handed in for
 the assignment: the grader can explain a broken notebook, but private notes must not replace the
 answers.
 
-A learning platform exports one assignment at a time.  Without ``--assignment``, the notebooks of
-most students decide which one.  So a notebook of lesson 6 that was uploaded to lesson 7 does not
-replace a notebook in lesson 6.
+A learning platform exports one assignment at a time.  Without ``--assignment``, this is assumed to
+be the one for which most students have a notebook.  So a notebook of lesson 6 that was uploaded to
+lesson 7 does not replace a notebook in lesson 6.
 """
 
 from __future__ import annotations

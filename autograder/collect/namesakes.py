@@ -65,7 +65,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
 
 def check_names(handed: Sequence[Handed], known: Namesakes, assignment: str) -> Namesakes:
     """
-    Set ``doubt`` of the deliveries whose owner is unclear.
+    Set ``doubt`` in the deliveries whose owner is unclear.
 
     :param assignment: the assignment of the source, empty if it is not known
     :returns: the updated ids and numbers

@@ -83,7 +83,7 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
 
 
 def check_owners(handed: Iterable[Handed], rule: OwnerRule) -> None:
-    """Set ``doubt`` of the deliveries of an exchange that another user owns."""
+    """Set ``doubt`` in the deliveries of an exchange that another user owns."""
     for one in handed:
         if doubt := rule.doubt(one.student, one.owners):
             one.doubt = f'{doubt}; {ADVICE}'

@@ -5,7 +5,7 @@ Canvas names files ``NAME_[LATE_]USER_ATTACHMENT_FILE``, all in one folder.  The
 user's number, which is also in Canvas's gradebook file.  With anonymous grading, the name is
 ``[LATE_]anon_ID_ATTACHMENT_FILE``; text typed into Canvas is in ``NAME_[LATE_]USER_text.html`` or
 ``..._link.html``.  A student's name may contain underscores and numbers, so a file name can be
-ambiguous.  Then the other files decide: each attachment number belongs to one file, the numbers of
+ambiguous.  Then the other files help: each attachment number belongs to one file, the numbers of
 an export are close together, and a user has one name.  If a file name is still ambiguous, the file
 is not collected.  Source: canvas-lms, lib/content_zipper.rb, which removes numbers between
 underscores from names.

@@ -117,7 +117,7 @@ def _levels(tree: Tree) -> list[Level]:
     """
     Return the folders whose entries a platform may have named.
 
-    These are the source, its only folder, and at the end the folder ``inbound`` of an exchange.
+    These are the source, its only folder, and last the folder ``inbound`` of an exchange.
     """
     outer = level(tree)
     bases = [(name,) if name else () for name in dict.fromkeys(('', only_folder(outer)))]

@@ -83,7 +83,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marks(layout: Layout, chosen: argparse.Namespace) -> list[Mark]:
-    """Return the marks in the chosen assignments; print who lost points as late."""
+    """Return the marks in the chosen assignments; print the points lost for lateness."""
     source = getattr(chosen, 'points', AUTOMATIC)
     found = [
         mark for one in graded(layout, chosen.assignment) for mark in marks(layout, one, source)
@@ -96,7 +96,7 @@ def _marks(layout: Layout, chosen: argparse.Namespace) -> list[Mark]:
 
 
 def _without_mark(given: Sequence[Mark]) -> bool:
-    """Print who has no mark, and return whether there is such a student."""
+    """Print the students who have no mark, and return whether there are any."""
     missing = [mark for mark in given if mark.points is None]
     for mark in missing:
         _warn(f'no mark: {mark.assignment}: {mark.student}: {mark.status}')
@@ -176,7 +176,7 @@ def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
         required=True,
         metavar='FILE',
     ),
-    flag('--dry-run', 'only find the students on the platform'),
+    flag('--dry-run', 'find the students on the platform, but send nothing'),
     _points(GRADEBOOK),
 )
 def _lti(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:

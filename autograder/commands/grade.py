@@ -141,7 +141,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
             if students_in(submitted / name, known):
                 fix = f'--submitted {short(submitted / name, layout)}'
     return UsageError(
-        f'{submitted}: no folder STUDENT/ASSIGNMENT with a notebook, ASSIGNMENT being one of '
+        f'{submitted}: no folder STUDENT/ASSIGNMENT with a notebook; ASSIGNMENT is one of '
         f'{", ".join(assignments)}. Try: {fix}'
     )
 
@@ -238,7 +238,7 @@ class Grading:
                 refuse_unfit_points(self.layout, lesson)
 
     def all(self, assignments: Sequence[str]) -> tuple[list[SubmissionResult], str]:
-        """Grade each assignment; return all results, and why some were not entered (or empty)."""
+        """Grade each assignment; return all results, and why some were not entered, if any."""
         results: list[SubmissionResult] = []
         trouble: list[str] = []
         for assignment in assignments:

@@ -17,7 +17,7 @@ class Filled:
     """
     The changes to the file.
 
-    :param platform: its name in messages
+    :param platform: name of the platform in messages
     :param column: header of the column
     :param row: the word for a row in messages
     :param kept: values of cells that are kept, each with the reason
@@ -72,10 +72,10 @@ def matched(
     lines: Mapping[str, set[int]], marks: Sequence[Mark], columns: str, done: Filled
 ) -> dict[int, Mark]:
     """
-    Return the row of each student; leave out students with no row or with several.
+    Return the marks by row; leave out students with no row or with several.
 
     :param lines: the rows with each id
-    :param columns: name of the columns with ids in messages
+    :param columns: words for the columns with ids, for messages
     """
     found: dict[int, list[Mark]] = {}
     for mark in marks:

@@ -97,10 +97,10 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
     Send the marks of one assignment.
 
     :param url: see :func:`line_item`
-    :param dry_run: only find the students on the platform
+    :param dry_run: find the students on the platform, but send nothing
     :returns: what was sent, and who was left out for which reason
     :raises GraderError: if PyLTI1p3 is not installed, or the platform refuses or cannot be
-        reached; marks that were sent before stay there
+        reached; the platform keeps the marks that were already sent
     """
     try:
         from pylti1p3.assignments_grades import AssignmentsGradesService
@@ -121,7 +121,7 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
     except (LtiServiceException, requests.RequestException, ValueError) as error:
         raise GraderError(
             f'Sending the marks failed: {error} ({done.filled} were sent before).',
-            'Try: the same command again; it sends all marks, and the platform keeps the newest',
+            'Try: run the same command again; it sends all marks; the platform keeps the newest',
         ) from error
     return done
 

@@ -71,7 +71,7 @@ def _lines(
             by_number.setdefault(match[1], set()).add(row)
         for cell in cells[1:index]:
             add_names(by_id, cell, row)
-    # A number belongs to one person; two people may have one name.
+    # A number belongs to one person; two people may share a name.
     return by_id | {
         mark.student: by_number.get(numbers[mark.student], set())
         for mark in marks

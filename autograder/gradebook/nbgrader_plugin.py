@@ -250,7 +250,7 @@ class SaveGrades(OfCourse, SaveAutoGrades):
     nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
     A check cell without a score needs manual grading.  A manual grade remains valid if the work is
-    unchanged.  Otherwise, after each rerun, there would be no mark until the instructor had graded
+    unchanged; without this rule, each rerun would remove the mark until the instructor had graded
     every answer again.
     """
 

@@ -103,7 +103,7 @@ def _connected(address: str) -> Iterator[Any]:
         raise ClusterUnavailable(
             f'--cluster {address}: expected a Dask scheduler, got no answer in {CONNECT_S} s '
             f'({type(error).__name__}).',
-            'Try: start it as docs/cluster.md says, and compare the address with what it prints',
+            'Try: start it as docs/cluster.md says, and use the address that it prints',
         ) from error
     try:
         yield client

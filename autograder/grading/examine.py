@@ -33,7 +33,7 @@ def examine(
     """
     Run and judge a student's files with an exam.
 
-    :param files: relative path to text, without missing files
+    :param files: text by relative path; missing files are left out
     :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``Sandbox('none')`` for
         visible checks
     :param recordings: folder in which recordings are stored; None stores nothing

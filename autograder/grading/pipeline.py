@@ -221,7 +221,7 @@ def _tell(on_done: Callable[[str, Outcome], None], student: str, task: Future[Ou
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:
-    """Run one exam; return an error of the grader, not raise it, so that others can continue."""
+    """Run one exam; return an error of the grader instead of raising it: the others go on."""
     try:
         return engine.run(exam, files)
     except GraderError as error:

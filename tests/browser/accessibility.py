@@ -1,9 +1,9 @@
-"""What axe finds on a page: https://github.com/dequelabs/axe-core."""
+"""Find violations on a page with axe: https://github.com/dequelabs/axe-core."""
 
 from pathlib import Path
 from typing import Any
 
-# A page of code has thousands of elements that keep the rules: neither describe nor send them.
+# Do not return the elements without violations: a page of code has thousands of them.
 VIOLATIONS = """async ([of, ignored]) => {
     const rules = Object.fromEntries(ignored.map(rule => [rule, {enabled: false}]));
     const found = await axe.run(of, {rules, resultTypes: ['violations']});
@@ -16,8 +16,8 @@ def violations(page: Any, *ignored: str, of: str = 'html') -> list[list[str]]:
     Return the rules that a page breaks, each with its first element.
 
     :param page: of a context with ``bypass_csp``, because axe is a script
-    :param ignored: rules that are not tried
-    :param of: selector of the elements that count
+    :param ignored: rules that are not tested
+    :param of: selector of the elements to test
     """
     import axe_playwright_python
 

@@ -29,7 +29,7 @@ from tests.own_domain import own_domain
 ROOT = Path(__file__).resolve().parents[2]
 ASSIGNMENT = '07_temperature_monitor'
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
-# Without the network options Chromium looks up hosts of its maker at every start.
+# Without the network options, Chromium looks up Google's hosts at every start.
 ARGUMENTS = (
     *('--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run'),
     *('--disable-background-networking', '--disable-component-update', '--disable-sync'),
@@ -46,10 +46,10 @@ class Lab:
     """
     A running JupyterLab.
 
-    :param address: of the server, with a slash at its end
-    :param token: to be given once, a cookie does the rest
-    :param course: the folder that it serves
-    :param log: file of what it writes to its terminal
+    :param address: address of the server, with a slash at its end
+    :param token: needed once; after that, a cookie identifies the browser
+    :param course: the folder that JupyterLab serves
+    :param log: file with its terminal output
     """
 
     address: str
@@ -58,13 +58,13 @@ class Lab:
     log: Path
 
     def url(self, path: str = '') -> str:
-        """Return the address at which JupyterLab opens a file of the course, and no other one."""
+        """Return the address at which JupyterLab opens only one file of the course."""
         return f'{self.address}lab/{f"tree/{path}" if path else ""}?token={self.token}&reset'
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo) -> Iterator[None]:
-    """Add a last picture to those of a failed test, and say where they are."""
+    """Take a last screenshot of a failed test, and report where its screenshots are."""
     report = yield
     used: dict[str, Any] = getattr(item, 'funcargs', {})
     if call.when == 'call' and report.failed and 'page' in used:
@@ -98,13 +98,13 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from autograder.layout import Layout
 
     (root / 'autograder' / '_work').mkdir(parents=True)
-    enter_assignment(Layout(root), ASSIGNMENT)  # what a release does, in half the time
+    enter_assignment(Layout(root), ASSIGNMENT)  # same result as a release, in half the time
     return root
 
 
 @pytest.fixture(scope='session')
 def lab(course: Path) -> Iterator[Lab]:
-    """Return a JupyterLab that knows nothing of the user's own settings and open files."""
+    """Return a JupyterLab without the user's own settings and open files."""
     with _running(course, course.parent) as running:
         yield running
 
@@ -124,14 +124,14 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
     """
     Run a JupyterLab.
 
-    :param home: receives what it keeps
-    :param config: a folder of settings that come before those of the environment
+    :param home: folder for the files that JupyterLab keeps
+    :param config: a folder with settings that override those of the environment
     """
     settings = home / 'settings' / '@jupyterlab' / 'notebook-extension'
     settings.mkdir(parents=True)
-    # All cells are in the page, not only those in sight.
+    # All cells are in the page, not only the visible ones.
     (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
-    # In a test, ipykernel leaves alone what C code prints, such as the lines of ROS loggers.
+    # If UNDER_TEST is set, ipykernel does not capture the output of C code, such as log lines.
     inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}
     if config is not None:
         inherited['JUPYTER_CONFIG_PATH'] = str(config)
@@ -153,7 +153,7 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
                 'HOME': str(home),
                 'JUPYTER_RUNTIME_DIR': str(home / 'runtime'),
                 'JUPYTERLAB_SETTINGS_DIR': str(home / 'settings'),
-                # Another kernel on this machine must not be heard.
+                # Messages of other kernels on this machine must not arrive.
                 'ROS_DOMAIN_ID': str(own_domain(until)),
             },
             stdin=subprocess.DEVNULL,
@@ -189,7 +189,7 @@ def _address(server: subprocess.Popen, runtime: Path, log: Path) -> str:
                 with urlopen(f'{address}api'):
                     return address
             except (OSError, ValueError):
-                pass  # half written, or not listening yet
+                pass  # file incomplete, or server not listening yet
         time.sleep(POLL_S)
     raise AssertionError(f'JupyterLab did not start:\n{log.read_text()[-3000:]}')
 
@@ -208,7 +208,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def page(browser: Any, shots: Path) -> Iterator[Any]:
-    """Return an empty page; what its scripts raise is in ``page.errors``."""
+    """Return an empty page; exceptions of its scripts are in ``page.errors``."""
     context = browser.new_context(viewport={'width': 1360, 'height': 900})
     opened = context.new_page()
     opened.errors = []

@@ -1,4 +1,4 @@
-"""What the tests do on a page of JupyterLab: open a lesson, run it, find its cells."""
+"""Actions of the tests on a page of JupyterLab: open a lesson, run it, find its cells."""
 
 import json
 from pathlib import Path
@@ -36,7 +36,7 @@ def open_notebook(lab: Lab, page: Any, path: str) -> None:
     """
     Open a notebook in an empty JupyterLab and wait for its cells and its kernel.
 
-    :param path: inside the course
+    :param path: path inside the course
     """
     from playwright.sync_api import expect
 
@@ -44,13 +44,13 @@ def open_notebook(lab: Lab, page: Any, path: str) -> None:
     code = sum(cell['cell_type'] == 'code' for cell in cells)
     page.goto(lab.url(path))
     expect(page.locator('.jp-CodeCell')).to_have_count(code, timeout=OPEN_MS)
-    # Without a kernel, Run All Cells does nothing and says nothing.
+    # Without a kernel, Run All Cells does nothing and reports nothing.
     ready = page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle')
     expect(ready).to_be_visible(timeout=OPEN_MS)
 
 
 def solved(lab: Lab, assignment: str) -> str:
-    """Return where the solved notebook of a lesson is, inside the course."""
+    """Return the path of a lesson's solved notebook in the course."""
     (found,) = (lab.course / 'solutions' / assignment).glob('*.ipynb')
     return str(Path(found).relative_to(lab.course))
 
@@ -76,7 +76,7 @@ def wait_until_run(cell: Any) -> None:
 
 
 def run_all(page: Any) -> None:
-    """Run all cells, and see that none of them fails or writes to stderr."""
+    """Run all cells, and assert that none of them fails or writes to stderr."""
     choose(page, 'Run', 'Run All Cells')
     page.wait_for_function(LAST_OR_TROUBLE, arg=TROUBLE, timeout=CELL_MS)
     assert page.locator(TROUBLE).all_inner_texts() == []

@@ -1,4 +1,4 @@
-"""The book in a browser: readable by everyone, on a phone too, and from no other host."""
+"""The book in a browser is accessible, fits a phone, and loads nothing from other hosts."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -31,7 +31,7 @@ WIDER_THAN_THE_PAGE = 'document.documentElement.scrollWidth > window.innerWidth'
 
 @pytest.fixture(scope='session')
 def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the HTML of a book that `make book` would make; BOOK names one that is there."""
+    """Return the HTML of a book from `make book`, or of the existing one that BOOK names."""
     if there := os.environ.get('BOOK'):
         return Path(there)
     folder = tmp_path_factory.mktemp('book')
@@ -60,7 +60,7 @@ def address(book: Path) -> Iterator[str]:
 def test_every_page_is_accessible_and_loads_nothing_from_elsewhere(
     book: Path, address: str, browser: Any, shots: Path, scheme: str
 ) -> None:
-    """On a wide page and on a phone."""
+    """The test uses a wide page and a phone."""
     context = browser.new_context(bypass_csp=True, color_scheme=scheme)
     page, asked = context.new_page(), []
     page.on('request', lambda request: asked.append(request.url))
@@ -81,7 +81,7 @@ def test_every_page_is_accessible_and_loads_nothing_from_elsewhere(
 
 
 def test_search_finds_a_word_of_a_lesson(address: str, page: Any) -> None:
-    """Without a server that searches."""
+    """The search needs no server."""
     from playwright.sync_api import expect
 
     page.goto(f'{address}/search.html?q=parleur')
@@ -90,7 +90,7 @@ def test_search_finds_a_word_of_a_lesson(address: str, page: Any) -> None:
 
 
 def test_picture_opens_its_data(address: str, page: Any) -> None:
-    """By the keyboard."""
+    """The data can be opened with the keyboard."""
     page.goto(f'{address}/00_quick_tour/quick_tour.html')
     data = page.locator('details', has_text='Data of this picture').first
     data.locator('summary').press('Enter')

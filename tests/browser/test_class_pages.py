@@ -1,4 +1,4 @@
-"""The pages of a class in a browser: readable on a telephone and on a wide screen."""
+"""The pages of a class are readable in a browser, on a phone and on a wide screen."""
 
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ TIMELINE = {
     'end': 10.0,
     'rows': [{'label': 'a', 'what': 'observed', 'count': 2, 'times': [2.0, 4.0]}],
 }
-# Cells with words whose longest word does not fit on one line of the cell.
+# Table cells whose longest word does not fit on one line.
 BROKEN = """() => [...document.querySelectorAll('th, td, .name')]
     .filter(cell => cell.getBoundingClientRect().width > 0)
     .filter(cell => {
@@ -65,8 +65,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_page_is_readable_without_a_mouse(
     pages: Path, browser: Any, shots: Path, page_name: str, width: int
 ) -> None:
-    """No word is broken, nothing sticks out, and axe finds nothing."""
-    # The policy of the pages forbids every script, that of axe too.
+    """No word is broken, no element overflows, and axe reports no violation."""
+    # The policy of the pages forbids every script, including axe.
     context = browser.new_context(viewport={'width': width, 'height': 900}, bypass_csp=True)
     page = context.new_page()
     page.goto((pages / f'{page_name}.html').as_uri())

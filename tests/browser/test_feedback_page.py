@@ -1,4 +1,4 @@
-"""The page that students get back, in a browser: readable, complete for everybody, and quiet."""
+"""The feedback page of students, in a browser: accessible, complete and free of scripts."""
 
 from pathlib import Path
 from typing import Any
@@ -61,7 +61,7 @@ WITHOUT_WORDS = """() => [...document.querySelectorAll('svg')]
 
 
 def failing(name: str) -> CheckResult:
-    """Return a check that failed, with words of a student in it."""
+    """Return a failed check that contains text of a student."""
     return CheckResult(
         name,
         f'It does {name}.',
@@ -121,7 +121,7 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_feedback_page_fits_and_asks_for_nothing(
     feedback: Path, browser: Any, shots: Path, width: int, scheme: str
 ) -> None:
-    """No part sticks out, nothing is loaded, no script of anybody runs."""
+    """No element overflows, nothing is loaded, and no script runs."""
     context = browser.new_context(viewport={'width': width, 'height': 900}, color_scheme=scheme)
     page = context.new_page()
     asked: list[str] = []
@@ -144,8 +144,8 @@ def test_a_feedback_page_fits_and_asks_for_nothing(
 
 @pytest.mark.parametrize('width', [1280, 360])
 def test_axe_finds_nothing_on_a_feedback_page(feedback: Path, browser: Any, width: int) -> None:
-    """What scrolls has a name and can be focused, and no id is repeated."""
-    # The page forbids every script, that of axe too.
+    """Elements that scroll have a name and can be focused, and no id is repeated."""
+    # The page forbids every script, including axe.
     context = browser.new_context(viewport={'width': width, 'height': 900}, bypass_csp=True)
     page = context.new_page()
     page.goto(feedback.as_uri())
@@ -158,7 +158,7 @@ def test_axe_finds_nothing_on_a_feedback_page(feedback: Path, browser: Any, widt
 
 
 def test_everything_has_a_name(feedback: Path, page: Any) -> None:
-    """Pictures say in words what they show; a reader can jump to checks and lesson."""
+    """Pictures have a description, and screen readers can jump to the checks and the lesson."""
     from playwright.sync_api import expect
 
     page.goto(feedback.as_uri())

@@ -1,5 +1,5 @@
 """
-The lesson and the grader as people meet them: JupyterLab in a headless Chromium.
+Use the lesson and the grader as people do, in JupyterLab in a headless Chromium.
 
     make test-browser                        # installs Playwright, looks for a Chromium
     make test-browser ARGS='-k formgrader'
@@ -43,7 +43,7 @@ RUNS_AND_SHOWS = """
 
 
 def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shots: Path) -> None:
-    """Every cell runs, readings appear while their cell is busy, and the tables are green."""
+    """Every cell runs, readings appear while their cell is running, and the tables are green."""
     from playwright.sync_api import expect
 
     open_notebook(lab, page, f'lesson/{NOTEBOOK}')
@@ -80,7 +80,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     assert page.evaluate(WRAPPING) == ['normal']
     assert page.locator(TROUBLE).all_inner_texts() == []
     assert page.errors == []
-    assert 'without encryption' not in lab.log.read_text()  # as kernels warn learners
+    assert 'without encryption' not in lab.log.read_text()  # a warning of kernels
 
 
 def hand_in(lab: Lab, student: str, **changes: str) -> None:
@@ -99,7 +99,7 @@ def hand_in(lab: Lab, student: str, **changes: str) -> None:
 
 
 def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, shots: Path) -> None:
-    """A publisher of two readings a second loses the three points for its rate, and no more."""
+    """A publisher of two readings a second loses only the three points for its rate."""
     from playwright.sync_api import expect
 
     hand_in(lab, 'two_hertz', **{'PERIOD_S = 1.0': 'PERIOD_S = 0.5'})
@@ -126,7 +126,7 @@ def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, sho
 def test_formgrader_shows_a_submission_and_makes_feedback(
     lab: Lab, page: Any, shots: Path
 ) -> None:
-    """The instructor's evening after grading: read what was handed in, and give it back."""
+    """After grading, the instructor reads a submission and returns the feedback."""
     from playwright.sync_api import expect
 
     student = 'to_be_marked'
@@ -154,7 +154,7 @@ def test_formgrader_shows_a_submission_and_makes_feedback(
 
 
 def test_check_notices_an_edited_cell_that_was_not_run(lab: Lab, page: Any, shots: Path) -> None:
-    """JupyterLab saves the notebook soon, and the file that is judged is older."""
+    """JupyterLab saves the edited cell, but the check reads the older file of the node."""
     from playwright.sync_api import expect
 
     folder = lab.course / 'edited'

@@ -1,5 +1,5 @@
 """
-Lessons worked through as a student does, in JupyterLab in a headless Chromium.
+Work through lessons as a student does, in JupyterLab in a headless Chromium.
 
     make test-browser ARGS='-k lessons_live'
 """
@@ -45,7 +45,7 @@ NUMBER_OF_FOCUS = """() => {
 
 @pytest.fixture(autouse=True)
 def own_kernel(lab: Lab) -> Iterator[None]:
-    """End the kernels after each test: their nodes would be in the next one's pictures."""
+    """End the kernels after each test, so that later pictures do not show their nodes."""
     yield
     token = {'Authorization': f'token {lab.token}'}
     with urlopen(Request(f'{lab.address}api/sessions', headers=token)) as answer:
@@ -59,13 +59,13 @@ def picture(inside: Any, words: str) -> Any:
     """
     Return the picture whose accessible name matches.
 
-    :param words: a regular expression; Playwright would take a slash in it for its end
+    :param words: a regular expression; Playwright would read a slash in it as its end
     """
     return inside.get_by_role('img', name=re.compile(words.replace('/', '.')))
 
 
 def answer_by_keyboard(page: Any, key: str) -> None:
-    """Go up to the cell of a question, choose a wrong and the right option, without a mouse."""
+    """Choose a wrong and then the correct option of a question, without a mouse."""
     from playwright.sync_api import expect
 
     question, cell = find(key), cell_with(page, f"quiz('{key}')")
@@ -95,7 +95,7 @@ def answer_by_keyboard(page: Any, key: str) -> None:
 
 
 def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> None:
-    """The curve goes on while no cell runs, and the warnings are with the monitor's cell."""
+    """The curve grows while no cell runs, and warnings appear below the monitor's cell."""
     from playwright.sync_api import expect
 
     open_notebook(lab, page, solved(lab, '00_quick_tour'))
@@ -132,7 +132,7 @@ def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> No
 def test_topics_are_drawn_and_what_is_not_connected_says_why(
     lab: Lab, page: Any, shots: Path
 ) -> None:
-    """All cells run; a dashed line has its reason in words, for the eye and for the ear."""
+    """A dashed line has its reason as text, in the picture and for screen readers."""
     from playwright.sync_api import expect
 
     open_notebook(lab, page, solved(lab, '03_topics'))
@@ -152,7 +152,7 @@ def test_topics_are_drawn_and_what_is_not_connected_says_why(
 def test_laboratory_shows_a_table_with_headers_and_a_timeline(
     lab: Lab, page: Any, shots: Path
 ) -> None:
-    """The compatibility table can be read by row and column, the timeline has words."""
+    """The compatibility table has row and column headers, and the timeline a description."""
     from playwright.sync_api import expect
 
     open_notebook(lab, page, solved(lab, '05_quality_of_service'))
@@ -180,7 +180,7 @@ def test_laboratory_shows_a_table_with_headers_and_a_timeline(
 def test_cell_that_is_run_too_early_names_the_cell_to_run_first(
     lab: Lab, page: Any, shots: Path
 ) -> None:
-    """Who begins in the middle is told where to begin."""
+    """A learner who begins in the middle of a lesson is told where to begin."""
     from playwright.sync_api import expect
 
     open_notebook(lab, page, solved(lab, '00_quick_tour'))

@@ -1,4 +1,4 @@
-"""What cells show in JupyterLab can be read by everyone, on a light and on a dark page."""
+"""Outputs of cells in JupyterLab are accessible, on a light and on a dark page."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,7 +24,7 @@ THUMB_PX = 16
 
 
 def test_outputs_of_a_lesson_are_accessible(lab: Lab, browser: Any, shots: Path) -> None:
-    """Pictures with their data, questions and lines of logs."""
+    """The outputs are pictures with their data, questions and log lines."""
     context = browser.new_context(bypass_csp=True, viewport={'width': 1360, 'height': 900})
     page = context.new_page()
     open_notebook(lab, page, solved(lab, '00_quick_tour'))
@@ -48,7 +48,7 @@ def test_outputs_of_a_lesson_are_accessible(lab: Lab, browser: Any, shots: Path)
 
 @pytest.mark.parametrize('width', [400, 1400])
 def test_slider_is_below_the_moment_that_it_shows(page: Any, shots: Path, width: int) -> None:
-    """On a phone, too; the keys go from message to message, whatever lies between."""
+    """On a phone too; the arrow keys go from message to message."""
     times = (0.5, 2.0, 3.5, 9.0)
     run = TopicRecord(
         '/a', 'std_msgs/msg/String', times, tuple({'data': 'x'} for _ in times), 10.0

@@ -59,7 +59,7 @@ def tab_to_options(page: Any) -> int:
 def test_question_is_answered_by_keyboard_alone(
     lab: Lab, page: Any, shots: Path, question: Question
 ) -> None:
-    """Arrows choose, Enter and Space answer, each option is explained, another try is allowed."""
+    """Arrows choose, Enter and Space answer, each option has an explanation, retries work."""
     from playwright.sync_api import expect
 
     status = page.get_by_role('status').filter(has=page.locator(':scope.roslab-quiz-why'))
@@ -71,7 +71,7 @@ def test_question_is_answered_by_keyboard_alone(
 
     at = tab_to_options(page)
     for number in range(len(question.options)):
-        # The arrow keys go round and stay in the question; they alone give nothing away.
+        # The arrow keys wrap around within the question, and do not reveal the answer.
         page.keyboard.press('ArrowDown')
         at = (at + 1) % len(question.options)
         assert page.evaluate(FOCUSED) == at, number
@@ -94,7 +94,7 @@ def test_question_is_answered_by_keyboard_alone(
     page.screenshot(path=shots / 'right.png')
     remembered = read_results(lab.course / 'autograder' / '_work' / 'progress.json')
     assert remembered['quizzes'][KEY] is True
-    # JupyterLab took none of the keys: no cell was added, deleted, cut or run again.
+    # JupyterLab handled none of the keys: no cell was added, deleted, cut or run again.
     assert page.locator('.jp-Cell').count() == 2
     expect(page.locator('.jp-CodeCell .jp-InputPrompt')).to_have_text('[1]:')
     assert page.errors == []
@@ -103,7 +103,7 @@ def test_question_is_answered_by_keyboard_alone(
 def test_shortcuts_with_a_modifier_stay_those_of_jupyterlab(
     lab: Lab, page: Any, question: Question
 ) -> None:
-    """Ctrl+S saves and Shift+Enter runs the cell, also while an option has the focus."""
+    """Ctrl+S saves and Shift+Enter runs the cell, even while an option has the focus."""
     from playwright.sync_api import expect
 
     tab_to_options(page)
@@ -124,7 +124,7 @@ def test_shortcuts_with_a_modifier_stay_those_of_jupyterlab(
 
 
 def test_mouse_answers_at_once_in_a_dark_theme(page: Any, shots: Path, question: Question) -> None:
-    """A click on the words of an option is the answer, and code is shown as code."""
+    """A click on the text of an option answers the question, and code is shown as code."""
     from playwright.sync_api import expect
 
     page.locator('.lm-MenuBar-itemLabel:text-is("Settings")').click()

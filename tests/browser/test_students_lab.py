@@ -1,4 +1,4 @@
-"""What JupyterLab offers to students and to instructors, and its terminals."""
+"""Students and instructors see different parts of nbgrader, and terminals know the course."""
 
 from conftest import ASSIGNMENT
 from lab_page import CELL_MS, choose, OPEN_MS, open_notebook
@@ -11,7 +11,7 @@ CREATE = '.jp-SideBar [title*="Create Assignment"], .jp-SideBar [data-id*="creat
 
 
 def offered(page):
-    """Return what nbgrader offers: entries of its menu, a panel, a button."""
+    """Return the visible parts of nbgrader: menu entries, a panel, a button."""
     page.locator('.lm-MenuBar-itemLabel', has_text='Nbgrader').click()
     labels = page.locator('.lm-Menu-itemLabel')
     labels.filter(has_text='Assignment List').wait_for(timeout=OPEN_MS)
@@ -25,7 +25,7 @@ def offered(page):
 
 
 def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots):
-    """What is left is the list of assignments, for a course that has an exchange."""
+    """Only the list of assignments remains, for a course that has an exchange."""
     open_notebook(students_lab, page, LESSON)
     page.screenshot(path=shots / 'students.png')
 
@@ -33,7 +33,7 @@ def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots)
 
 
 def test_instructors_see_all_of_it(lab, page, shots):
-    """Formgrader is where the written question is graded."""
+    """Instructors grade the written question in formgrader."""
     open_notebook(lab, page, LESSON)
     page.screenshot(path=shots / 'instructors.png')
 
@@ -42,13 +42,13 @@ def test_instructors_see_all_of_it(lab, page, shots):
 
 
 def test_a_terminal_knows_the_course(lab, page, shots):
-    """It finds ros2 and the goals of the Makefile where it opens, which is a lesson's folder."""
+    """It opens in a lesson's folder, and finds ros2 and the targets of the Makefile."""
     open_notebook(lab, page, LESSON)
     choose(page, 'File', 'New Launcher')
     page.locator('.jp-LauncherCard', has_text='Terminal').click()
     screen = page.locator('.jp-Terminal .xterm-screen')
     screen.click(timeout=OPEN_MS)
-    # The program ends at its first parameter, which is refused: nothing stays in the background.
+    # The program ends at once, because its parameter is refused: no process is left behind.
     for line in (
         'basename "$PWD" > said.txt',
         'ros2 pkg executables temp_monitor_pkg >> said.txt',

@@ -31,12 +31,12 @@ def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copy(ROOT / 'course.toml', root)
     layout = Layout(root)
     converters.generate(layout, ASSIGNMENT, layout.notebooks, database=False)
-    enter_assignment(layout, ASSIGNMENT)  # a new gradebook takes nbgrader two seconds
+    enter_assignment(layout, ASSIGNMENT)  # nbgrader needs two seconds to create a gradebook
     return root
 
 
 def copied(root: Path, folder: Path) -> Layout:
-    """Return a copy of a course, in a new folder of this one."""
+    """Return a copy of a course, in a new folder below this one."""
     return Layout(shutil.copytree(root, folder / 'course'))
 
 

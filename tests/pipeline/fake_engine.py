@@ -13,7 +13,7 @@ CANARY = 'HIDDEN-INPUT-31.4159'
 
 @dataclass(frozen=True)
 class FakeExam:
-    """What the glue needs of an exam."""
+    """The parts of an exam that the pipeline needs."""
 
     name: str
     cells: tuple[str, ...]
@@ -33,7 +33,7 @@ EXAMS = (
 
 
 class FakeEngine:
-    """Gives a third of the points for being there and the rest for the exam's needle."""
+    """Gives a third of the points for a file, and the rest if it contains the exam's needle."""
 
     def exams(self, assignment: str) -> Sequence[FakeExam]:
         """Return the same exams for every assignment."""
@@ -70,5 +70,5 @@ class FakeEngine:
 
 
 def make(layout: Layout) -> FakeEngine:
-    """Return the engine, as ``c.GradeOutside.engine_factory`` wants it."""
+    """Return the engine, as ``c.GradeOutside.engine_factory`` expects."""
     return FakeEngine()

@@ -1,8 +1,8 @@
 """
-Somebody on this machine who talks in every ROS domain, on all topics of an exercise.
+Publish on all topics of an exercise, in every given ROS domain.
 
-Usage: foreign_talker.py DOMAIN...  Prints ``talking`` once it does, and goes on until its standard
-input ends.
+Usage: foreign_talker.py DOMAIN...  Prints ``talking`` when it has started, and continues until
+its standard input ends.
 """
 
 import select

@@ -1,4 +1,4 @@
-"""What every gradebook has to keep, whatever database it is in; run on SQLite and PostgreSQL."""
+"""Test cases for the gradebook, which run on SQLite and on PostgreSQL."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ CHECK = 'check_temperature_publisher'
 
 
 def begin(course: Layout) -> None:
-    """Enter the assignment, as each grading does first."""
+    """Enter the assignment, which is the first step of every grading."""
     begin_to_enter(course, ASSIGNMENT, Guard(course))
 
 
@@ -51,7 +51,7 @@ def hand_in(
     **changes: str,
 ) -> None:
     """
-    Lay a file where nbgrader's collect would.
+    Write a file to the folder that nbgrader's collect would use.
 
     :param data: the file, by default the solution with some words replaced
     :param into: folder of the class, by default that of the course
@@ -79,7 +79,7 @@ def book(course: Layout) -> Gradebook:
 
 
 def by_hand(course: Layout, student: str, points: float, extra: float = 0.0) -> None:
-    """Grade the written answer as formgrader does."""
+    """Give the written answer a manual grade, as formgrader does."""
     with book(course) as gradebook:
         grade = gradebook.find_grade(WRITTEN, 'temperature_monitor', ASSIGNMENT, student)
         grade.manual_score = points
@@ -89,7 +89,7 @@ def by_hand(course: Layout, student: str, points: float, extra: float = 0.0) -> 
 
 
 def scores(course: Layout, student: str) -> dict[str, float | None]:
-    """Return what counts, by cell, and the late penalty."""
+    """Return the score of each cell, and the late penalty."""
     with book(course) as gradebook:
         submission = gradebook.find_submission(ASSIGNMENT, student)
         found = {
@@ -101,7 +101,7 @@ def scores(course: Layout, student: str) -> dict[str, float | None]:
 
 
 def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
-    """Enter, enter nothing, grade by hand, change one, enter one."""
+    """A manual grade survives a rerun that enters one changed submission."""
     hand_in(course, 'ann')
     hand_in(course, 'bob', temperature_topic='temprature_topic')
     assert grade(course) == 2
@@ -121,14 +121,14 @@ def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
 
 
 def waiting(course: Layout, *students: str) -> list[bool]:
-    """Return whether something of each submission waits for a person, as for its mark."""
+    """Return whether any cell of each submission waits for manual grading, as its mark does."""
     with book(course) as gradebook:
         found = [gradebook.find_submission(ASSIGNMENT, one) for one in students]
         return [bool(one.needs_manual_grade) for one in found]
 
 
 def leaves_marks_alone_that_nothing_speaks_against(course: Layout) -> None:
-    """Entered again for all, work that is the same does not wait for its grader again."""
+    """Unchanged work that is entered again needs no new manual grade."""
     for student in ('ann', 'bob', 'eve'):
         hand_in(course, student)
     grade(course)
@@ -147,12 +147,12 @@ def leaves_marks_alone_that_nothing_speaks_against(course: Layout) -> None:
 
 
 def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
-    """In one sentence, when everything has been run; nothing is made in its place."""
+    """The error is one sentence after all runs, and no gradebook is created instead."""
     hand_in(course, 'ann')
     grade(course)
     path = gradebook_file(course)
     if path is None:
-        return  # a server is not harmed for a test
+        return  # a test does not damage a server
     path.write_bytes(b'no database' * 100)
 
     assert 'gradebook.db: the gradebook is damaged: ' in refused(course)
@@ -160,7 +160,7 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
 
 
 def says_that_settings_are_wrong(course: Layout) -> None:
-    """Instructors edit them: a mistake there costs one sentence and no grading."""
+    """Instructors edit the settings: a mistake gives one sentence, and no run is wasted."""
     hand_in(course, 'ann')
     config = course.root / 'nbgrader_config.py'
     text = config.read_text(encoding='utf-8')
@@ -190,7 +190,7 @@ def refused(course: Layout, count: int = 1) -> str:
 
 
 def fills_what_was_changed_or_lost(course: Layout) -> None:
-    """A journal is believed only as far as the gradebook shows the same."""
+    """An entry of the journal is valid only if the gradebook shows the same values."""
     hand_in(course, 'ann')
     hand_in(course, 'bob')
     grade(course)
@@ -209,12 +209,12 @@ def fills_what_was_changed_or_lost(course: Layout) -> None:
 
 
 def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
-    """And a look for what is in it makes no empty one."""
+    """Reading a missing gradebook does not create an empty one."""
     hand_in(course, 'ann')
     grade(course)
     path = gradebook_file(course)
     if path is None:
-        return  # a server keeps it
+        return  # a server keeps its database
 
     path.unlink()
     assert journal.shown(course, ASSIGNMENT) == {}
@@ -227,7 +227,7 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
 
 
 def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
-    """The plugin is nbgrader's; a new date of delivery is noticed."""
+    """The late policy is nbgrader's plug-in; a new time of delivery changes the penalty."""
     config = course.root / 'nbgrader_config.py'
     config.write_text(
         config.read_text(encoding='utf-8') + "\nc.LateSubmissionPlugin.penalty_method = 'zero'\n",
@@ -259,7 +259,7 @@ def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
 
 
 def gives_students_more_time(course: Layout) -> None:
-    """An extension takes the penalty away; taking it back lowers the mark, so it is listed."""
+    """An extension removes the penalty; withdrawing it lowers the mark, which is listed."""
     config = course.root / 'nbgrader_config.py'
     text = config.read_text(encoding='utf-8')
     config.write_text(
@@ -286,7 +286,7 @@ def gives_students_more_time(course: Layout) -> None:
 
 
 def names_students_whose_names_are_known(course: Layout) -> None:
-    """And leaves alone what an instructor has written."""
+    """Names that an instructor has written are not changed."""
     for student in ('1001', '1002', '1003'):
         hand_in(course, student)
     keep_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
@@ -307,7 +307,7 @@ def names_students_whose_names_are_known(course: Layout) -> None:
 
 
 def lets_the_sample_students_go(course: Layout) -> None:
-    """When a class of its own comes, and nobody else."""
+    """The first real class replaces the sample students, and no other student is removed."""
     sample = course.sample_class / ASSIGNMENT / 'pass__sample'
     sample.mkdir(parents=True, exist_ok=True)
     (sample / 'expected.json').write_text('{}', encoding='utf-8')
@@ -334,7 +334,7 @@ def lets_the_sample_students_go(course: Layout) -> None:
 
 
 def leaves_lower_marks_as_they_are(course: Layout) -> None:
-    """Until it is said that they are meant."""
+    """A mark is lowered only with ``--yes``."""
     hand_in(course, 'ann')
     grade(course)
     by_hand(course, 'ann', 4)
@@ -352,7 +352,7 @@ def leaves_lower_marks_as_they_are(course: Layout) -> None:
 
 
 def forgets_a_student(course: Layout) -> None:
-    """With all that grading has made; what was handed in moves, and others stay as they are."""
+    """All results are removed, the submission is moved, and other students are unchanged."""
     for student in ('1001', '1002'):
         hand_in(course, student)
     keep_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
@@ -371,7 +371,7 @@ def forgets_a_student(course: Layout) -> None:
     assert found.made == (course.work / 'autograded' / '1001',)
     assert found.moved == course.submitted / '1001'
     assert traces(course, 'ann example') == found
-    assert grade(course) == 0  # looking changes nothing
+    assert grade(course) == 0  # a listing changes nothing
 
     forget(course, '1001')
     with pytest.raises(GraderError, match=r'there is no such student. Did you mean 1002?'):
@@ -388,11 +388,11 @@ def forgets_a_student(course: Layout) -> None:
 
     forget(course, '1002')
     hand_in(course, '1003')
-    assert grade(course) == 1  # a gradebook that was emptied on purpose is no damaged one
+    assert grade(course) == 1  # a gradebook that was emptied on purpose is not damaged
 
 
 def forgets_a_folder_that_is_no_students(course: Layout) -> None:
-    """Of a grading that took it for one: its files are not what the next grading looks at."""
+    """An earlier grading read the folder as a student's; the next one ignores its files."""
     hand_in(course, 'ann')
     (course.submitted / 'notes').mkdir()
     grade(course)

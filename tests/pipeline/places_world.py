@@ -49,13 +49,13 @@ def exam_of_a_talker() -> Exam:
 
 
 def class_of_talkers() -> list[dict[str, str]]:
-    """Return the files of three students: right, wrong, ended by an exception."""
+    """Return the files of three students: correct, wrong, ended by an exception."""
     files = [{'talker.py': TALKER.format(word=word)} for word in ('right', 'wrong')]
     return [*files, {'talker.py': 'raise ValueError("oops")\n'}]
 
 
 def told(result) -> dict:
-    """Return what a result says, without what depends on time and place of the run."""
+    """Return a result without the parts that depend on the time and place of the run."""
     data = result.to_json()
     for name in ('timing', 'recording'):
         data.pop(name)

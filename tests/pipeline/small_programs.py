@@ -1,4 +1,4 @@
-"""Small programs through the steps of a scenario, in the sandbox with the probe beside them."""
+"""Run small programs through the steps of a scenario, in the sandbox with the probe."""
 
 from collections.abc import Callable
 

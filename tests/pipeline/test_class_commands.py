@@ -65,7 +65,7 @@ def grade(course: Layout) -> None:
 
 @pytest.fixture
 def graded(graded_class, tmp_path, monkeypatch):
-    """Return such a course for each test, as the one that commands find."""
+    """Return such a graded course for each test; commands use it as the current course."""
     course = copied(graded_class.root, tmp_path)
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     return course
@@ -88,7 +88,7 @@ def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0
 @pytest.mark.nbgrader
 class TestMarks:
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
-        """A written answer waits, a review stays a review, and a missing student is named."""
+        """A written answer waits for its grade; a review and a missing student have no mark."""
         found = {
             one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
@@ -108,10 +108,10 @@ class TestMarks:
         assert mark().points is None
         grade_by_hand(course, 'cut', 2.0)
 
-        assert mark().points == 10.0  # for each of four checks and the written question
+        assert mark().points == 10.0  # two points for each of four checks and the written question
 
     def test_a_mark_has_the_manual_points_and_the_penalty(self, graded):
-        """The checks give 50, the person 4, and lateness costs 2."""
+        """The checks give 50 points, the instructor 4, and lateness costs 2."""
         grade_by_hand(graded, 'ann', 4.0, late=2.0)
         grade_by_hand(graded, 'eve', 4.0)
         found = {
@@ -216,7 +216,7 @@ class TestCommands:
         assert not list(graded.work.glob('feedback_*'))
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
-        """``stats`` ends with an exit code for a review, and ``similar`` shows the copy."""
+        """The exit code of ``stats`` reports a review, and ``similar`` lists the copy."""
         assert command.main(['stats', 'temperature_monitor', '--json']) == FOR_REVIEW
         (numbers,) = json.loads(capsys.readouterr().out)
         assert (numbers['submissions'], numbers['marks']['count']) == (4, 2)

@@ -43,7 +43,7 @@ def address():
 
 @pytest.mark.ros
 def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
-    """What crosses is bytes; what comes back is judged here."""
+    """Only bytes are sent to workers, and the recordings are judged on this machine."""
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
@@ -57,13 +57,13 @@ def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
 
 
 def kills_its_worker(task: bytes) -> bytes:
-    """Die as if there were no memory left."""
+    """End the worker as the out-of-memory killer does."""
     os.kill(os.getpid(), signal.SIGKILL)
     return b''
 
 
 def test_a_run_that_kills_its_workers_is_for_review(monkeypatch):
-    """The scheduler gives up on it, not on the others."""
+    """The scheduler gives up this run, but not the others."""
     import dask
     from distributed import Client, LocalCluster
 
@@ -80,7 +80,7 @@ def test_a_run_that_kills_its_workers_is_for_review(monkeypatch):
 
 
 class TestRefusals:
-    """A cluster that would grade otherwise than this machine is not used."""
+    """A cluster whose verdicts could differ from those of this machine is not used."""
 
     def said(self, **changes):
         own = {'version': dict(version()), 'mode': 'bwrap-user', 'refusal': '', 'host': 'lab7'}
@@ -102,12 +102,12 @@ class TestRefusals:
             mode_of_all({'tcp://a': bare})
 
     def test_weak_isolation_is_refused(self):
-        """It would have to be accepted on each machine."""
+        """Weak isolation would have to be accepted on each machine."""
         with pytest.raises(ClusterUnavailable, match='no sandbox for hidden exams: none'):
             mode_of_all({'tcp://a': self.said(mode='none')})
 
     def test_two_kinds_of_users_are_refused(self):
-        """A recording says in one way how it was made."""
+        """A recording names only one isolation mode."""
         with pytest.raises(ClusterUnavailable, match='bwrap-root, others with bwrap-user'):
             mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said(mode='bwrap-root')})
 

@@ -1,4 +1,4 @@
-"""A run that is broken off while its sandboxes are being set up harms nobody, leaves nothing."""
+"""A run that is stopped during the set-up of its sandboxes leaves nothing behind."""
 
 import os
 from pathlib import Path
@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.pipeline]
 
 
 def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
-    """Until it has file systems of its own, a sandbox shows those of the machine."""
+    """Until a sandbox has separate file systems, it shows those of the machine."""
     gate, theirs = socket.socketpair()
     with subprocess.Popen(['cat'], stdin=theirs) as process:
         theirs.close()
@@ -30,7 +30,7 @@ def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
 
 @pytest.mark.parametrize('turn', range(3))
 def test_a_probe_ends_at_whatever_moment_it_is_killed(tmp_path: Path, turn: int):
-    """Its pipes close, so nobody waits for them for ever."""
+    """The pipes of the killed probe close, so no process waits for them forever."""
     sandbox = strongest()
     home = tmp_path / 'home'
     home.mkdir()

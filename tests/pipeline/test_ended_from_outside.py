@@ -1,4 +1,4 @@
-"""A program that somebody else ends, not the student, costs nobody a point."""
+"""A program that another process ends costs its student no points."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -42,8 +42,8 @@ class Killer:
     """
     Ends processes at the first message.
 
-    :param wanted: tells which, by their command lines
-    :param times: in how many runs
+    :param wanted: whether to end a process, by its command line
+    :param times: number of runs in which to end it
     """
 
     def __init__(self, wanted: Callable[[list[str]], bool], times: int = 1) -> None:
@@ -53,7 +53,7 @@ class Killer:
         self.armed = True
 
     def __call__(self, event: Event) -> None:
-        if event['event'] == 'seen':  # the first of a run
+        if event['event'] == 'seen':  # the first message of a run
             self.armed = True
         if event['event'] == 'message' and self.armed and self.left:
             self.armed = False
@@ -87,7 +87,7 @@ def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
 
 
 def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
-    """No evidence, no points, no zero: a person has to look."""
+    """Without evidence there is no mark, not a zero: an instructor has to decide."""
     killer = Killer(launcher, times=2)
     with pytest.raises(ProbeFailed, match='Another program ended the sandbox with signal 9'):
         graded(ANSWER.read_text(encoding='utf-8'), killer)
@@ -103,7 +103,7 @@ def test_a_program_that_ends_itself_so_is_judged():
 
 
 def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
-    """The kernel counts whom it ends; then nobody knows whether the program was to blame."""
+    """The kernel counts the processes that it ends, but not whose memory was to blame."""
     counted = iter(range(100))
     monkeypatch.setattr(observe, 'oom_kills', lambda: next(counted))
     with pytest.raises(ProbeFailed, match='ran out of memory'):
@@ -111,7 +111,7 @@ def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
 
 
 def test_a_probe_that_is_held_up_for_a_second_changes_nothing(monkeypatch):
-    """Virtual time stands still meanwhile, and nobody takes that for a fault of the program."""
+    """Virtual time stops meanwhile, which is not a fault of the program."""
     started, stopped = [], []
 
     def start(*given: Any) -> Probe:

@@ -1,4 +1,4 @@
-"""A class is entered in the gradebook while the rest of it is still being run."""
+"""Finished submissions are entered in the gradebook while others still run."""
 
 import threading
 
@@ -21,7 +21,7 @@ GOES_ON_S = 60
 
 
 class Held(FakeEngine):
-    """Runs nothing of the last student before it may."""
+    """Runs the last student's exams only when it is released."""
 
     def __init__(self) -> None:
         self.begun, self.free = threading.Event(), threading.Event()
@@ -35,7 +35,7 @@ class Held(FakeEngine):
 
 @pytest.fixture
 def class_(course):
-    """Lay three answers that differ."""
+    """Write three different answers."""
     for student in STUDENTS:
         hand_in(course, student, **{'THRESHOLD_C = ': f'of_{student} = THRESHOLD_C = '})
     return course
@@ -50,7 +50,7 @@ def run(course, engine, on_graded):
 
 
 def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
-    """And nobody twice; all of it is noted as if it had been one piece."""
+    """No submission is entered twice, and the journal is that of one complete grading."""
     monkeypatch.setattr(entering, 'TOGETHER', 2)
     engine = Held()
     early: list[str] = []

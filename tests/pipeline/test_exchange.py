@@ -31,7 +31,7 @@ ANN, BOB = [one for one in pwd.getpwall() if one.pw_uid][:2]
 
 needs_root = pytest.mark.skipif(os.geteuid() != 0, reason='only root can act as two users')
 
-# Everything is imported first: a user need not be able to read this project.
+# Import everything first, because a user may not be able to read this project.
 AS_USER = """
 import os, sys
 from nbgrader.apps.submitapp import SubmitApp
@@ -56,7 +56,7 @@ def exchange(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 @pytest.fixture
 def nbgrader(course: Layout, exchange: Path) -> NbGraderAPI:
-    """Return what formgrader's buttons call, in a course that has released its assignment."""
+    """Return the API that formgrader's buttons call, for a course with a released assignment."""
     config = load_config(course)
     api = NbGraderAPI(config=config)
     assert api.release_assignment(ASSIGNMENT)['success']
@@ -64,7 +64,7 @@ def nbgrader(course: Layout, exchange: Path) -> NbGraderAPI:
 
 
 def act(user: pwd.struct_passwd, home: Path, code: str) -> str:
-    """Run code as another user of the system; return what it printed."""
+    """Run code as a different user of the system; return its output."""
     ids = str(user.pw_uid), str(user.pw_gid)
     done = subprocess.run(
         [sys.executable, '-W', 'ignore', '-c', AS_USER, *ids, str(home), code],
@@ -78,7 +78,7 @@ def act(user: pwd.struct_passwd, home: Path, code: str) -> str:
 
 @pytest.fixture
 def homes(exchange: Path) -> Iterator[dict[str, Path]]:
-    """Return a home for each of two students, with their notebooks."""
+    """Return the home folders of two students, each with a notebook."""
     with tempfile.TemporaryDirectory(prefix='homes-') as folder:
         Path(folder).chmod(0o755)
         found = {}
@@ -106,7 +106,7 @@ def collected(course: Layout) -> dict[str, str]:
 
 
 def lay(exchange: Path, student: str, text: str = 'mine') -> Path:
-    """Lay a delivery in the exchange by hand."""
+    """Write a delivery to the exchange by hand."""
     folder = exchange / COURSE_ID / 'inbound' / f'{student}+{ASSIGNMENT}+{LATER}+x'
     folder.mkdir()
     (folder / NOTEBOOK).write_text(text, encoding='utf-8')
@@ -124,7 +124,7 @@ def test_release_protects_the_exchange(nbgrader, exchange):
 
 @needs_root
 def test_work_that_bob_hands_in_as_ann_is_refused(nbgrader, exchange, homes, course):
-    """A later time makes it look like the newest; both collectors keep what Ann handed in."""
+    """Although Bob's delivery looks newer, both collectors keep Ann's own work."""
     ann, bob = ANN.pw_name, BOB.pw_name
     act(ANN, homes[ann], SUBMIT)
     (hers,) = (exchange / COURSE_ID / 'inbound').glob(f'{ann}+*')
@@ -146,7 +146,7 @@ def test_work_that_bob_hands_in_as_ann_is_refused(nbgrader, exchange, homes, cou
 
 @needs_root
 def test_bob_can_neither_move_nor_exchange_what_ann_handed_in(nbgrader, exchange, homes, course):
-    """Even if he knows the name of her folder, which no other student can list."""
+    """Bob may even know the name of her folder, which no other student can list."""
     ann, bob = ANN.pw_name, BOB.pw_name
     act(ANN, homes[ann], SUBMIT)
     (hers,) = (exchange / COURSE_ID / 'inbound').glob(f'{ann}+*')
@@ -189,7 +189,7 @@ def test_formgrader_refuses_what_the_instructor_laid_until_the_owner_is_recorded
 
 
 def test_formgrader_trusts_names_when_nbgraders_own_setting_says_so(nbgrader, exchange, course):
-    """``check_owner`` is what nbgrader calls it."""
+    """The setting is called ``check_owner``."""
     lay(exchange, 'ann')
     nbgrader.config.ExchangeCollect.check_owner = False
 
@@ -199,7 +199,7 @@ def test_formgrader_trusts_names_when_nbgraders_own_setting_says_so(nbgrader, ex
 
 
 def test_formgrader_follows_no_link_to_the_solutions(nbgrader, exchange, course):
-    """Nbgrader copies as the instructor, who may read everything."""
+    """The copy is made with the rights of the instructor, who may read everything."""
     folder = lay(exchange, ME)
     (folder / NOTEBOOK).unlink()
     (folder / NOTEBOOK).symlink_to(course.solutions / ASSIGNMENT / NOTEBOOK)

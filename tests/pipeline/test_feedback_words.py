@@ -1,4 +1,4 @@
-"""One submission, four ways to hear about it, and the same words in each of them."""
+"""Four ways to show the feedback on one submission contain the same words."""
 
 import json
 from pathlib import Path
@@ -43,7 +43,7 @@ def links_of(page):
 
 
 def facts_of(page):
-    """Return (name, text) of all that a page says about its checks."""
+    """Return the name and the text of every fact that a page shows about its checks."""
     return [(name.text, text.text) for name, text in zip(read(page)('dt'), read(page)('dd'))]
 
 
@@ -55,7 +55,7 @@ def course(released, tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def result(course):
-    """Return the sample's results, graded with the visible exams, after all was written."""
+    """Return the sample's results from the visible exams, after all reports are written."""
     folder = HERE.sample_class / ASSIGNMENT / SAMPLE
     data = sample_class.compose(HERE, ASSIGNMENT, folder)
     engine = SandboxEngine(strongest(), HERE.recordings, hidden=False)
@@ -69,7 +69,7 @@ def result(course):
 
 @pytest.fixture(scope='module')
 def said(result):
-    """Return all that is to be said about the exam, in order."""
+    """Return all facts that feedback on the exam must contain, in order."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
     words = [fact for check in causes_once(exam) for fact in told(check)]
     assert {name for name, _ in words} == {
@@ -80,13 +80,13 @@ def said(result):
 
 
 def lines_of(result):
-    """Return the lines of the exam's checks, as every plain text has them."""
+    """Return the lines about the exam's checks, which are equal in every plain text."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
     return [line for check in causes_once(exam) for line in check_lines(check)]
 
 
 def test_nbgraders_feedback_says_them(result, said, course):
-    """Our own page, with a picture and links that lead to the lesson in the page."""
+    """The course's own page has a picture, and links to the lesson in the same page."""
     (path,) = (course.work / 'feedback' / SAMPLE).rglob('*.html')
     page = path.read_text(encoding='utf-8')
 
@@ -99,7 +99,7 @@ def test_nbgraders_feedback_says_them(result, said, course):
 
 
 def test_formgrader_says_them(result, said, course):
-    """It shows the outputs of the check cells: HTML, and text where there is no browser."""
+    """Formgrader shows the outputs of check cells as HTML, or as text without a browser."""
     path = course.work / 'autograded' / SAMPLE / ASSIGNMENT / NOTEBOOK
     notebook = nbformat.read(path, as_version=4)
     (cell,) = [
@@ -133,7 +133,7 @@ def test_the_terminal_says_them(result, said, tmp_path, capsys):
 
 
 def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
-    """The text and the HTML that ``check(...)`` shows, from its own child process."""
+    """The child process of ``check(...)`` returns the text and the HTML that the cell shows."""
     package = LearnerPackage('temp_monitor_pkg', tmp_path)
     nodes = package.folder / 'temp_monitor_pkg'
     nodes.mkdir(parents=True)
@@ -153,7 +153,7 @@ def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
 @pytest.mark.parametrize('hidden', [True, False], ids=['graded', 'visible'])
 @pytest.mark.parametrize('assignment', EXAMINED)
 def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
-    """Else the link leads nowhere; a section of another lesson is named without a link."""
+    """Otherwise the link would be dead; a section of another lesson is named without a link."""
     headings = lesson_headings(HERE.notebooks)
 
     assert headings.keys() >= set(EXAMINED)
@@ -162,7 +162,7 @@ def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
 
 
 def test_every_section_about_an_exception_is_a_heading():
-    """The judge puts it in the place of the check's own."""
+    """The judge replaces the check's own section with it."""
     headings = lesson_headings(HERE.notebooks)
 
     for section in HERE.facts.sections:
@@ -170,7 +170,7 @@ def test_every_section_about_an_exception_is_a_heading():
 
 
 def test_results_with_pictures_survive_json(result):
-    """They come out of the child process of a visible check, and of a report's data."""
+    """The child process of a visible check returns them as JSON, and reports store them so."""
     again = type(result).from_json(json.loads(json.dumps(result.to_json())))
 
     assert again == result
@@ -178,5 +178,5 @@ def test_results_with_pictures_survive_json(result):
 
 
 def test_the_sample_is_there():
-    """A folder that is renamed must be renamed here too."""
+    """If the folder of the sample is renamed, its name in this file must change too."""
     assert (Path(HERE.sample_class) / ASSIGNMENT / SAMPLE).is_dir()

@@ -1,4 +1,4 @@
-"""What a run owes to no machine: first and last words are heard, at their times."""
+"""The first and last messages of a program are received, at the same times on any machine."""
 
 from xml.etree import ElementTree
 
@@ -25,7 +25,7 @@ def make():
 
 
 def test_what_follows_the_end_of_a_program_is_no_part_of_its_run(run):
-    """However long the probe goes on, the end is that of the program."""
+    """The run ends with the program, however long the probe continues."""
     seen = run(ENDS_SLOWLY, Advance(1.0), Mark('late'))
 
     assert seen.end_reason == 'student_exited'
@@ -66,7 +66,7 @@ def make():
 
 
 class TestFirstLines:
-    """What was logged before the probe met the node is fetched."""
+    """The probe also receives lines that were logged before it discovered the node."""
 
     def test_first_lines_of_all_nodes_come_before_the_first_step(self, run):
         seen = run(MANY, Mark('steps'), Advance(0.25))
@@ -75,7 +75,7 @@ class TestFirstLines:
         assert seen.phase('steps').logs() == []
 
     def test_first_line_of_a_node_that_comes_later_is_at_its_time(self, run):
-        """Its executor makes it exactly a second after the first one."""
+        """The first node's executor creates the second node exactly one second later."""
         seen = run(LATER, Advance(4.0))
 
         (line,) = seen.logs()
@@ -99,7 +99,7 @@ def make():
 
 @pytest.mark.parametrize('number', range(3))
 def test_last_message_of_a_program_that_ends_is_heard(run, number):
-    """The news that its publisher is gone must not overtake it."""
+    """The end of the publisher must not be reported before its last message."""
     seen = run(LAST_WORDS, Advance(3.0), watch={'/out': INT})
 
     assert [event['data'] for event in seen.messages('/out')] == [{'data': 7}]
@@ -107,7 +107,7 @@ def test_last_message_of_a_program_that_ends_is_heard(run, number):
 
 
 def test_the_two_profiles_agree_but_for_port_and_announcements():
-    """What both sides need is written twice, as Fast DDS reads one file."""
+    """Fast DDS reads only one file, so common settings are written twice."""
     own = ('UnicastLocatorList', 'Announcement', 'Announcements')
 
     def words(name):
@@ -130,7 +130,7 @@ def make():
 
 
 def test_a_queue_of_one_keeps_the_newest_of_a_burst(run):
-    """All of a burst has come before the program's executor takes a message."""
+    """The whole burst arrives before the program's executor takes a message."""
     burst = Feed('/numbers', [{'data': number} for number in range(5)], burst=True)
     for _ in range(3):
         seen = run(SHORT_QUEUE, burst, feed={'/numbers': INT}, watch={'/heard': INT})

@@ -1,4 +1,4 @@
-"""A disk that is full while a class is graded: one line, and nothing that was run is lost."""
+"""A full disk during a grading gives one line of error, and no finished run is lost."""
 
 from contextlib import contextmanager
 import errno
@@ -25,7 +25,7 @@ STUDENTS = [f's{number}' for number in range(10, 30)]
 
 @pytest.fixture
 def class_(course):
-    """Lay a solution for each student."""
+    """Write a solution for each student."""
     for student in STUDENTS:
         hand_in(course, student)
     return course
@@ -33,10 +33,10 @@ def class_(course):
 
 @contextmanager
 def no_room_in_gradebook():
-    """Let SQLite find no room for another page in any file, as on a full disk."""
+    """Make every SQLite file unable to grow, as on a full disk."""
 
     def limit(connection, _):
-        connection.execute('pragma max_page_count = 1')  # never below what there is
+        connection.execute('pragma max_page_count = 1')  # never below the current size
 
     event.listen(Engine, 'connect', limit)
     try:
@@ -46,12 +46,12 @@ def no_room_in_gradebook():
 
 
 def no_room(*_, **__):
-    """Refuse as the system does."""
+    """Raise the error of a full disk, as the operating system does."""
     raise OSError(errno.ENOSPC, 'No space left on device')
 
 
 def graded(course):
-    """Grade the class as the command does; return the table and what was refused."""
+    """Grade the class as the command does; return the table and the refusals."""
     console = Console(width=120, record=True)
     class_ = grading.Grading(course, course.submitted, FakeEngine(), 1, console, Guard(course))
     _, trouble = class_.one(ASSIGNMENT)
@@ -59,7 +59,7 @@ def graded(course):
 
 
 def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
-    """Neither a line per student nor a traceback; the next grading enters the class."""
+    """There is no line per student and no traceback, and the next grading enters the class."""
     with no_room_in_gradebook():
         table, said = graded(class_)
 
@@ -76,7 +76,7 @@ def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
 
 
 def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
-    """Laying the notebooks for nbgrader already fails."""
+    """Writing the notebooks for nbgrader already fails."""
     with monkeypatch.context() as patch:
         patch.setattr(record, '_stage', no_room)
         said = refused(class_, count=len(STUDENTS))
@@ -86,7 +86,7 @@ def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
 
 
 def test_a_full_disk_under_the_reports_leaves_the_table(class_, monkeypatch):
-    """The table still shows every student; the earlier reports stay."""
+    """The table still shows every student, and the earlier reports remain."""
     monkeypatch.setattr(pages, 'keep', no_room)
     table, said = graded(class_)
 

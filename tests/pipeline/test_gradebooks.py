@@ -1,4 +1,4 @@
-"""One gradebook, one writer: reruns, grades given by hand, lateness."""
+"""Run the test cases for the gradebook on SQLite: reruns, manual grades, lateness."""
 
 import gradebooks
 import pytest

@@ -21,7 +21,7 @@ ASSIGNMENT = '00_tour'
 
 
 class NoExams:
-    """An engine of a course in which nothing is graded."""
+    """An engine for a course without exams."""
 
     def exams(self, assignment):
         return ()

@@ -1,5 +1,5 @@
 """
-Limits of the kernel, of a folder and of the probe.
+Test the limits of the kernel, of a folder and of the probe.
 
 Programs of ``tests/attacks`` exceed the limits that the grader watches: see ``Ends`` in their
 docstrings.
@@ -37,7 +37,7 @@ for number in itertools.count():
 
 
 def test_files_of_a_program_without_its_own_file_system_are_summed(monkeypatch):
-    """Elsewhere its folders have a size of their own."""
+    """In other modes, the file systems of its folders limit the size."""
     recording = recorded(monkeypatch, WRITES, replace(LIMITS, folder=32 << 20), usable('none'))
 
     assert recording.end_reason == 'disk_limit'
@@ -107,7 +107,7 @@ except OSError:
     ids=['processes', 'open_files', 'size_of_a_file', 'size_of_a_folder', 'address_space'],
 )
 def test_a_limit_of_the_kernel_stops_the_program_itself(text, least, most, monkeypatch):
-    """The program gets an error, and can say how far it came."""
+    """The program gets an error, and can report how far it got."""
     recording = recorded(monkeypatch, text, LIMITS)
     said = str(recording.process['stdout'])
 
@@ -133,7 +133,7 @@ rclpy.spin(node)
     ('size', 'count', 'reason'), [(200_000, 1, 'complete'), (1, 60, 'too_many_events')]
 )
 def test_the_probe_bounds_the_size_and_the_number_of_messages(size, count, reason, monkeypatch):
-    """What is too large is written down by its size, and what is too much ends the run."""
+    """Only the size of a message that is too large is recorded; too many end the run."""
     scenario = Scenario(
         file='x.py',
         watch={'/chatter': 'std_msgs/msg/String'},

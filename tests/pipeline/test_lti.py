@@ -1,5 +1,5 @@
 """
-Marks go to a learning platform by LTI 1.3: a small one on loopback, which checks every request.
+Send marks by LTI 1.3 to a small platform on loopback, which checks every request.
 
 The rules are those of 1EdTech's Security Framework 1.0 (a signed assertion for a token), Names and
 Role Provisioning Services 2.0 (pages of members) and Assignment and Grade Services 2.0 (scores).
@@ -148,7 +148,7 @@ def _sent(settings: Path, *marks: Mark, dry_run: bool = False):
 
 
 def test_each_mark_reaches_the_member_with_the_students_id(platform, settings):
-    """By login or e-mail address; the members have two pages."""
+    """Members are matched by login or e-mail address, and their list has two pages."""
     done = _sent(settings, Mark('ada', 6.25, 6.5), Mark('Bob@uni.example', 0.0, 6.5))
 
     assert [kind for kind, _ in platform.scores] == ['application/vnd.ims.lis.v1.score+json'] * 2
@@ -178,7 +178,7 @@ def test_who_has_no_mark_or_no_single_member_gets_no_score(platform, settings):
 
 
 def test_a_dry_run_sends_nothing(platform, settings):
-    """It asks only for the members."""
+    """A dry run only requests the list of members."""
     assert _sent(settings, Mark('ada', 6.5, 6.5), dry_run=True).filled == 1
     assert platform.scores == []
 

@@ -34,7 +34,7 @@ class Edited(FakeEngine):
 
 
 def use(course, monkeypatch):
-    """Let commands work on a course, with exams that need no ROS."""
+    """Make a course the current one, with exams that need no ROS."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     monkeypatch.setattr(grading, '_engine', lambda *_: nullcontext((Edited(), 1)))
     monkeypatch.setattr(catalog, 'for_assignment', lambda name, *_, **__: Edited().exams(name))
@@ -56,7 +56,7 @@ def graded(released, tmp_path_factory):
 
 @pytest.fixture
 def here(graded, tmp_path, monkeypatch):
-    """Let commands work on such a course, a separate one for each test."""
+    """Make a separate graded course for each test, which commands use as the current course."""
     course = copied(graded.root, tmp_path)
     use(course, monkeypatch)
     return course
@@ -136,7 +136,7 @@ class TestLoweredMarks:
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
         assert [one.points for one in results_of(here, ASSIGNMENT)[0].results] == [40, 50]
 
-        assert grade() == command.USAGE  # until it is decided
+        assert grade() == command.USAGE  # until the instructor decides
         capsys.readouterr()
         assert grade('--yes') == OK
         assert 'Fewer points than before: ann 50 to 40.' in ' '.join(
@@ -227,7 +227,7 @@ class TestCopies:
     """A damaged gradebook is never replaced silently."""
 
     def test_a_gradebook_without_its_marks_is_refused(self, here, capsys):
-        """A new table would lose grades that were given by hand."""
+        """A new table would lose manual grades."""
         with closing(sqlite3.connect(here.work / 'gradebook.db')) as file:
             file.execute('drop table grade')
         capsys.readouterr()
@@ -239,7 +239,7 @@ class TestCopies:
             assert len(said.splitlines()) == 1
 
     def test_an_emptied_gradebook_is_refused_and_restored(self, here, capsys):
-        """Nothing is run, and the copy has the grades that were given by hand."""
+        """No program runs, and the copy contains the manual grades."""
         by_hand(here, 'ann', 4)
         hand_in(here, 'bob')
         assert grade() == OK
@@ -270,7 +270,7 @@ class TestCopies:
         assert scores(here, 'bob')[CHECK] == scores(here, 'cho')[CHECK] == 15
 
     def test_json_has_no_points_of_a_submission_for_review(self, here, capsys):
-        """As in the exports; who has a mark is printed with it."""
+        """The same holds for exports; a student with a mark is printed with the mark."""
         hand_in(here, 'bob', **{'THRESHOLD_C = ': 'GRADER_FAULT = THRESHOLD_C = '})
         capsys.readouterr()
 

@@ -1,4 +1,4 @@
-"""A node with messages and services of other packages, from its exam to its verdicts."""
+"""Grade a node that uses messages and services of other packages."""
 
 from dataclasses import replace
 
@@ -62,7 +62,7 @@ main()
 
 @pytest.fixture(scope='module')
 def exam() -> Exam:
-    """Return the exam of a robot that drives while it may and nothing is near."""
+    """Return the exam of a robot that drives while it is allowed and no obstacle is near."""
     made = Exam(
         'pilot',
         title='Pilot',
@@ -102,7 +102,7 @@ def exam() -> Exam:
 
 
 def test_twist_set_bool_scan_and_odometry_are_judged(exam):
-    """Packages that courses on robots use come with the environment."""
+    """The environment contains the packages that robotics courses use."""
     result = examine(exam, {'pilot.py': PILOT}, sandbox=strongest())
 
     assert [(check.verdict, check.observed) for check in result.checks] == [
@@ -112,7 +112,7 @@ def test_twist_set_bool_scan_and_odometry_are_judged(exam):
 
 
 def test_missing_package_is_reported_with_the_file_that_names_packages(exam):
-    """It may be spelled right, and there is nothing to build."""
+    """The name may be correct, and the learner has nothing to build."""
     program = PILOT.replace('from geometry_msgs', 'import toy_msgs\nfrom geometry_msgs')
 
     result = examine(exam, {'pilot.py': program}, sandbox=strongest())

@@ -39,7 +39,7 @@ def nbgrader(course: Layout, *arguments: str, code: int = 0) -> str:
 
 
 def hostile(course: Layout) -> bytes:
-    """Return a wrong solution that tries what gives full points in stock nbgrader."""
+    """Return a wrong solution with tricks that earn full points in stock nbgrader."""
     content = json.loads(solved(course, temperature_topic='temprature_topic'))
     for cell in content['cells']:
         marks = cell['metadata'].get('nbgrader', {})
@@ -64,13 +64,13 @@ def class_of_five(course: Layout) -> None:
     """Hand in good, bad, broken and hostile work."""
     hand_in(course, 'ann')
     hand_in(course, 'bob', data=(course.notebooks / ASSIGNMENT / NOTEBOOK).read_bytes())
-    hand_in(course, 'cut', data=solved(course)[:9000].rpartition(b'":')[0])  # never behind a brace
+    hand_in(course, 'cut', data=solved(course)[:9000].rpartition(b'":')[0])  # never after a brace
     hand_in(course, 'fay', sensor_id='GRADER_FAULT')
     hand_in(course, 'mal', data=hostile(course))
 
 
 def grades(course: Layout) -> dict[tuple[str, str], tuple[float | None, float | None, int]]:
-    """Return (automatic, by hand, needs a person) by student and cell."""
+    """Return automatic score, manual score and need of a manual grade, by student and cell."""
     database = sqlite3.connect(course.work / 'gradebook.db')
     rows = database.execute(
         'select sa.student_id, b.name, g.auto_score, g.manual_score, g.needs_manual_grade '
@@ -154,10 +154,10 @@ class TestCommands:
             scores = {row['student_id']: float(row['score']) for row in csv.DictReader(file)}
 
         assert scores['ann'] == 50
-        assert scores['cut'] == 0  # nbgrader's export has no word for a missing score
+        assert scores['cut'] == 0  # nbgrader's export cannot represent a missing score
 
     def test_feedback_shows_the_reasons_without_acting_on_students_words(self, graded_by_command):
-        """Instructors open it with their rights."""
+        """Instructors open the feedback with their own rights."""
         course, _ = graded_by_command
         pages = {
             path.parts[-3]: path.read_text(encoding='utf-8')
@@ -177,7 +177,7 @@ class TestCommands:
         assert not [student for student, page in pages.items() if '&lt;p&gt;' in page]
 
     def test_hidden_inputs_are_in_no_file_that_leaves_the_grader(self, graded_by_command):
-        """Release, autograded notebook, feedback, gradebook."""
+        """The files are release, autograded notebook, feedback and gradebook."""
         course, _ = graded_by_command
         leaks = [
             path
@@ -197,7 +197,7 @@ class TestCommands:
 
 
 def test_the_autograde_button_of_formgrader_grades_outside_too(course):
-    """It goes through nbgrader's Python interface with the same settings."""
+    """The button uses nbgrader's Python interface with the same settings."""
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
 
@@ -215,7 +215,7 @@ def test_the_autograde_button_of_formgrader_grades_outside_too(course):
 
 
 def test_autograde_leaves_a_mark_that_would_fall(course):
-    """It says so in its log, which formgrader's button shows."""
+    """Autograde reports this in its log, which formgrader's button shows."""
     hand_in(course, 'ann')
     in_process(course)
     before = grades(course)
@@ -243,7 +243,7 @@ def test_autograde_refuses_check_cells_with_other_points_than_their_exam(course)
 
 
 def test_formgraders_buttons_show_a_submission_and_make_feedback(graded_by_command):
-    """Its own template is found beside ours, and ours is used for students."""
+    """Formgrader finds its own template, and the course's template is used for students."""
     from nbconvert.exporters import HTMLExporter
     from nbgrader.apps.api import NbGraderAPI
     from nbgrader.coursedir import CourseDirectory
@@ -277,7 +277,7 @@ class TestRecord:
         assert faults == ['fay']
 
     def test_names_that_glob_acts_on_do_not_mix_students(self, course):
-        """The folder is graded; the gradebook does not get it."""
+        """The folder is graded but not entered in the gradebook."""
         hand_in(course, 'ann')
         hand_in(course, '[a]*', data=solved(course)[:9000])
 
@@ -297,7 +297,7 @@ class TestRecord:
         assert grades(course)['fay', 'check_temperature_message'] == (10, None, 0)
 
     def test_timestamps_are_recorded_and_broken_ones_do_no_harm(self, course):
-        """Nbgrader alone stops at a malformed one."""
+        """Stock nbgrader stops at a malformed timestamp."""
         hand_in(course, 'ann')
         hand_in(course, 'bob')
         stamp = course.submitted / 'ann' / ASSIGNMENT / 'timestamp.txt'

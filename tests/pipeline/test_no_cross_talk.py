@@ -1,9 +1,9 @@
 """
-Nobody else on the machine changes a verdict: no neighbour, no second grader, no foreign talker.
+No other program on the machine changes a verdict: no second grader and no foreign talker.
 
 Four submissions that talk on the same topics under the same names are judged alone, then by two
-graders at once, several at a time, while somebody talks on those topics in every ROS domain of the
-machine.
+graders at once, several at a time, while a program publishes on those topics in every ROS
+domain of the machine.
 """
 
 from collections.abc import Iterable, Iterator
@@ -48,13 +48,13 @@ with ThreadPoolExecutor(int(sys.argv[1])) as pool:
 
 
 def begin(together: int) -> subprocess.Popen[str]:
-    """Start a grader that judges the submissions, so many at a time."""
+    """Start a grader that judges the submissions, a given number at a time."""
     argv = [sys.executable, '-c', GRADER, str(together), *NAMES]
     return subprocess.Popen(argv, cwd=ROOT, stdout=subprocess.PIPE, text=True)
 
 
 def end(grader: subprocess.Popen[str]) -> list[dict]:
-    """Return what a grader has found."""
+    """Return the results of a grader."""
     said, _ = grader.communicate(timeout=300)
     assert grader.returncode == 0
     return json.loads(said)
@@ -62,7 +62,7 @@ def end(grader: subprocess.Popen[str]) -> list[dict]:
 
 @contextmanager
 def somebody_talks(domains: Iterable[int]) -> Iterator[None]:
-    """Let a program talk in these domains, which announces itself all the time."""
+    """Run a program that publishes in these domains and announces itself all the time."""
     variables = {**os.environ, 'FASTRTPS_DEFAULT_PROFILES_FILE': str(PROFILES)}
     script = Path(__file__).with_name('foreign_talker.py')
     pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE}
@@ -76,7 +76,7 @@ def somebody_talks(domains: Iterable[int]) -> Iterator[None]:
 
 @pytest.fixture(scope='module')
 def alone() -> list[dict]:
-    """Return the results of one submission after the other, with nobody else about."""
+    """Return the results of one submission after the other, without other programs."""
     return end(begin(1))
 
 
@@ -91,14 +91,14 @@ def test_two_graders_and_a_talker_in_every_domain_change_nothing(alone):
 
 
 def test_the_submissions_differ_among_themselves(alone):
-    """Had they been mixed up, it would have been seen."""
+    """If two submissions were mixed up, their results would show it."""
     points = [sum(check['points'] for check in one['checks']) for one in alone]
 
     assert len(set(points)) >= 3
 
 
 def test_the_foreign_talker_is_heard_outside_a_sandbox():
-    """It does talk: a program in the same domain hears it."""
+    """A program in the same domain receives its messages."""
     code = (
         'import rclpy\nfrom std_msgs.msg import String\n'
         'rclpy.init()\nnode = rclpy.create_node("listener")\nheard = []\n'
@@ -111,7 +111,7 @@ def test_the_foreign_talker_is_heard_outside_a_sandbox():
         'ROS_DOMAIN_ID': os.environ.get('ROS_DOMAIN_ID', '0'),
     }
     variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
-    # One domain: a hundred starve each other where other tests run beside them.
+    # One domain, because a hundred would starve each other while other tests run.
     with somebody_talks([int(variables['ROS_DOMAIN_ID'])]):
         done = subprocess.run(
             [sys.executable, '-c', code],

@@ -17,7 +17,7 @@ from autograder.gradebook.live_entry import Guard
 
 
 class VisibleEngine(FakeEngine):
-    """Without the gradebook, which is not the matter here."""
+    """An engine that never enters results in the gradebook."""
 
     hidden = False
 
@@ -50,7 +50,7 @@ def graded(course):
 
 
 def test_an_appeal_changes_one_student(graded, tmp_path):
-    """Results and pages of the others stay; the lists have everybody, and the terminal says so."""
+    """Results and pages of the others stay, and the lists contain all students."""
     before, old = points(graded), pages(graded)
     hand_in(graded, 'bob', into=tmp_path / 'appeal')
     hand_in(graded, 'dee', into=tmp_path / 'appeal')
@@ -73,7 +73,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
 
 @pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])
 def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
-    """Who is not in it any more is gone, however the folder is called."""
+    """A student who is no longer in the folder is removed, whatever the folder is called."""
     (graded.submitted / 'cho' / ASSIGNMENT / NOTEBOOK).unlink()
     (graded.submitted / 'cho' / ASSIGNMENT).rmdir()
     (graded.submitted / 'cho').rmdir()

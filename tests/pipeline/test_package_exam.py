@@ -1,4 +1,4 @@
-"""The exam of lesson 10: a Python package, as a folder and as the cells of a notebook."""
+"""Test the exam of lesson 10: a Python package as a folder, and as cells of a notebook."""
 
 import pytest
 
@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return the reference as the folder that ``ros2 pkg create`` and the cells make."""
+    """Return the folder of the reference, as ``ros2 pkg create`` and the cells write it."""
     reference = next(one for one in exercises() if one.name == 'limiter')
     files = {**reference.files, f'resource/{PACKAGE}': '', f'{PACKAGE}/__init__.py': ''}
     files[f'{PACKAGE}/limiter.py'] = files.pop('limiter.py')
@@ -34,7 +34,7 @@ def result_of(folder):
 
 
 def test_whole_folder_has_full_marks(folder):
-    """Its own marker and __init__.py are used."""
+    """The folder's own marker and __init__.py are used."""
     result = result_of(folder)
 
     assert (result.points, result.failed) == (20, ())
@@ -42,7 +42,7 @@ def test_whole_folder_has_full_marks(folder):
 
 @pytest.mark.parametrize('place', ['limiter.py', 'src/limiter.py', f'{PACKAGE}/nodes/limiter.py'])
 def test_node_in_a_wrong_folder_is_not_repaired(folder, place):
-    """Only the files of cells are put where they belong."""
+    """The grader chooses the folder only for files from cells."""
     (folder / place).parent.mkdir(exist_ok=True)
     (folder / PACKAGE / 'limiter.py').rename(folder / place)
 

@@ -1,4 +1,4 @@
-"""The same runs one by one, in parallel and as a worker does them; and how they are stopped."""
+"""Run tasks one by one, in parallel and as a worker does, and stop them."""
 
 from concurrent.futures import ThreadPoolExecutor
 import json
@@ -35,7 +35,7 @@ class Worker:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
-    """The judge sees the same, whichever thread or worker runs the submission."""
+    """The recording is the same, whichever thread or worker runs the submission."""
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
@@ -53,14 +53,14 @@ def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
 
 class TestTask:
     def test_a_task_is_json_and_says_nothing_but_what_the_probe_is_told(self):
-        """No check, no secret, no object."""
+        """A task contains no check, no secret and no pickled object."""
         task = json.loads(task_of('talker', SCENARIO, {'talker.py': 'x'}, 'bwrap-user'))
 
         assert set(task) == {'version', 'exam', 'scenario', 'files', 'mode'}
         assert task['scenario'] == json.loads(json.dumps(SCENARIO))
 
     def test_a_worker_of_another_version_refuses(self, monkeypatch):
-        """Its recordings would be of something else."""
+        """Its recordings would belong to a different version."""
         task = task_of('talker', SCENARIO, {}, strongest().mode)
         other = {**version(), 'Python': '2.7.18'}
         monkeypatch.setattr(tasks, 'version', lambda: other)
@@ -69,7 +69,7 @@ class TestTask:
             outcome_of(run_task(task))
 
     def test_our_own_fault_keeps_its_kind(self, monkeypatch):
-        """It is told on this side as if it had happened here."""
+        """The error is raised again in this process, as if it had happened here."""
 
         def refuse(*_):
             raise TooBusy('The machine was too busy.')
@@ -81,7 +81,7 @@ class TestTask:
             outcome_of(run_task(task))
 
     def test_a_defect_of_ours_is_no_crash_of_the_worker(self, monkeypatch):
-        """It is an answer that asks for a person."""
+        """The worker answers, and the submission is for review."""
         monkeypatch.setattr('autograder.runs.observe.observe', lambda *_: 1 / 0)
         task = task_of('talker', SCENARIO, {}, strongest().mode)
 
@@ -89,7 +89,7 @@ class TestTask:
             outcome_of(run_task(task))
 
     def test_a_version_differs_by_name(self):
-        """What is missing counts, too."""
+        """A missing entry is a difference too."""
         assert difference({'a': '1', 'b': '2'}, {'a': '1', 'b': '2'}) == ''
         assert difference({'a': '1'}, {'a': '2', 'c': '3'}) == (
             'a: expected 1, got 2; c: expected nothing, got 3'
@@ -146,7 +146,7 @@ class TestFolder:
     def test_a_folder_that_another_grading_takes_for_left_is_made_again(
         self, tmp_path, monkeypatch
     ):
-        """It has its lock a moment after it is there."""
+        """A new folder is locked a moment after it is created."""
         monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
         lock, taken = folders.fcntl.flock, []
 

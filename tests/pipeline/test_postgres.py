@@ -1,4 +1,4 @@
-"""The same gradebook in PostgreSQL, on a real server of its own: ``make test-postgres``."""
+"""Run the same test cases on a temporary PostgreSQL server: ``make test-postgres``."""
 
 from glob import glob
 import os
@@ -18,14 +18,14 @@ USER, PORT = 'grader', '54321'
 
 
 def program(name: str) -> str:
-    """Return one of the server's programs, which Debian puts in no PATH."""
+    """Return the path of a program of the server, which Debian keeps outside the PATH."""
     found = shutil.which(name) or next(iter(sorted(glob(f'/usr/lib/postgresql/*/bin/{name}'))), '')
     assert found, f'PostgreSQL is not installed. Try: {INSTALL}'
     return found
 
 
 def as_server(*command: str) -> None:
-    """Run a program of the server as its own user: it refuses root."""
+    """Run a program of the server as the server's user, because it refuses root."""
     owner = {'user': 'postgres', 'group': 'postgres'} if os.geteuid() == 0 else {}
     done = subprocess.run(
         command, cwd='/', capture_output=True, text=True, timeout=240, check=False, **owner
@@ -36,7 +36,7 @@ def as_server(*command: str) -> None:
 @pytest.fixture(scope='module')
 def server():
     """Yield the socket folder of a new server that does not listen on the network."""
-    with tempfile.TemporaryDirectory(prefix='pg_') as folder:  # a socket's path is short
+    with tempfile.TemporaryDirectory(prefix='pg_') as folder:  # the path of a socket must be short
         if os.geteuid() == 0:
             shutil.chown(folder, 'postgres', 'postgres')
         data = str(Path(folder, 'data'))
@@ -65,7 +65,7 @@ def in_postgres(course, server):
 
 @pytest.mark.parametrize('scene', gradebooks.ALL, ids=lambda scene: scene.__name__)
 def test_postgres(scene, in_postgres):
-    """What holds for SQLite holds here; nothing is written beside the database."""
+    """All cases pass as on SQLite, and no gradebook file is written."""
     gradebooks.begin(in_postgres)
 
     scene(in_postgres)

@@ -1,4 +1,4 @@
-"""The same exams on a script, a package folder, a zip of one, and a notebook."""
+"""Run the same exams on a script, a package folder, a zip of a folder, and a notebook."""
 
 import json
 from pathlib import Path
@@ -105,7 +105,7 @@ def python_package(folder: Path, entries: str = ENTRY, **changed: str) -> Path:
 
 
 def package(folder: Path, **changed: str) -> Path:
-    """Write a small package without build files that has helper modules of its own."""
+    """Write a small package that has helper modules but no build files."""
     files = {
         'package.xml': '<package format="3"><name>thermo</name></package>',
         'thermo/__init__.py': '',
@@ -122,7 +122,7 @@ def package(folder: Path, **changed: str) -> Path:
 
 class TestWhatIsMeant:
     def test_an_assignment_stands_for_its_exams(self):
-        """With or without its number, in the lesson's order."""
+        """Its name works with or without the number, and the exams have the lesson's order."""
         long = quick_look.exams_named('07_temperature_monitor', LAYOUT, hidden=False)
         short = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
@@ -140,7 +140,7 @@ class TestWhatIsMeant:
             quick_look.exams_named('temprature_monitor', LAYOUT, hidden=False)
 
     def test_a_script_is_looked_at_by_the_exam_it_is_named_for(self):
-        """Of an assignment; one exam takes a script of any name."""
+        """An assignment needs a script named for an exam; a single exam accepts any name."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
         talker = quick_look.exams_named('talker', LAYOUT, hidden=False)
 
@@ -158,7 +158,7 @@ class TestWhatIsMeant:
 
     @pytest.mark.parametrize('name', ['odd.ipynb', 'odd.zip', 'odd.py', 'odd'])
     def test_a_path_that_leads_nowhere_is_no_submission(self, tmp_path, name):
-        """Whatever its kind: a mistake by the instructor never gives a student zero points."""
+        """A mistake by the instructor never gives a student zero points."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
         with pytest.raises(NotTakenInError, match='there is no such file or folder'):
@@ -169,7 +169,7 @@ class TestWhatIsMeant:
 @pytest.mark.ros
 @pytest.mark.slow
 class TestRuns:
-    """For real, in the sandbox."""
+    """Real runs in the sandbox."""
 
     @pytest.fixture(scope='class', autouse=True)
     @classmethod
@@ -178,7 +178,7 @@ class TestRuns:
         cls.recordings = tmp_path_factory.mktemp('recordings')
 
     def points(self, path, exam='temperature_publisher'):
-        """Return the points of each exam in the visible form, and what failed."""
+        """Return the points of each visible exam, and its failed checks."""
         chosen = quick_look.exams_named(exam, LAYOUT, hidden=False)
         looks = quick_look.looks(path, chosen, LAYOUT)
         done = quick_look.quick_look(looks, strongest(), self.recordings)
@@ -204,7 +204,7 @@ class TestRuns:
         }
 
     def test_a_python_package_is_built_and_its_entry_point_runs(self, tmp_path):
-        """Whatever module and function it names, with imports of its own package."""
+        """It may name any module and function, and import modules of its own package."""
         node = NODE.format(package='.').replace('def main()', 'def start()')
         folder = python_package(
             tmp_path / 'a',
@@ -246,7 +246,7 @@ class TestRuns:
 
     @pytest.mark.parametrize('where', ['thermo', 'temp_monitor_pkg'])
     def test_modules_are_those_that_were_handed_in(self, tmp_path, where):
-        """Not those of the course's own package where that has the same name."""
+        """If the course's own package has the same name, its modules are not used."""
         folder = package(
             tmp_path / 'a',
             **{
@@ -261,7 +261,7 @@ class TestRuns:
         assert self.points(folder) == {'temperature_publisher': (15, [])}
 
     def test_a_zip_is_what_is_in_it(self, tmp_path):
-        """The folder around it and Mac's own entries do not matter."""
+        """An outer folder and the entries that macOS adds do not matter."""
         folder = package(tmp_path / 'a')
         with zipfile.ZipFile(tmp_path / 'a.zip', 'w') as archive:
             for path in sorted(folder.rglob('*.*')):
@@ -286,7 +286,7 @@ class TestRuns:
         assert said.out.count('[pass]') == 8
         assert 'Total: 15 of 15 points; visible checks; isolation: ' in said.out
         times = [line for line in said.err.splitlines() if '/temperature_topic: ' in line]
-        assert len(times) == 9  # for the first second, nothing subscribes
+        assert len(times) == 9  # no subscription exists in the first second
         assert times[0].strip().startswith('2.400s  /temperature_topic: temperature_value: 23.0')
 
     def test_a_notebook_is_one_too_and_json_has_all(self, tmp_path, capsys):

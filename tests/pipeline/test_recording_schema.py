@@ -19,18 +19,18 @@ KINDS = {
 
 
 def invalid_lines(seen: recording.Recording) -> list[str]:
-    """Return what the schema refuses in the lines of a recording."""
+    """Return the schema's errors for the lines of a recording."""
     lines = seen.to_bytes().decode().splitlines()
     return [error.message for line in lines for error in VALID.iter_errors(json.loads(line))]
 
 
 def test_the_schema_is_one():
-    """Of the draft that it names."""
+    """It is valid in the draft that it names."""
     Draft202012Validator.check_schema(SCHEMA)
 
 
 def test_it_has_the_events_that_the_probe_writes_and_the_words_that_describe_them():
-    """A new event is in all three places."""
+    """A new event must be added in all three places."""
     source = ''.join(
         path.read_text(encoding='utf-8') for path in sorted(ROOT.glob('autograder/probe/*.py'))
     )
@@ -42,7 +42,7 @@ def test_it_has_the_events_that_the_probe_writes_and_the_words_that_describe_the
 
 
 def test_an_unknown_event_and_an_unknown_field_are_refused():
-    """Else the schema would say nothing."""
+    """Otherwise the schema would accept anything."""
     mark = {'event': 'mark', 'clock_ns': None, 'name': 'a'}
 
     assert VALID.is_valid(mark)

@@ -38,10 +38,10 @@ pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
 
 
 class OneExam(SandboxEngine):
-    """The publisher's exam alone: no message is built here."""
+    """An engine with only the publisher's exam, so that no message is built."""
 
     def exams(self, assignment):
-        """Return it, as it is just now."""
+        """Return the publisher's exam in its current version."""
         return catalog.for_assignment(assignment)
 
 
@@ -62,7 +62,7 @@ def fit(layout: Layout, exam: Exam) -> None:
 
 @pytest.fixture(scope='module')
 def graded(released, tmp_path_factory):
-    """Return a course in which four students were graded for real."""
+    """Return a course in which four students were graded with real runs."""
     layout, here = copied(released, tmp_path_factory.mktemp('graded')), Layout.here()
     fit(layout, build(20, 0.07, 1.25))
     for name in STUDENTS:
@@ -87,7 +87,7 @@ def layout(graded, tmp_path):
 
 @pytest.fixture
 def now(monkeypatch, layout):
-    """Return a function that puts another exam in place of the one that was graded."""
+    """Return a function that replaces the graded exam by a different one."""
 
     def put(exam: Exam) -> None:
         fit(layout, exam)
@@ -107,9 +107,9 @@ class TestRejudge:
         """The limit is CPU time: a busy machine must not fail this test."""
         lesson = load_lesson(layout, ASSIGNMENT)
         (last,) = results_of(layout)
-        rejudge(layout, lesson, last, layout.submitted)  # what is imported and read once
+        rejudge(layout, lesson, last, layout.submitted)  # import and read everything once
         each = []
-        for _ in range(3):  # of which the least counts: what else Python tidies up is not ours
+        for _ in range(3):  # use the minimum, because Python's garbage collection also takes time
             began = time.process_time()
             account, *_ = rejudge(layout, lesson, last, layout.submitted)
             each.append((time.process_time() - began) / len(account['submissions']))
@@ -125,7 +125,7 @@ class TestRejudge:
         assert '4 of 4 submissions judged again' in account_text(accounts[0])
 
     def test_it_is_listed_who_has_other_points_by_which_check_and_why(self, layout, now):
-        """An edited check, one that gives more points, and one that is new."""
+        """The account lists an edited check, one with more points, and a new one."""
         exam = build(20, 0.07, 1.25)
 
         def names_the_unit(run):
@@ -167,7 +167,7 @@ class TestRejudge:
             assert one['after'] == one['before']
 
     def test_who_has_no_recording_is_named_and_keeps_the_points(self, layout, now):
-        """Also who handed in something else since, or nothing any more."""
+        """Students who have since changed or withdrawn their submission keep them too."""
         for path in layout.recordings.rglob('*.jsonl'):
             text = path.read_text(encoding='utf-8')
             if 'IndexError' in text or 'Traceback' in text:
@@ -186,7 +186,7 @@ class TestRejudge:
         assert kept['fail__stamps_without_nanoseconds'] == ''
 
     def test_nothing_is_written_unless_asked(self, layout, now):
-        """Neither reports nor gradebook; with --write both have the new points."""
+        """With --write, both the reports and the gradebook have the new points."""
         exam = build(20, 0.07, 1.25)
 
         def refuse(run):
@@ -216,7 +216,7 @@ class TestRejudge:
             assert entered.score == 14
 
     def test_only_who_has_another_result_is_entered(self, layout, now, monkeypatch):
-        """Nobody else is touched, and the slowest stay the slowest."""
+        """Other students are unchanged, and the list of slowest runs stays the same."""
         given = []
 
         def noted(layout, lesson, graded):
@@ -252,7 +252,7 @@ class TestRejudge:
 
 class TestExplain:
     def test_the_moment_is_marked_and_what_was_said_is_there(self, layout, now):
-        """At most forty lines, none of them wide; five readings are enough to judge by."""
+        """The evidence has at most forty short lines; five readings are enough to judge."""
         found = evidence(layout, 'fail__stamps_without_nanoseconds', 'stamps_follow_the_clock')
         text = evidence_text(found)
         (marked,) = [line for line in text.splitlines() if line.startswith('>')]
@@ -269,7 +269,7 @@ class TestExplain:
         json.dumps(found)
 
     def test_a_rate_is_shown_from_the_first_wrong_second(self, layout, now):
-        """The check names the moment, since no single message is wrong."""
+        """The check names the moment, because no single message is wrong."""
         found = evidence(layout, 'fail__two_hertz', 'publishes_once_per_second')
 
         assert found['deviation']['how'] == 'the check reported its failure at this event'
@@ -284,7 +284,7 @@ class TestExplain:
         assert 'Error' in text
 
     def test_a_verdict_that_passed_has_evidence_too(self, layout, now):
-        """The beginning of the run, and no moment."""
+        """The evidence shows the beginning of the run, without a deviation."""
         text = evidence_text(evidence(layout, 'pass__reference', 'names_the_unit'))
 
         assert 'PASSED, 1 of 1 points' in text
@@ -331,17 +331,17 @@ class TestExplain:
 class TestCommands:
     @pytest.fixture(autouse=True)
     def here(self, layout, now, monkeypatch):
-        """Let the course be the graded one."""
+        """Make the graded course the current one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
     def test_rejudge_ends_with_an_exit_code_if_points_are_kept(self, now):
-        """Another scenario needs another run."""
+        """A different scenario needs a new run."""
         now(build(21, 0.07, 1.25))
 
         assert command.main(['rejudge']) == FOR_REVIEW
 
     def test_rejudge_prints_an_account(self, capsys):
-        """Or all of it as JSON."""
+        """With ``--json``, it prints the whole account as JSON."""
         assert command.main(['rejudge', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
@@ -354,7 +354,7 @@ class TestCommands:
     def test_a_refusal_of_the_gradebook_is_told_after_the_reports(
         self, layout, now, capsys, monkeypatch
     ):
-        """Reports and account are there, then the reason; exit code 2."""
+        """Reports and account come first, then the reason; the exit code is 2."""
 
         def refuse(*_):
             raise GraderError('nbgrader failed while recording: no disk.')
@@ -378,7 +378,7 @@ class TestCommands:
         assert account['refused'] == 'nbgrader failed while recording: no disk.'
 
     def test_explain_prints_evidence(self, capsys):
-        """Or all of it as JSON; who is not there is one line."""
+        """It also prints JSON; an unknown student gives one line."""
         wanted = ['explain', 'fail__two_hertz', 'temperature_publisher/publishes_once_per_second']
         assert command.main(wanted) == OK
         assert 'FAILED, 0 of 3 points' in capsys.readouterr().out
@@ -391,7 +391,7 @@ class TestCommands:
         assert line.startswith('autograder: nobody: no student with this name or id has results')
 
     def test_explain_without_a_check_lists_the_checks_of_a_student(self, layout, capsys):
-        """With verdict, points and cause; the student is named by id or name."""
+        """The list has verdict, points and cause; the student is given by id or name."""
         keep_people(layout, {'fail__two_hertz': 'Ann Lee'})
 
         assert command.main(['explain', 'ann lee']) == OK

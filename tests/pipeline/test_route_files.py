@@ -1,4 +1,4 @@
-"""Each tool accepts the files of its route: containers, Binder, GitHub's workflows."""
+"""Each tool accepts the files for it: containers, Binder, GitHub's workflows."""
 
 import json
 from pathlib import Path
@@ -28,7 +28,7 @@ def run(*command: str | Path, cwd: Path = ROOT) -> subprocess.CompletedProcess[s
 
 
 def test_hadolint_accepts_the_dockerfile(tmp_path: Path) -> None:
-    """And not one without its only exception."""
+    """Without the file's only exception, hadolint rejects it."""
     done = run(BIN / 'hadolint', DOCKERFILE)
     assert (done.returncode, done.stdout) == (0, ''), done.stdout
 
@@ -59,12 +59,12 @@ def test_repo2docker_takes_apt_post_build_and_start_of_binder() -> None:
 
 
 def test_the_command_line_of_development_containers_reads_ours(tmp_path: Path) -> None:
-    """With the settings that the file has, and the stage of the Dockerfile."""
+    """It reads the settings in the file, and the stage of the Dockerfile."""
     shutil.copytree(Path(__file__).parent / 'devcontainer', tmp_path, dirs_exist_ok=True)
     installed = run('npm', 'ci', '--no-audit', '--no-fund', cwd=tmp_path)
     assert installed.returncode == 0, installed.stderr
 
-    # Without a Docker that answers, it prints nothing.
+    # If Docker does not respond, it prints nothing.
     read = ('read-configuration', '--workspace-folder', ROOT, '--docker-path', '/bin/true')
     done = run('node', tmp_path / DEVCONTAINER, *read)
     assert done.returncode == 0, done.stderr

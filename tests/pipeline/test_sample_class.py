@@ -60,7 +60,7 @@ def graded(assignment: str) -> dict[str, SubmissionResult]:
         for number, path in enumerate(folders(assignment))
         if late or number % EVERY == 0 or path.name == UNTOUCHED
     ]
-    # More than there are processors: much of the time, a program is watched and sleeps.
+    # More jobs than processors, because a run often only waits for a sleeping program.
     done = grade_class(class_, lesson, engine, jobs=4)
     return {one.result.student: one.result for one in done}
 
@@ -79,7 +79,7 @@ def recording_of(result: ExamResult) -> Recording:
 
 
 def seen(result: SubmissionResult) -> str:
-    """Return how the runs of a submission began and ended, for whom has to find out."""
+    """Return how the runs of a submission began and ended, to help find the cause of a failure."""
     texts = ['\n'.join(recording_of(one).lines()) for one in result.exams if one.recording]
     return '\n'.join(
         text if len(text) < 4000 else f'{text[:2000]}\n...\n{text[-2000:]}' for text in texts
@@ -88,7 +88,7 @@ def seen(result: SubmissionResult) -> str:
 
 @lessons
 def test_the_class_is_large_enough(assignment):
-    """Each lesson has right answers of several styles, mistakes and an untouched release."""
+    """Each lesson has correct answers in several styles, mistakes and an untouched release."""
     names = [path.name for path in folders(assignment)]
     outcomes = [name.partition('__')[0] for name in names]
 
@@ -107,14 +107,14 @@ def test_the_class_has_every_kind_of_outcome():
 
 @pytest.mark.parametrize('exercise', exercises(), ids=lambda one: one.name)
 def test_each_exercise_has_many_right_and_many_wrong_answers(exercise):
-    """Honest styles and beginners' mistakes; stubs and copies of the reference do not count."""
+    """Styles and beginners' mistakes count; stubs and copies of the reference do not."""
     assert len(counted(samples(), exercise, right=True)) >= 12
     assert len(counted(samples(), exercise, right=False)) >= 12
 
 
 @lessons
 def test_verdicts_and_causes_and_points_are_those_expected(assignment):
-    """Every check of every exam says what ``expected.json`` says."""
+    """Every check of every exam has the result in ``expected.json``."""
     wrong = {}
     for path in (one for one in folders(assignment) if one.name in graded(assignment)):
         result, expected = graded(assignment)[path.name], expected_of(path)
@@ -135,7 +135,7 @@ def test_verdicts_and_causes_and_points_are_those_expected(assignment):
 
 @lessons
 def test_name_of_a_sample_says_whether_it_is_right(assignment):
-    """Those that pass have all the points; the others fail a check and have fewer."""
+    """Samples named ``pass`` have full points; the others fail a check and have fewer."""
     full = sum(exam.max_points for exam in catalog.for_assignment(assignment))
     for path in folders(assignment):
         expected, right = expected_of(path), path.name.startswith('pass__')
@@ -146,7 +146,7 @@ def test_name_of_a_sample_says_whether_it_is_right(assignment):
 
 @lessons
 def test_every_failing_text_is_short_and_tells_nothing_that_was_drawn(assignment):
-    """Twelve lines of a readable width, and nothing to hard-code, whatever was handed in."""
+    """A text has at most twelve lines, and no drawn value that a student could hard-code."""
     wrong = [
         (name, exam.name, line)
         for name, exam, result in judged_exams(assignment)
@@ -158,7 +158,7 @@ def test_every_failing_text_is_short_and_tells_nothing_that_was_drawn(assignment
 
 @lessons
 def test_what_a_program_says_moves_no_points_and_how_it_says_it_no_cause(assignment):
-    """Each recording is judged again, with nothing and with another text beside it."""
+    """Each recording is judged again, without printed text and with a different one."""
     results = {(name, exam.name): result for name, exam, result in judged_exams(assignment)}
     moved, examined = [], set()
     for sample in samples():

@@ -1,4 +1,4 @@
-"""Each step of a scenario, shown with a small program in the sandbox and the probe beside it."""
+"""Test each step of a scenario with a small program in the sandbox and the probe."""
 
 import pytest
 
@@ -43,7 +43,7 @@ def make():
 
 class TestJoin:
     def test_late_joiner_hears_the_history(self, run):
-        """A transient-local listener gets as much as the writer's depth keeps."""
+        """A transient-local subscription gets as many messages as the publisher's depth keeps."""
         late = Qos(durability='TRANSIENT_LOCAL')
 
         seen = run(LATCHED, Join('late', '/map', INT, late))
@@ -61,7 +61,7 @@ class TestJoin:
         assert seen.messages('/map', 'late') == []
 
     def test_refused_listener_names_the_policy(self, run):
-        """Best effort does not satisfy who asks for reliable."""
+        """A best-effort publisher does not match a reliable subscription."""
         body = """
 def make():
     node = Node('sensor')
@@ -75,7 +75,7 @@ def make():
         assert (joined['matched'], joined['refused']) == (False, ['RELIABILITY'])
 
     def test_leaving_is_noticed_by_the_student(self, run):
-        """Two matched events, one for each change, each in its own phase."""
+        """The student's node gets two matched events, one for each change, in separate phases."""
         body = """
 from rclpy.event_handler import PublisherEventCallbacks
 
@@ -117,7 +117,7 @@ def make():
 
 class TestCall:
     def test_lifecycle_is_driven_from_outside(self, run):
-        """Only the active phase has messages; the state is asked at the end."""
+        """Only the active phase has messages; the probe asks for the state at the end."""
         node = '/lab/thermometer'
         steps = [transition(node, 'configure'), Mark('inactive'), Advance(3)]
         steps += [transition(node, 'activate'), Mark('active'), Advance(3)]
@@ -142,7 +142,7 @@ class TestCall:
         assert seen.end_reason == 'complete'
 
     def test_graph_is_looked_at_in_between(self, run):
-        """A publisher that comes with a transition is in the second graph only."""
+        """A publisher that a transition creates is only in the second graph."""
         steps = [Look('before'), transition('/thermometer', 'configure'), Look('after')]
 
         seen = run(THERMOMETER, *steps)
@@ -172,7 +172,7 @@ class TestCall:
         assert [answer['data']['success'] for answer in changed] == [False, True]
 
     def test_service_that_is_not_there_is_no_answer(self, run):
-        """The run goes on: later steps may still show something."""
+        """The run continues, because later steps may still give evidence."""
         seen = run(LATCHED, state('/map'), Mark('after'))
 
         (asked,) = seen.answers('/map/get_state')
@@ -180,7 +180,7 @@ class TestCall:
         assert seen.phase('after').of('mark')
 
     def test_node_that_nobody_spins_does_not_answer(self, run):
-        """Of two nodes of a program, one may be left out of its executor."""
+        """A program may add only one of its two nodes to an executor."""
         body = """
 def make():
     global silent
@@ -199,7 +199,7 @@ def make():
         }
 
     def test_program_that_ends_in_a_call_is_no_answer(self, run):
-        """The probe's later steps are not part of the run."""
+        """The run does not contain the probe's later steps."""
         body = """
 import os
 
@@ -236,7 +236,7 @@ def make():
 
 class TestOffer:
     def test_missed_deadlines_are_counted(self, run):
-        """A deadline runs in virtual time as all else does."""
+        """Deadlines run in virtual time, as everything else does."""
         body = LISTENER.replace('{options}', ', deadline=Duration(seconds=0.3)')
         promise = Qos(deadline_s=0.3)
         steps = [Offer('sensor', '/in', STRING, promise), Feed('sensor', [{'data': 'a'}])]
@@ -247,7 +247,7 @@ class TestOffer:
         assert of_interest(seen, 'offered', 'left') == ['offered', 'left']
 
     def test_refused_publisher_names_the_policy(self, run):
-        """Both sides hear of it: our event and the student's log."""
+        """Both sides report the refusal: the probe's event and the student's log."""
         body = LISTENER.replace('{options}', '')
         steps = [Offer('sensor', '/in', STRING, Qos('BEST_EFFORT'))]
 
@@ -258,7 +258,7 @@ class TestOffer:
         assert [log['text'] for log in seen.logs()] == ['refused']
 
     def test_liveliness_changes_when_it_leaves(self, run):
-        """The student's node hears of it; without a lease Fast DDS would not tell."""
+        """The student's node gets the event; without a lease, Fast DDS would not send it."""
         body = LISTENER.replace('{options}', ', liveliness_lease_duration=Duration(seconds=2)')
         steps = [Offer('sensor', '/in', STRING, Qos(lease_s=2.0)), Advance(2.0)]
         steps += [Mark('gone'), Leave('sensor')]
@@ -269,7 +269,7 @@ class TestOffer:
         assert [log['text'] for log in seen.phase('gone').logs()] == ['alive 0']
 
     def test_feed_has_its_own_quality_of_service(self, run):
-        """A feed of the scenario may be best effort; then nobody strict is connected."""
+        """If a feed is best effort, no reliable subscription connects to it."""
         body = LISTENER.replace('{options}', '')
         feed = {'/in': FeedTopic(STRING, Qos('BEST_EFFORT'))}
 
@@ -279,14 +279,14 @@ class TestOffer:
         assert seen.of('input') == []
 
     def test_optional_feed_goes_on_without_a_listener(self, run):
-        """Whether anybody is there may be just what the exam asks."""
+        """The exam may test whether any subscription exists."""
         seen = run(LATCHED, Feed('/in', [{'data': 'a'}], optional=True), feed={'/in': STRING})
 
         assert seen.of('not_connected') != []
         assert seen.end_reason == 'complete'
 
     def test_answers_are_told_apart_by_the_input_they_follow(self, run):
-        """One input a second, and an answer at the instant of each."""
+        """Inputs come once a second, and each is answered at the same instant."""
         body = """
 def make():
     node = Node('relay')
@@ -327,7 +327,7 @@ def make():
 
 
 def test_a_step_that_cannot_be_taken_is_named(run):
-    """An exam that nobody has looked at is told by its name, with the step."""
+    """The error for an untested exam names the exam and the step."""
     body = """
 def make():
     node = Node('a')

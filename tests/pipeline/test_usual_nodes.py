@@ -1,4 +1,4 @@
-"""Exams of usual nodes take thirty lines, and tell each mistake of a real program by its name."""
+"""Exams of common nodes take thirty lines, and name the cause of each mistake."""
 
 import importlib
 
@@ -109,7 +109,7 @@ def test_program_gets_its_points_and_its_cause(name, body, points, causes):
 
 @pytest.mark.parametrize('name', ['speed_limiter', 'lamp', 'debouncer'])
 def test_inputs_tell_each_mistake_from_the_others(name):
-    """As ``release check`` asks of every exam."""
+    """``release check`` requires this of every exam."""
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
 
     assert [one for asked in exam.asks.values() for one in asked.mistakes()] == []

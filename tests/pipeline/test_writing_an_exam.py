@@ -1,4 +1,4 @@
-"""The instructors' page, followed literally in a course of one's own."""
+"""Follow the page for instructors literally, in a new course."""
 
 import json
 import os
@@ -23,12 +23,12 @@ SAMPLES = Path('tests', 'submissions', '20_doors')
 
 @pytest.fixture(scope='module')
 def course(tmp_path_factory) -> Path:
-    """Return a course that has nothing but the page's exercise."""
+    """Return a course with only the exercise of the page."""
     root = tmp_path_factory.mktemp('new') / 'doors'
     begin, exercise = COMMANDS[:2]
     done = follow(ROOT, begin.replace('../doors', str(root)).replace('.venv', sys.prefix))
     assert done.returncode == 0, done.stderr
-    # In place of the set-up: the environment of this project, whose messages will do.
+    # Use the environment of this project, which has the messages, instead of a new set-up.
     (root / '.venv').symlink_to(sys.prefix)
     done = follow(root, exercise)
     assert done.returncode == 0, done.stderr
@@ -70,7 +70,7 @@ def follow(course: Path, line: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_exercise_has_fewer_than_sixty_lines_of_code():
-    """Both cells and the one before them, both exams and a sample, without the blank lines."""
+    """Three cells, both exams and a sample are counted, without blank lines."""
     code = [text for where, text in BLOCKS if not where.endswith(('.json', 'text'))]
     lines = [line for text in code for line in text.splitlines() if line.strip()]
 
@@ -79,7 +79,7 @@ def test_the_exercise_has_fewer_than_sixty_lines_of_code():
 
 
 def test_the_cells_import_what_they_call():
-    """``check`` is not a builtin: without the first cell the learner gets a NameError."""
+    """``check`` is not a builtin, so without the first cell the learner gets a NameError."""
     cells = {where.removeprefix('cell').strip(): text for where, text in BLOCKS if 'cell' in where}
     known: dict[str, object] = {}
     exec(cells['start'], known)
@@ -91,7 +91,7 @@ def test_the_cells_import_what_they_call():
 @pytest.mark.ros
 @pytest.mark.slow
 def test_following_it_literally_works(course):
-    """The release is made, the exam is proven, and the near miss fails for its reason."""
+    """The release is made, the self-check passes, and the sample fails with its expected cause."""
     release, check, proof, look, _ = COMMANDS[2:]
 
     done = follow(course, release)
@@ -119,7 +119,7 @@ def test_following_it_literally_works(course):
 @pytest.mark.ros
 @pytest.mark.slow
 def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_path):
-    """The check of the page needs no code for it."""
+    """The check on the page contains no code for this cause."""
     sample = course / SAMPLES / 'fail__counts_messages' / 'visitor_counter.py'
     text = sample.read_text(encoding='utf-8')
     (tmp_path / 'visitor_counter.py').write_text(text.replace("'visitors'", "'visitor'"))
@@ -135,7 +135,7 @@ def test_misspelt_topic_is_explained_as_in_the_exams_of_the_course(course, tmp_p
 @pytest.mark.ros
 @pytest.mark.slow
 def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_path):
-    """One right answer is too few, three will do: the twelve of this course are not asked."""
+    """One correct answer is too few, three are enough; this course itself requires twelve."""
     root = tmp_path / 'doors'
     shutil.copytree(released, root, symlinks=True)
     answer = next(text for where, text in BLOCKS if where == 'cell visitor_counter')
@@ -178,7 +178,7 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_pa
     ],
 )
 def test_a_mistake_in_it_is_refused_with_its_place(released, tmp_path, wrong, right, said):
-    """The proof finds it before any grading; in the last case the reference fails a check."""
+    """The self-check finds it before any grading; in the last case the reference fails a check."""
     root = tmp_path / 'course'
     shutil.copytree(released, root, symlinks=True)
     path = root / 'exams' / 'visible' / 'visitor_counter.py'

@@ -1,4 +1,4 @@
-"""Sources of submissions as the systems make them, and what lies in ``submitted/`` afterwards."""
+"""Sources of submissions in each platform's form, and the resulting files in ``submitted/``."""
 
 from functools import partial
 import json
@@ -64,7 +64,7 @@ def laid(folder: Path, files: dict[str, bytes]) -> Path:
 
 
 def limit(monkeypatch, **limits: int) -> None:
-    """Lower limits for the size of a source."""
+    """Lower the limits for the size of a source."""
     monkeypatch.setattr(deliveries, 'BOUNDS', deliveries.BOUNDS._replace(**limits))
 
 

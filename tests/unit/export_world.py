@@ -1,4 +1,4 @@
-"""A small class for tests of exports: passed, failed, not run, for review, and hostile words."""
+"""A small class for tests of exports: passed, failed, not run, for review, hostile text."""
 
 from dataclasses import replace
 
@@ -45,7 +45,7 @@ VISIBLE = replace(FULL, exams=(replace(FULL.exams[0], mode='none'),))
 """What isolation that keeps nothing hidden has left: visible checks, no mark."""
 REVIEW = submission('eve', fault='The probe broke off. Grade it again.')
 HOSTILE = submission(
-    f'x{EVIL}'.replace('\ud800', ''),  # an id is always text that can be written
+    f'x{EVIL}'.replace('\ud800', ''),  # an id can always be encoded
     (check('runs'), failed(words=EVIL, observed=EVIL, expected=EVIL)),
     problems=(Problem(EVIL, EVIL, EVIL, EVIL, ('cell',)),),
     noticed=(EVIL,),
@@ -55,5 +55,5 @@ CLASS = ClassResults(ASSIGNMENT, (submission(), FULL, REVIEW, HOSTILE))
 
 
 def marked(graded=CLASS, *absent):
-    """Return the marks of a class, as exports get them."""
+    """Return the marks of a class in the form that exports receive."""
     return [*map(automatic, graded.results), *absent]

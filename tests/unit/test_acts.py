@@ -1,4 +1,4 @@
-"""Find the place where a program does what a cause speaks about: a line, a function or nothing."""
+"""Find the place of an act that a cause mentions: a line, a function or nothing."""
 
 import re
 
@@ -80,7 +80,7 @@ class Courier(Node):
     ],
 )
 def test_act_of_a_courier_is_found(act, line):
-    """What a cause says more precisely needs an act of its own."""
+    """A more precise cause needs a separate act."""
     assert place(act, code=POLITE) == (line, '')
 
 
@@ -126,8 +126,8 @@ class TestPlace:
         ('acts', 'line'),
         [
             ('create_subscription()', 12),
-            ('create_publisher(1)', 4),  # where the name of the topic is
-            ('data=', 22),  # where the value of the field is
+            ('create_publisher(1)', 4),  # the line with the name of the topic
+            ('data=', 22),  # the line with the value of the field
             ('>', 18),
             ('!=', 23),
             ('if:publish()', 23),
@@ -151,8 +151,8 @@ class TestPlace:
             ('stored@def:on_activate', 12, ()),
             ('short_pause@def:inspect', 20, ['1.2']),
             ('truth', 22, ()),
-            ('==', 28, ()),  # not of the line that asks who runs the file
-            ('profile', 7, ['survey']),  # the publisher shares it, for which it is right
+            ('==', 28, ()),  # not the line with __name__
+            ('profile', 7, ['survey']),  # the publisher shares the profile, which is correct there
             ('get_parameter()@def:on_activate', 12, ()),  # on_configure() shares the helper
             ('get_parameter()', 18, ()),
         ],
@@ -170,7 +170,7 @@ class TestPlace:
         ],
     )
     def test_what_only_looks_alike_is_no_place(self, act, about):
-        """A longer pause, the code that runs the file and other look-alikes are not found."""
+        """Look-alikes, such as a longer pause and the code that runs the file, are not found."""
         found = place(act, about, code=LATER)
 
         assert found is None or found[1]
@@ -212,7 +212,7 @@ class TestPlace:
         assert place('if:warning()', code=code) == (4, '')
 
     def test_log_lines_of_the_run_choose_between_functions(self):
-        """The recording has the line of each log call, which decides between two functions."""
+        """The recording contains the line of each log call, which identifies the function."""
         assert place('warning() info()', lines=[19]) == (19, '')
         assert place('log', lines=[26]) == (26, '')
         assert place('warning() info()', lines=[26]) == (25, 'tock')
@@ -235,7 +235,7 @@ class TestPlace:
 
 
 class TestKnownActs:
-    """Acts that need more than one word of code."""
+    """Acts that more than one word of code identifies."""
 
     @pytest.mark.parametrize(
         ('act', 'about', 'line'),
@@ -265,7 +265,7 @@ class TestKnownActs:
         assert place(act, about)[0] == line
 
     def test_innocent_timer_is_not_the_place_of_another_rhythm(self):
-        """The program has two timers, and neither has the period that was observed."""
+        """The program has two timers, and neither has the observed period."""
         assert place('period', ['0.7']) is None
 
     @pytest.mark.parametrize(
@@ -319,7 +319,7 @@ class TestTable:
         ('cause_id', 'line'), [('one_age_for_all', 10), ('half_a_stop', 12), ('early_limit', 15)]
     )
     def test_innocent_line_with_a_similar_act_is_not_named(self, cause_id, line):
-        """A time is stored, an age compared and a parameter read, and each of these is right."""
+        """A time is stored, an age compared and a parameter read, all correctly."""
         assert place(acts_by_cause()[cause_id], code=PILOT) == (line, '')
 
     def test_cause_has_one_row(self):

@@ -143,7 +143,7 @@ RIGHT = {name: entry['right'] for name, entry in key().items()}
 
 
 def test_visible_check_looks_at_the_form_only():
-    """A visible check gives the same result for right and for wrong letters."""
+    """A visible check gives the same result for correct and for wrong letters."""
     right, wrong = (results(answers(**letters), hidden=False) for letters in (RIGHT, {}))
 
     assert right == wrong
@@ -183,7 +183,7 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
 
 
 def test_blind_guessing_does_not_pay():
-    """Each letter is the right one equally often."""
+    """Each letter is the correct one equally often."""
     assert sorted(list(RIGHT.values()).count(letter) for letter in 'abcd') == [6, 6, 6, 6]
 
 

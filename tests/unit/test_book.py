@@ -48,7 +48,7 @@ def test_line_that_was_cleared_is_left_out():
 
 
 def test_exercise_keeps_its_stub_and_has_no_output():
-    """One line after the last cell of an exercise says that a right answer gave the outputs."""
+    """A line after the last cell of an exercise says that the outputs are of a correct answer."""
     marks = {'nbgrader': {'solution': True, 'grade_id': 'one'}}
     output = new_output('stream', text='x')
     release = [new_code_cell('# YOUR CODE HERE', id=name, metadata=marks) for name in 'ab']

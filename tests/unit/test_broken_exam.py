@@ -39,7 +39,7 @@ def broken_exam(tmp_path, monkeypatch):
 
 
 def forget() -> None:
-    """Forget which course was chosen before."""
+    """Forget the current course of earlier tests."""
     for name in [name for name in sys.modules if name.partition('.')[0] == 'broken_exams']:
         del sys.modules[name]
     catalog.load.cache_clear()

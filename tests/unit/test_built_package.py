@@ -1,4 +1,4 @@
-"""Packages that colcon builds: which ones, what runs instead, and how a failure is explained."""
+"""Packages that colcon builds: recognition, executables, and explanations of failures."""
 
 import importlib
 import json
@@ -28,7 +28,7 @@ def test_a_package_has_a_manifest_with_a_name_and_says_how_it_is_built():
 
 
 def test_the_exam_stays_the_same_but_for_what_runs():
-    """The exam of the package has the same checks and inputs, and the original is unchanged."""
+    """The exam for a package has the same checks and inputs, and the original is unchanged."""
     exam = catalog.load('temperature_publisher', hidden=False)
 
     assert EXAM.checks == exam.checks
@@ -134,7 +134,7 @@ def test_lines_are_those_of_the_file(words):
 
 
 def test_both_sides_mean_the_same_codes(monkeypatch):
-    """The script in the sandbox repeats the codes, because it imports nothing of the project."""
+    """The script in the sandbox repeats the codes, because it imports no module of the project."""
     inside = HERE / 'inside'
     monkeypatch.syspath_prepend(str(inside))
     run_package = importlib.import_module('run_package')

@@ -55,7 +55,7 @@ def test_other_cells_are_no_files(source):
     ],
 )
 def test_a_name_that_is_no_file_name_is_refused(line):
-    """No name leads out of the package."""
+    """No name may lead out of the package."""
     with pytest.raises(CellSyntaxError, match='got'):
         parse_cell(f'{line}\nx')
 

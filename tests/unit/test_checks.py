@@ -1,4 +1,4 @@
-"""The functions that checks share, tested on recordings that are made by hand."""
+"""The functions that checks share, tested on handmade recordings."""
 
 from dataclasses import replace
 
@@ -59,7 +59,7 @@ class TestNode:
 
 class TestReached:
     def test_subscription_that_comes_after_the_start_fails_alone(self):
-        """It has lost what was sent before, but later messages show the rest."""
+        """It missed the earlier messages, but the later ones show the rest."""
         start = {**GRAPH, 'when': 'start', 'endpoints': []}
         sent = {'event': 'input', 'index': 0, 'topic': TOPIC}
         run = run_of(start, sent, {**GRAPH, 'endpoints': [HEARD]})
@@ -72,7 +72,7 @@ class TestReached:
 
     @pytest.mark.parametrize(('lost', 'passes'), [('/other', True), (TOPIC, False)])
     def test_topic_that_is_not_connected_fails_alone(self, lost, passes):
-        """The run ends there, which is not the fault of another topic."""
+        """The run ends at this topic, so other topics are not blamed."""
         seen = [{**GRAPH, 'when': when, 'endpoints': [HEARD]} for when in ('start', 'end')]
         run = run_of(*seen, {'event': 'not_connected', 'topic': lost})
 
@@ -81,7 +81,7 @@ class TestReached:
 
 class TestEndpoint:
     def test_endpoint_of_another_type_is_named(self):
-        """The cause is the type of the endpoint, although its topic is right."""
+        """The cause is the type of the endpoint, although its topic is correct."""
         with pytest.raises(Failed) as failed:
             checks.require_endpoint(run_of(GRAPH), 'publisher', TOPIC, 'std_msgs/msg/Int32')
 
@@ -101,7 +101,7 @@ class TestEndpoint:
 
 class TestMessages:
     def test_one_other_value_fails_and_is_shown(self):
-        """A nested field is named with a dot."""
+        """The name of a nested field contains a dot."""
         found = [message(1, unit={'name': 'Celsius'}), message(2, unit={'name': 'celsius'})]
 
         with pytest.raises(Failed) as failed:
@@ -208,7 +208,7 @@ class TestMessages:
         assert (failed.value.why and failed.value.why.cause_id) == cause
 
     def test_rhythm_that_ends_early_is_not_called_a_wrong_rate(self):
-        """If the rhythm is right as long as it lasts, the cause is its early end."""
+        """If the rhythm is correct until it ends, the cause is its early end."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(
                 run_of(), [message(clock) for clock in (1.1, 2.1, 3.1)], 1.0, 8.0
@@ -236,7 +236,7 @@ class TestLogs:
     """Only log lines of the node's own logger count."""
 
     def test_lines_of_others_do_not_count(self):
-        """Loggers of children count; a node whose name only begins alike does not."""
+        """Child loggers count; a node whose name only begins with the same letters does not."""
         run = run_of(log('mine'), log('child', name='lab.a.kid'), log('other', name='lab.ab'))
 
         assert [one['text'] for one in checks.own_logs(run, '/lab/a')] == ['mine', 'child']

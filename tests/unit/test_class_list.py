@@ -75,7 +75,7 @@ def test_name_and_id_of_a_student_are_the_same_student(layout, column):
     laid(layout.work, {'extensions.csv': text.encode()})
 
     assert extensions(layout)[student_id(name), TALK] == timedelta(hours=48)
-    for folder in (name, student_id(name)):  # an instructor may have laid the folder
+    for folder in (name, student_id(name)):  # an instructor may have created the folder
         assert not_collected(layout, TALK, {folder}) == ()
         assert not_listed(layout, {folder}) == ()
 

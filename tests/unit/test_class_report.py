@@ -1,4 +1,4 @@
-"""A class in numbers: the statistics, the page, and the text on the terminal."""
+"""Statistics of a class: the numbers, the page, and the text on the terminal."""
 
 from dataclasses import asdict, replace
 from itertools import pairwise
@@ -79,7 +79,7 @@ class TestNumbers:
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
     def test_one_submission_has_numbers_too(self):
-        """The marks of a single submission are its quartiles."""
+        """With a single submission, every quartile is its mark."""
         marks = numbers_of(*with_points(7)).marks
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
@@ -108,7 +108,7 @@ class TestNumbers:
         assert 'no student has a mark' in stats_text(numbers)
 
     def test_causes_are_counted_by_their_name(self):
-        """Causes are grouped by their id and shown with their commonest words."""
+        """Causes are grouped by id and shown with their most frequent text."""
         others = [submission(f's{n}', (failed(words=f'a typo in line {n}'),)) for n in range(2)]
         same = [submission(f't{n}', (failed(words='a typo in line 1'),)) for n in range(2)]
         odd = submission('u', (failed(words='late', cause_id='late'),))
@@ -249,7 +249,7 @@ class TestPage:
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
     def test_checks_stand_in_the_order_of_the_exams(self):
-        """The checks have the order that students see, with their commonest cause."""
+        """The checks have the order that students see, with their most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
         text = read(class_page(CLASS, numbers_of(both))).text
@@ -312,7 +312,7 @@ class TestVisibleChecksAlone:
     """Isolation that cannot hide the hidden exams leaves only the visible checks."""
 
     def test_they_make_no_marks(self):
-        """The verdicts are counted, and there are no marks."""
+        """The verdicts are counted, but no marks are shown."""
         numbers = numbers_of(VISIBLE)
 
         assert numbers.marks is None

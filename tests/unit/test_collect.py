@@ -1,4 +1,4 @@
-"""Collect sources of each kind, right and wrong, into the folders of nbgrader and one table."""
+"""Collect sources of each kind, valid and invalid, into nbgrader's folders and one table."""
 
 import json
 import os
@@ -56,7 +56,7 @@ class TestEveryKind:
     """Each source is read as a zip and as an unpacked folder."""
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
-        """The names in a source are enough to recognise its system."""
+        """The names in a source are enough to recognise its platform."""
         with opened(how(tmp_path / 'source.zip', files)) as found:
             assert recognised(found)[0] == kind
 
@@ -116,7 +116,7 @@ class TestStudentIds:
         assert student_id(name) == name
 
     def test_no_two_names_become_one(self):
-        """Names keep different ids without their signs or vowels, and if they are too long."""
+        """Names that differ only in signs or vowels, or are too long, get different ids."""
         names = ['a,b', 'a;b', 'a_b', 'a_b,', 'अमित', 'अमीत', 'x' * 101, 'x' * 102, ' ann', 'ann']
         names += ['می\u200cخواهم', 'میخواهم', 'O’Neil', "O'Neil", 'O_Neil', student_id('a,b')]
 
@@ -171,7 +171,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_link_in_a_zip_is_left(self, tmp_path, layout):
-        """A link in a zip is left out, and its student appears in the reports."""
+        """A link in a zip is left out, and the reports name its student."""
         link = zipfile.ZipInfo('ann/talk.ipynb')
         link.external_attr = (stat.S_IFLNK | 0o777) << 16
         with zipfile.ZipFile(tmp_path / 's.zip', 'w') as archive:
@@ -186,7 +186,7 @@ class TestHostileSources:
         assert [one.student for one in read_not_collected(layout)] == ['ann']
 
     def test_links_and_pipes_in_a_folder_are_left(self, tmp_path, layout):
-        """Links and pipes in a folder are left out, and nothing waits for a pipe."""
+        """Links and pipes in a folder are left out, and no read blocks on a pipe."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         (source / 'bob').mkdir()
         (source / 'bob' / 'talk.ipynb').symlink_to(source / 'ann' / 'talk.ipynb')
@@ -203,7 +203,7 @@ class TestHostileSources:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_a_file_that_grows_when_unpacked_is_bounded(self, tmp_path, layout, monkeypatch):
-        """The bytes that are unpacked are limited, whatever size the zip states."""
+        """The number of unpacked bytes is limited, whatever size the zip states."""
         limit(monkeypatch, file_bytes=1000)
         source = packed(tmp_path / 's.zip', {'ann/talk.ipynb': b' ' * 100_000})
 

@@ -1,4 +1,4 @@
-"""Which notebook is collected for an assignment, and how much is read to find out."""
+"""The choice of the notebook for an assignment, and limits on reading."""
 
 import json
 import tracemalloc
@@ -38,7 +38,7 @@ class TestSeveralAssignments:
 
     @pytest.mark.parametrize('place', ['{}/notebooks/{}/{}.ipynb', '{}/{}/{}.ipynb'])
     def test_one_notebook_of_each_is_taken(self, place, tmp_path, layout):
-        """A lesson without graded cells is recognised by its name."""
+        """A lesson without graded cells is recognised by its file name."""
         files = {
             place.format(name, lesson, lesson[3:]): data
             for name in ('ann', 'bob')
@@ -53,7 +53,7 @@ class TestSeveralAssignments:
         assert all(row.notes == () for row in rows)
 
     def test_the_one_wanted_is_taken_alone(self, tmp_path, layout):
-        """With ``--assignment``, other notebooks are not looked for."""
+        """With ``--assignment``, notebooks of other assignments are ignored."""
         files = {f'ann/{TALK}/talk.ipynb': GOOD, f'ann/{LISTEN}/listen.ipynb': OTHER}
         source = laid(tmp_path / 'class', files)
 
@@ -62,7 +62,7 @@ class TestSeveralAssignments:
         assert done(rows) == [('ann', LISTEN, TAKEN)]
 
     def test_content_says_which_assignment_it_is(self, tmp_path, layout):
-        """The cells decide, whatever the names of the file and the folder are."""
+        """Only the cells count, whatever the names of the file and the folder are."""
         files = {f'ann/{TALK}/talk.ipynb': OTHER, f'ann/{LISTEN}/listen.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 'class', files), layout, layout.submitted)
@@ -82,7 +82,7 @@ class TestOneAssignmentASource:
 
     @pytest.mark.parametrize('places', [CANVAS, MOODLE], ids=['canvas', 'moodle'])
     def test_a_notebook_of_another_lesson_replaces_nothing(self, places, tmp_path, layout):
-        """A notebook of another lesson gets a line, even next to the right one."""
+        """A notebook of another lesson gets a row, even next to the correct one."""
         before = {f'{name}/{LISTEN}/listen.ipynb': b'right' for name in ('1003', 'cy')}
         laid(layout.submitted, before)
         names = 'talk.ipynb', 'listen.ipynb'
@@ -104,7 +104,7 @@ class TestOneAssignmentASource:
         ],
     )
     def test_what_is_not_sure_is_refused(self, one, two, said, tmp_path, layout):
-        """Two equally likely assignments are refused, and ``--assignment`` decides."""
+        """If two assignments are equally likely, the error asks for ``--assignment``."""
         files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
         source = packed(tmp_path / 'c.zip', files)
 
@@ -134,7 +134,7 @@ class TestOneAssignmentASource:
 
 
 class TestTheRightOne:
-    """Cells decide first, then the name, then the time."""
+    """Cells are compared first, then the name, then the time."""
 
     @pytest.mark.parametrize('wanted', ['', TALK])
     @pytest.mark.parametrize(
@@ -312,7 +312,7 @@ class TestBounds:
         assert any(row.notes[0].startswith(f'{TALK}/talk.ipynb: more than') for row in rows)
 
     def test_refused_files_of_one_entry_are_one_line(self, tmp_path, layout):
-        """Many refused links of one student are one line in the table."""
+        """Many refused links of one student give one row in the table."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
         for n in range(9):
             (source / 'ann' / f'link{n}').symlink_to('talk.ipynb')

@@ -1,4 +1,4 @@
-"""Folders of students, and which names decide how the work of a class is read."""
+"""Folders of students, and the names that determine how a class is read."""
 
 from collect_sources import (
     CANVAS,
@@ -168,7 +168,7 @@ class TestIdsOfFolders:
         assert [row.done for row in rows if row.assignment == TALK] == [LEFT, LEFT]
 
     def test_a_prefix_is_for_folders(self, tmp_path, layout):
-        """``--prefix`` is refused for systems that have names of their own."""
+        """``--prefix`` is refused for platforms, which choose the names themselves."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
         with pytest.raises(NotTakenInError, match='these are names from moodle'):
@@ -176,7 +176,7 @@ class TestIdsOfFolders:
 
 
 class TestNamesThatStudentsGive:
-    """Only the names that a system gives decide how a class is read."""
+    """Only names from the platform determine how a class is read."""
 
     FORGED = (
         b"submission_102:\n  :submitters:\n  - :sid: '1001'\n"
@@ -184,7 +184,7 @@ class TestNamesThatStudentsGive:
     )
 
     def test_metadata_in_a_submission_is_one_of_its_files(self, tmp_path, layout):
-        """A file of metadata that a student handed in is not the one of the system."""
+        """A metadata file that a student handed in is not the platform's."""
         forged = {'assignment_9_export/submission_101/submission_metadata.yml': self.FORGED}
         source = packed(tmp_path / 'g.zip', {**forged, **GRADESCOPE})
         honest = packed(tmp_path / 'h.zip', GRADESCOPE)
@@ -222,7 +222,7 @@ class TestNamesThatStudentsGive:
     def test_one_folder_of_a_class_with_the_name_of_another_system_is_a_student(
         self, tmp_path, layout
     ):
-        """The system that explains most of the names is chosen."""
+        """The platform that explains most of the names is chosen."""
         files = {**REPOSITORIES, 'Vic_1_assignsubmission_file_/talk.ipynb': GOOD}
         source = laid(tmp_path / 'r', files)
 
@@ -233,7 +233,7 @@ class TestNamesThatStudentsGive:
 
     @pytest.mark.parametrize('wanted', ['', 'moodle'])
     def test_a_single_hand_in_does_not_decide_by_what_is_in_it(self, wanted, tmp_path, layout):
-        """The folder of a single student is not taken for a folder around a class."""
+        """The folder of a single student is not read as the outer folder of a class."""
         files = {
             'Ann_311_assignsubmission_file/Bo_312_assignsubmission_file/talk.ipynb': GOOD,
             'Ann_311_assignsubmission_file/Cy_313_assignsubmission_file/talk.ipynb': GOOD,
@@ -279,11 +279,11 @@ def test_what_macos_and_jupyter_leave_is_as_if_it_were_not_there(
 
 
 class TestNamedKind:
-    """``--kind`` states the system of the source."""
+    """``--kind`` names the platform of the source."""
 
     @pytest.mark.parametrize('wanted', ['canvas', 'moodle', 'gradescope', 'exchange', 'folder'])
     def test_a_source_that_is_of_another_is_refused(self, wanted, tmp_path, layout):
-        """The error has the expected system and the names that were found."""
+        """The error shows the expected platform and the names that were found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
         with pytest.raises(NotTakenInError) as caught:
@@ -306,7 +306,7 @@ class TestNamedKind:
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """Names of the stated system are read, and the other names get their lines."""
+        """Names of the stated platform are read, and each other name gets a row."""
         files = {f'notes_{n}.txt': b'' for n in range(9)}
         source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
 

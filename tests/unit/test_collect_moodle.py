@@ -1,4 +1,4 @@
-"""Moodle: names become ids, and two people with one name are never confused."""
+"""Moodle: names become ids, and two people with the same name are never confused."""
 
 from collect_sources import (
     GOOD,

@@ -1,4 +1,4 @@
-"""The names of each system, down to rare ones: each file has an owner, and none is lost."""
+"""Names of each platform, even rare ones: each file has an owner, and none is lost."""
 
 from collect_sources import (
     CANVAS,
@@ -92,7 +92,7 @@ class TestCanvas:
         ],
     )
     def test_anonymous_grading_has_ids_of_its_own(self, name, tmp_path, layout):
-        """With anonymous grading, Canvas writes an id in place of name and number."""
+        """With anonymous grading, Canvas writes an id instead of name and number."""
         files = {name: GOOD, 'anon_Zz9kQ_56_link.html': b'<html>'}
         source = packed(tmp_path / 'c.zip', files)
 
@@ -131,7 +131,7 @@ class TestCanvas:
         assert len(rows) == 3
 
     def test_two_attachments_of_one_user_tell_where_the_name_ends(self, tmp_path, layout):
-        """A number that occurs in two files is the user's, because attachments have their own."""
+        """A number in two files is the user's, because each attachment has a different number."""
         files = {
             'a_102_1001_55_talk.ipynb': notebook('talker', text='old'),
             'a_102_1001_77_talk-1.ipynb': notebook('talker', text='new'),
@@ -266,7 +266,7 @@ class TestExchange:
         assert collect(source, layout, layout.submitted) == []
 
     def test_work_for_another_assignment_is_not_taken_for_the_one_wanted(self, tmp_path, layout):
-        """The folder's assignment decides, whatever its notebook contains."""
+        """Only the assignment in the folder's name counts, whatever its notebook contains."""
         files = {f'inbound/ann+{LISTEN}+2026-03-01 12:00:00 UTC+x/listen.ipynb': b'{}'}
 
         (row,) = collect(laid(tmp_path / 'e', files), layout, layout.submitted, assignment=TALK)

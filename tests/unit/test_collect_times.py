@@ -40,7 +40,7 @@ def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
 
 @pytest.fixture
 def gradebook(layout) -> Path:
-    """Return a gradebook with these columns of nbgrader 0.9, in which all is due at noon."""
+    """Return a gradebook with these columns of nbgrader 0.9, in which all work is due at noon."""
     return made_gradebook(layout)
 
 
@@ -104,7 +104,7 @@ class TestReading:
         ],
     )
     def test_what_is_not_understood_is_no_time(self, text, note):
-        """Other times are refused; CST, for example, names four zones."""
+        """Other times are refused; CST, for example, is the name of four zones."""
         assert read_time(text) == (None, note)
 
     @pytest.mark.parametrize(
@@ -198,7 +198,7 @@ class TestOlderWork:
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        """The line of the work says that it is older, in a dry run too."""
+        """The row of the older work says so, even in a dry run."""
         monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
         tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
         collect(tuesday, layout, layout.submitted)
@@ -235,7 +235,7 @@ class TestOlderWork:
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
     def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
-        """Without a time, the last collected work stays, and its line says so."""
+        """Without a time, the last collected work stays, and its row says so."""
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
@@ -250,7 +250,7 @@ class TestStaleTime:
     """A time belongs to the notebook next to it."""
 
     def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
-        """An old time is removed, because late work would seem to be in time."""
+        """An old time is removed; otherwise late work would seem to be on time."""
         collect(
             laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
             layout,
@@ -338,7 +338,7 @@ class TestDueDates:
         from nbgrader.api import Gradebook
 
         gradebook.unlink()
-        beside = str(Path(sys.prefix) / 'bin')  # alembic
+        beside = str(Path(sys.prefix) / 'bin')  # for alembic
         monkeypatch.setenv('PATH', os.pathsep.join([beside, os.environ['PATH']]))
         with Gradebook(f'sqlite:///{gradebook}', 'course') as book:
             book.add_assignment(TALK, duedate='2026-03-01 13:00:00 +0100')

@@ -24,12 +24,12 @@ from autograder.sandboxes.sandbox import Sandbox
 
 @pytest.fixture(autouse=True)
 def undisturbed(monkeypatch):
-    """Let another grading hold the lock of this course."""
+    """Prevent other gradings of this course by holding its lock."""
     monkeypatch.setattr(grading, 'alone', lambda *_: nullcontext())
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):
-    """A missing folder is one line and exit code 2."""
+    """A missing folder gives one line and exit code 2."""
     code = command.main(['grade', '--submitted', str(tmp_path / 'nowhere')])
 
     assert code == command.USAGE
@@ -102,7 +102,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(
 
 
 def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys, monkeypatch):
-    """A system error without a file, such as a full disk, is one line."""
+    """A system error without a file, such as a full disk, gives one line."""
 
     def refuse(*_, **__):
         raise OSError(28, 'No space left on device')
@@ -135,7 +135,7 @@ def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, m
 
 
 def test_a_python_without_the_packages_is_one_line(tmp_path):
-    """A Python without the packages, as with -S, is one line."""
+    """A Python without the packages, as with -S, gives one line."""
     root = Path(command.__file__).parents[1]
     done = subprocess.run(
         [sys.executable, '-S', '-E', '-m', 'autograder', 'grade', '--submitted', str(tmp_path)],
@@ -151,7 +151,7 @@ def test_a_python_without_the_packages_is_one_line(tmp_path):
 
 
 def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
-    """A missing module of the grader keeps its traceback, because no other Python would help."""
+    """A missing module of the grader keeps its traceback: a different Python would not help."""
 
     def refuse(*_, **__):
         raise ModuleNotFoundError("No module named 'autograder.x'", name='autograder.x')
@@ -163,7 +163,7 @@ def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
 
 
 class TestCheckWithoutTheFile:
-    """``check`` on a folder speaks about files and not about cells."""
+    """For a folder, the messages of ``check`` name files, not cells."""
 
     def check(self, folder, *options):
         """Run the check of the publisher on a folder."""
@@ -242,7 +242,7 @@ def test_the_sample_class_can_be_written_anywhere(tmp_path, capsys):
 
 
 def test_sample_class_is_not_written_among_real_students(monkeypatch, tmp_path, capsys):
-    """The sample class is refused where real students are, whose gradebook would get its marks."""
+    """The sample class is refused in a real class, whose gradebook would get its marks."""
     folder = tmp_path / 'ann' / Layout.here().assignments()[0]
     folder.mkdir(parents=True)
     (folder / 'mine.ipynb').write_text('{}')
@@ -319,16 +319,16 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
-    """A stopped grading has its own exit code, says how to continue and has no traceback."""
+    """A stopped grading has a separate exit code, and says how to continue without a traceback."""
 
     def stopped(*_):
         signal.raise_signal(number)
         while True:
-            pass  # Python handles it between two instructions, not necessarily at once
+            pass  # Python handles the signal between two instructions, not necessarily at once
 
     monkeypatch.setattr(grading, '_assignments', stopped)
     before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # missing in a background job
 
     try:
         assert command.main(['grade', '--submitted', str(tmp_path)]) == command.STOPPED

@@ -1,4 +1,4 @@
-"""One grading at a time, and what a killed grading leaves behind."""
+"""Only one grading runs at a time, and the files of a killed grading are removed."""
 
 import os
 from pathlib import Path
@@ -23,7 +23,7 @@ with alone(Layout(Path(sys.argv[1])), 'a grading'):
 
 
 def held(root):
-    """Start another process that grades."""
+    """Start a second process that grades."""
     process = subprocess.Popen(
         [sys.executable, '-c', HOLDER, str(root)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
@@ -32,7 +32,7 @@ def held(root):
 
 
 def unfinished(layout):
-    """Return one file that a killed grading leaves, and two that are not its own."""
+    """Return one file that a killed grading leaves, and two that belong to other programs."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
     files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
@@ -42,7 +42,7 @@ def unfinished(layout):
 
 
 def test_a_second_grading_is_told_who_is_there(tmp_path):
-    """A second grading is refused with the name of the first, and runs after it."""
+    """A second grading is refused with the name of the first, and runs once that has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):

@@ -49,7 +49,7 @@ def test_a_check_may_name_the_moment():
 
 
 def test_else_the_shortest_beginning_with_the_same_words_counts():
-    """The deviation is the last event of the shortest run that fails with the same words."""
+    """The deviation is the last event of the shortest run that fails with the same message."""
     found = where(enough, *(message(second, 1) for second in range(10)))
 
     assert (found.index, found.how) == (2, 'cut')

@@ -1,4 +1,4 @@
-"""Causes come from the recording, and no cause is named without evidence."""
+"""Causes come from the recording, and are never named without evidence."""
 
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ def traceback(line, error):
 
 
 def test_absolute_name_is_told_from_a_slip():
-    """A topic outside the namespace has the right name with a slash too many."""
+    """A topic outside the namespace has the correct name with an extra leading slash."""
     seen = run(endpoints=[end('/reading')], nodes=('/lab/n',))
 
     found = causes.why_no_endpoint(seen, 'publisher', '/lab/reading', TYPE)
@@ -90,7 +90,7 @@ def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
     ],
 )
 def test_exception_is_named_with_its_line(error, cause_id):
-    """It is the one of the learner's file."""
+    """The line is that of the learner's file."""
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
     assert found.cause_id == cause_id
@@ -192,13 +192,13 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
             'exited_early',
             '',
         ),
-        # What one call of it has served, may be the question itself.
+        # A single call may have served only the question itself.
         ('rclpy.spin_once(node)  # for a while', 'spins_once', 'runs one callback'),
         ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'was running'),
     ],
 )
 def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):
-    """A program that ends in a callback was spun, so the cause is not a missing spin."""
+    """If a program ends in a callback, its node was spun, so no spin is missing."""
     seen = run({'event': 'graph', 'when': 'start', 'nodes': ['/n'], 'endpoints': []}, exit=0)
 
     found = causes.why_it_ended(Run({'n.py': code}, seen.recording))

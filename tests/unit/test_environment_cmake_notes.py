@@ -1,4 +1,4 @@
-"""What CMake finds during the set-up is saved for later builds, if its form is known."""
+"""CMake's findings during the set-up are saved for later builds, if their form is known."""
 
 import shutil
 import subprocess

@@ -88,7 +88,7 @@ def test_check_python_none_found_says_what_to_install():
 
 
 def test_check_python_incomplete_names_the_package():
-    """A Python of Debian without headers is missing one package."""
+    """Debian's Python without headers lacks only one package."""
     this = interpreters.probe(sys.executable, os.environ)
     bare = interpreters.Interpreter(
         **{**vars(this), 'path': '/usr/bin/python3.12', 'release': '3.12.3', 'has_headers': False}
@@ -133,7 +133,7 @@ def test_check_room_little_is_weak():
 
 
 def test_closed_shared_memory_is_missing_with_the_command_that_opens_it(monkeypatch):
-    """Free room is of no use where nobody may create a file."""
+    """Free space is useless if the user may not create a file."""
     monkeypatch.setattr(system.os, 'access', lambda *_: False)
 
     finding = doctor.check_shared_memory()
@@ -168,7 +168,7 @@ def test_missing_tools_names_what_is_not_on_the_path(monkeypatch):
 
 
 def test_bubblewrap_failure_repeats_its_words(tmp_path):
-    """The line repeats what bubblewrap said; no output means that it ran."""
+    """The line repeats bubblewrap's message; no output means that it ran."""
     program = tmp_path / 'bwrap'
     program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
     program.chmod(0o755)

@@ -26,14 +26,14 @@ def mode(path):
 
 
 def test_exchange_is_in_the_course_unless_the_setting_names_another(tmp_path):
-    """A relative path of the setting begins at the course."""
+    """A relative path in the setting starts at the course."""
     assert exchange_root(tmp_path, {}) == tmp_path / 'autograder' / '_work' / 'exchange'
     assert exchange_root(tmp_path, {SETTING: '/srv/exchange'}).as_posix() == '/srv/exchange'
     assert exchange_root(tmp_path, {SETTING: 'x'}) == tmp_path / 'x'
 
 
 def test_protect_sets_the_sticky_bit_and_keeps_the_rest(exchange):
-    """With the sticky bit, a student can hand in and can remove only their own work."""
+    """With the sticky bit, students can hand in work, and remove only their own."""
     protect(exchange)
 
     assert mode(exchange) == 0o1777

@@ -36,7 +36,7 @@ def fake_python(folder, name, **answers):
 @pytest.mark.parametrize(
     ('found', 'chosen'),
     [
-        # Of several complete interpreters, 3.12 is chosen, wherever it was found.
+        # Of several complete interpreters, 3.12 is chosen, wherever it is installed.
         ([{'release': f'3.{minor}.1'} for minor in (13, 10, 12, 11)], 2),
         # One without headers or venv is chosen only if there is no other; the set-up completes it.
         ([{'has_headers': False}, {'release': '3.10.1'}], 1),
@@ -48,7 +48,7 @@ def fake_python(folder, name, **answers):
     ],
 )
 def test_choose_takes_the_best(found, chosen):
-    """Complete, tested, of the distribution, of a preferred version: in this order."""
+    """The criteria are, in order: complete, tested, of the distribution, preferred version."""
     interpreters_found = [replace(GOOD, **facts) for facts in found]
 
     assert interpreters.choose(interpreters_found) == interpreters_found[chosen]
@@ -62,7 +62,7 @@ def test_choose_unsupported_gives_none(other):
 
 
 def test_probe_this_python_tells_its_base():
-    """The Python of a venv answers with the interpreter that it was made from."""
+    """The Python of a venv names the interpreter from which the venv was made."""
     answer = interpreters.probe(sys.executable, os.environ)
 
     assert answer.version == f'{sys.version_info[0]}.{sys.version_info[1]}'
@@ -97,14 +97,14 @@ def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
 
 
 def test_candidates_skip_a_pyenv_that_this_user_may_not_read(tmp_path):
-    """A folder of pyenv in the home of another user, as after ``su``, is skipped."""
+    """A pyenv folder in the home of a different user, as after ``su``, is skipped."""
     closed = tmp_path / 'home'
     (closed / 'pyenv' / 'versions' / '3.12.1' / 'bin').mkdir(parents=True)
     closed.chmod(0)
     code = (
         'import os, sys\n'
         'from environment import interpreters\n'
-        'os.geteuid() or os.setuid(65534)\n'  # root may read everything
+        'os.geteuid() or os.setuid(65534)\n'  # root can read everything
         'print(*interpreters.candidates({"PATH": "/bin", "PYENV_ROOT": sys.argv[1]}))\n'
     )
 

@@ -1,4 +1,4 @@
-"""Message packages of environment/messages.txt: what the file may say, and what is installed."""
+"""Message packages of environment/messages.txt: valid lines, and installed packages."""
 
 from dataclasses import replace
 import os
@@ -50,7 +50,7 @@ def test_refused_line_is_named_with_the_line_to_write(line, advice):
 
 
 def report(*requires: str) -> dict[str, object]:
-    """Return what pip reports of one package with these requirements."""
+    """Return pip's report on one package with these requirements."""
     metadata = {'name': 'ros-toy-msgs', 'version': '1.0', 'requires_dist': list(requires)}
     return {'install': [{'metadata': metadata}]}
 
@@ -74,7 +74,7 @@ def test_requirements_names_the_packages_that_are_used():
     ],
 )
 def test_package_of_another_distribution_is_refused(asked, said, advice):
-    """The compiled code of another distribution would not fit."""
+    """The compiled code of a different distribution would be incompatible."""
     with pytest.raises(StepError) as caught:
         messages.requirements(report(asked), {'ros-std-msgs': '5.3.6'})
 
@@ -155,7 +155,7 @@ def test_named_packages_are_installed_and_others_removed(set_up):
 
 
 def test_refused_file_installs_nothing(set_up):
-    """What was installed before stays."""
+    """Packages that were installed before stay."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')

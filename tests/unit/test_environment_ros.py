@@ -30,7 +30,7 @@ def test_ros_environment_round_trip_is_equal(places):
 
 
 def test_course_without_a_package_is_described_without_one(places):
-    """Its trial loads ROS alone."""
+    """Its trial loads only ROS."""
     ros = describe.describe_wheels(places, '/usr')
 
     assert ros.package == ''
@@ -71,7 +71,7 @@ def test_describe_wheels_has_all_that_a_process_needs(places):
 
 
 def test_describe_wheels_only_variables_have_the_workspace(places):
-    """A student's package is built without the course's own package in sight."""
+    """A student's package is built without access to the course's own package."""
     ros = describe.describe_wheels(places, '/usr')
 
     assert str(places.prefix) in ros.variables['AMENT_PREFIX_PATH']
@@ -80,7 +80,7 @@ def test_describe_wheels_only_variables_have_the_workspace(places):
 
 
 def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
-    """A sourced installation brings its own paths; nothing of the wheels is set."""
+    """A sourced installation has its own paths; no variable for the wheels is set."""
     shell = {
         'AMENT_PREFIX_PATH': '/opt/ros/jazzy',
         'LD_LIBRARY_PATH': '/opt/ros/jazzy/lib',
@@ -116,7 +116,7 @@ def test_join_paths_keeps_order_and_drops_repeats():
 
 
 def test_kernel_spec_carries_the_environment(places):
-    """The kernel needs nothing from the shell, and keeps the learner's own PATH behind."""
+    """The kernel needs no variable of the shell, and appends the learner's own PATH."""
     ros = describe.describe_wheels(places, '/usr')
 
     spec = install_files.kernel_spec(ros)
@@ -185,11 +185,11 @@ def terminal(places):
     (places.venv / 'bin').mkdir()
     (places.venv / 'bin' / 'ros2').write_text('#!/bin/sh\necho the ros2 of the course\n')
     (places.venv / 'bin' / 'ros2').chmod(0o755)
-    # What a distribution writes there, and what a login shell does.
+    # The lines that a distribution writes to this file, and those of a login shell.
     (places.project / '.bashrc').write_text('PATH=/usr/bin:/bin\n')
     install_files.write_terminal(places)
     variables = {'HOME': str(places.project), 'PATH': '/usr/bin:/bin', 'SHELL': '/bin/bash'}
-    variables |= {'MAKELEVEL': '1', 'MAKEFLAGS': ' -- ARGS=--no-browser'}  # of make lab
+    variables |= {'MAKELEVEL': '1', 'MAKEFLAGS': ' -- ARGS=--no-browser'}  # as make lab sets it
     bash = ['bash', '--rcfile', str(places.terminal / 'bashrc'), '-i']
 
     def typed(lines, folder, command=bash):
@@ -202,7 +202,7 @@ def terminal(places):
 
 
 def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_path):
-    """Both as JupyterLab starts it, and after the user's own settings."""
+    """It is found as JupyterLab starts the shell, and after the user's own settings."""
     said = ['the ros2 of the course']
 
     assert terminal('ros2\n', tmp_path, [str(places.terminal / 'shell')]) == said
@@ -210,7 +210,7 @@ def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_pat
 
 
 def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, places, tmp_path):
-    """But a Makefile that is there, or is named, is the one that counts."""
+    """But a Makefile in the folder, or one that is named, takes precedence."""
     notebooks, own = tmp_path / 'notebooks', tmp_path / 'own'
     for folder in (notebooks, own):
         folder.mkdir()

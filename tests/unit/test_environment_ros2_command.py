@@ -1,4 +1,4 @@
-"""The ros2 command that the set-up installs, which leaves room for a real one."""
+"""The ros2 command that the set-up installs, and which gives way to a real one."""
 
 from dataclasses import replace
 import os
@@ -28,7 +28,7 @@ def wheels(places):
 
 @pytest.fixture
 def sourced(tmp_path, wheels):
-    """Provide the description of an installation that has a ros2 of its own."""
+    """Provide the description of an installation that already has a ros2."""
     folder = tmp_path / 'opt' / 'bin'
     folder.mkdir(parents=True)
     program = folder / 'ros2'
@@ -56,7 +56,7 @@ def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
 
 
 def test_discovery_variables_leave_another_middleware_alone(wheels):
-    """Settings for Fast DDS are not set for another middleware."""
+    """The variables for Fast DDS are not set for a different middleware."""
     other = replace(wheels, variables={'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'})
 
     assert ros2_command.discovery_variables(other) == {}

@@ -1,4 +1,4 @@
-"""A prepared environment is up to date until something that it was made from changes."""
+"""A prepared environment is up to date until one of its inputs changes."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Steps of the set-up: they resume, explain failures and wait for one another."""
+"""Steps of the set-up resume, explain failures and wait for one another."""
 
 import dataclasses
 import io
@@ -19,7 +19,7 @@ class FakeSetUp:
     """
     A set-up of three steps that are stamped with the same digest.
 
-    :param folder: where
+    :param folder: folder of the set-up
     """
 
     def __init__(self, folder):
@@ -66,7 +66,7 @@ def test_run_steps_all_needed_runs_in_order(fake):
 
 
 def test_run_steps_second_time_does_nothing(fake):
-    """If all steps are done, nothing runs and nothing is printed, until their inputs change."""
+    """If all steps are done, no step runs and nothing is printed until their inputs change."""
     fake.go()
     fake.out.truncate(0)
 
@@ -80,7 +80,7 @@ def test_run_steps_second_time_does_nothing(fake):
 
 
 def test_run_steps_failure_explains_stops_and_goes_on_there(fake):
-    """The error names the step, the end of its log and a remedy; the next run does the rest."""
+    """The error has the step, the end of its log and a remedy; the next run does the rest."""
     fake.fail_in = 'two'
 
     assert not fake.go()
@@ -223,7 +223,7 @@ def test_make_plan_unknown_source_is_refused(tmp_path):
 
 
 def test_make_plan_closed_shared_memory_is_refused(tmp_path, monkeypatch):
-    """It is reported before any step, with what to do about it."""
+    """The refusal comes before any step, with a remedy."""
     monkeypatch.setattr(system.os, 'access', lambda *_: False)
     with pytest.raises(StepError, match='/dev/shm: ROS 2 needs shared memory') as caught:
         make_plan(Places.of('.venv', tmp_path), {})
@@ -231,7 +231,7 @@ def test_make_plan_closed_shared_memory_is_refused(tmp_path, monkeypatch):
 
 
 def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
-    """ROS_SOURCE=sourced without a sourced ROS 2 says what to source."""
+    """For ROS_SOURCE=sourced without a sourced ROS 2, the error says which file to source."""
     with pytest.raises(StepError) as caught:
         make_plan(Places.of('.venv', tmp_path), {'ROS_SOURCE': 'sourced'})
     assert 'setup.bash' in caught.value.try_this

@@ -1,4 +1,4 @@
-"""Missing programs of the system are installed if that is allowed, and otherwise named."""
+"""Missing system packages are installed if this is allowed, and otherwise named."""
 
 import os
 

@@ -39,7 +39,7 @@ def feed(topic, *messages, **facts):
 
 
 class TestWhenItIsMade:
-    """Mistakes that the scenario itself shows."""
+    """Mistakes that the scenario alone reveals."""
 
     @pytest.mark.parametrize(
         ('scenario', 'said'),

@@ -1,4 +1,4 @@
-"""Advice that shows code has the names of the exam that is judged, never those of another."""
+"""Advice with code uses the names of the judged exam, never those of a different exam."""
 
 import ast
 from pathlib import Path
@@ -32,7 +32,7 @@ SHARED = (
 
 
 def rover() -> Exam:
-    """Return an exam of which no lesson has the names."""
+    """Return an exam with names that no lesson uses."""
     exam = Exam(
         'rover',
         title='The rover',
@@ -76,7 +76,7 @@ def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
 
 
 def told(line: str, error: str) -> str:
-    """Return what a learner reads about a program that died in a line."""
+    """Return the feedback on a program that ended with an exception in a line."""
     exam = rover()
     run = Run({'rover.py': CODE.format(line)}, recording(error), exam.facts)
     (check,) = judge(exam, run)
@@ -135,7 +135,7 @@ def told(line: str, error: str) -> str:
     ],
 )
 def test_advice_has_the_names_of_the_exam(line, error, words):
-    """Topics without their namespace, types, parameters; or what the learner has written."""
+    """It shows topics without namespace, types and parameters, or the learner's own names."""
     said = told(line, error)
 
     assert words in said
@@ -144,7 +144,7 @@ def test_advice_has_the_names_of_the_exam(line, error, words):
 
 
 def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
-    """Which of several parameters is meant, only the exception tells."""
+    """Only the exception shows which of several parameters is meant."""
     asked = 'rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared '
 
     assert 'the parameter max_turn, which' in told('x', f'{asked}parameter(s): max_turn')
@@ -152,7 +152,7 @@ def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
 
 
 def test_names_come_from_all_steps():
-    """Also from those that come later, and without any there are words."""
+    """Later steps count too; an exam without names gets words instead."""
     names = Names.of(
         Scenario(
             steps=(
@@ -172,7 +172,7 @@ def test_names_come_from_all_steps():
 
 @pytest.mark.parametrize('name', SHARED)
 def test_shared_advice_names_no_exercise(name):
-    """Neither a topic, a parameter nor a message type of the course's exams."""
+    """It contains no topic, parameter or message type of the course's exams."""
     every = [catalog.load(one, hidden=False).facts['exam_names'] for one in catalog.names(False)]
     topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
     parameters = {one for names in every for one in names.parameters}
@@ -196,7 +196,7 @@ def test_shared_advice_names_no_exercise(name):
 
 
 def test_bare_require_messages_asks_did_you_mean():
-    """A publisher on another topic is named, as in the exams of the course."""
+    """A publisher on a different topic is named, as in the exams of the course."""
     exam = rover()
     near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
     (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
@@ -207,7 +207,7 @@ def test_bare_require_messages_asks_did_you_mean():
 
 
 def test_bare_require_messages_names_another_type():
-    """The topic is right, and the type is not."""
+    """The topic is correct, but the type is not."""
     exam = rover()
     other = recording('', ('/qqqqqq/cmd_vel', 'std_msgs/msg/String'))
     (check,) = judge(exam, Run({'rover.py': CODE}, other, exam.facts))
@@ -217,7 +217,7 @@ def test_bare_require_messages_names_another_type():
 
 
 def test_bare_require_messages_takes_what_came_on_the_topic():
-    """As many as are asked for."""
+    """It accepts the required number of messages."""
     exam = rover()
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     end = {
@@ -235,7 +235,7 @@ def test_bare_require_messages_takes_what_came_on_the_topic():
 
 
 def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
-    """A program that ends at once is heard by chance."""
+    """It depends on chance whether the probe receives messages of a program that ends at once."""
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     run = Run({}, Recording({}, (event, event)), rover().facts)
 
@@ -245,7 +245,7 @@ def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
 
 @pytest.mark.parametrize('topic', ['', '/cmd_val'])
 def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
-    """The message has those that it watches."""
+    """The message lists the topics that the scenario watches."""
     exam = rover()
     with pytest.raises(ExamInvalid, match=r"which are '/qqqqqq/cmd_vel', got"):
         require_messages(Run({}, recording(), exam.facts), topic=topic)

@@ -23,7 +23,7 @@ SPUN = """  File "/venv/site-packages/rclpy/executors.py", line 111, in await_or
 
 
 def trace(error, line=5, code=CODE, below=''):
-    """Return what the grader reads from a program that died in a line of CODE."""
+    """Return the traceback of a program that an exception ended in a line of CODE."""
     stderr = (
         'Traceback (most recent call last):\n'
         '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
@@ -34,12 +34,12 @@ def trace(error, line=5, code=CODE, below=''):
 
 
 def cause(error, line=5, below=''):
-    """Return how an error is explained."""
+    """Return the explanation of an error."""
     return raised.exception_cause(trace(error, line, below=below))
 
 
 def at(code, error, below=''):
-    """Return how an error is explained that comes from the last of some lines."""
+    """Return the explanation of an error in the last of some lines."""
     return raised.exception_cause(trace(error, len(code.splitlines()), code, below))
 
 

@@ -2,7 +2,7 @@
 The gradebook of Canvas: one column is filled, everything else stays.
 
 The rules are those of Canvas's own ``gradebook_exporter.rb`` and ``gradebook_importer.rb``: which
-columns there are, the line ``Points Possible`` with ``(read only)``, the line of posting policies,
+columns exist, the line ``Points Possible`` with ``(read only)``, the line of posting policies,
 ``EX`` and ``N/A``, commas or semicolons.
 """
 
@@ -68,7 +68,7 @@ def test_a_student_is_found_by_any_id(student):
 
 @pytest.mark.parametrize('login', ["o'neil@uni.example", 'bob+ros@uni.example'])
 def test_an_id_that_collect_had_to_change_is_found(login):
-    """An id that nbgrader cannot use is changed here as in ``collect``."""
+    """An id that nbgrader cannot use is changed in the same way as by ``collect``."""
     data = book(ADA, BOB.replace('bob@uni.example', login))
     done = fill([Mark(student_id(login), 1.0, 6.5)], data)
 
@@ -93,7 +93,7 @@ def test_an_id_of_two_lines_is_nobodys():
 
 
 def test_two_students_of_one_line_get_nothing():
-    """If two ids lead to one line, a person has to choose."""
+    """If two ids match the same line, a person has to choose."""
     done = fill(marks(ada=1.0, s11=2.0))
 
     assert cells(done.data) == cells(book())
@@ -101,7 +101,7 @@ def test_two_students_of_one_line_get_nothing():
 
 
 def test_no_mark_leaves_the_cell_as_it_is():
-    """A submission that is for review or waits for a person gets no zero."""
+    """A submission that is for review or waits for a manual grade gets no zero."""
     given = [Mark('ada', None, 6.5, REVIEW), Mark('bob@uni.example', None, 6.5, BY_HAND)]
     done = fill(given)
 
@@ -193,7 +193,7 @@ def test_first_and_last_name_may_have_columns_of_their_own():
     ],
 )
 def test_another_file_is_refused(data, got):
-    """The error says what was found and where to get the right file."""
+    """The error says what was found and where to get the correct file."""
     with pytest.raises(GraderError, match=got) as refused:
         fill(marks(ada=1.0), data or b'\n')
 
@@ -202,7 +202,7 @@ def test_another_file_is_refused(data, got):
 
 @pytest.mark.parametrize('scale', [True, False])
 def test_an_assignment_without_points_possible_takes_none(scale):
-    """It would scale all marks to 0."""
+    """Scaling would change all marks to 0."""
     data = book().decode().replace('10.00', '0.00').encode()
     with pytest.raises(GraderError, match='got 0, which would scale all marks to 0') as error:
         fill(marks(ada=3.25), data, column='101', scale=scale)

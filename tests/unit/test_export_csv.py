@@ -1,7 +1,7 @@
 """
 CSV by the rules of RFC 4180, section 2, and safe from formulas.
 
-The rules are checked by a reader of their own, letter by letter: Python's csv module forgives.
+A separate reader checks the rules letter by letter, because Python's csv module is lenient.
 """
 
 import csv
@@ -91,7 +91,7 @@ def test_checks_of_a_submission_for_review_have_no_points():
 
 
 def test_a_mark_that_is_not_complete_is_an_empty_cell():
-    """A submission that waits for a person has no mark."""
+    """A submission that waits for a manual grade has no mark."""
     mark = Mark('ann', None, 8.0, BY_HAND, assignment='01_talker', result=submission())
     rows = rfc4180(marks_csv([mark], {'ann': 'Ann Example'}))
 
@@ -132,7 +132,7 @@ def test_any_text_keeps_the_grammar(rows):
 
 
 def test_the_hostile_text_is_hostile():
-    """The hostile text contains what the other tests look for."""
+    """The hostile text contains the characters that the other tests look for."""
     assert FORMULA in EVIL
     assert '\x00' in EVIL
 

@@ -19,14 +19,14 @@ from autograder.exports.feedback_zip import feedback_zip, name_in_zip
 
 
 def of_canvas(name):
-    """Return user and attachment as Canvas reads them from the name of a file."""
+    """Return user and attachment, read from a file name as Canvas does."""
     parts = name.split('_')
     assert not parts[-1].startswith('link')
     return [part for part in parts if re.fullmatch(r'\d+', part)][:2]
 
 
 def of_moodle(name):
-    """Return number, type and kind of a submission as Moodle reads them."""
+    """Return number, type and kind of a submission, read from a name as Moodle does."""
     return name.split('_', 4)[1:4]
 
 

@@ -86,7 +86,7 @@ def test_names_of_files_are_safe_and_as_different_as_the_ids(one, two):
     try:
         names = safe_name(one), safe_name(two)
     except UnicodeEncodeError:
-        return  # a lone surrogate is not a file name; such ids are never graded
+        return  # a lone surrogate is not valid in a file name; such ids are never graded
 
     for name in names:
         assert name

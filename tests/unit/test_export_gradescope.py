@@ -1,8 +1,8 @@
 """
 ``results.json`` and the zip by the rules of Gradescope's autograder specification.
 
-The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") are data here: which
-fields there are, of which types, which words they may have; a score at the top or at each test.
+The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") are data here: the
+fields, their types and permitted values; a score is at the top or at each test.
 """
 
 import io
@@ -96,7 +96,7 @@ class TestResults:
         assert data['execution_time'] == 1.25
 
     def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
-        """A failed check has all parts of its verdict; a waiting one says what it waits for."""
+        """A failed check has all parts of its verdict; a waiting one names the other check."""
         _, warns, stops = results_of(submission())['tests']
 
         assert warns['output'].splitlines() == [
@@ -122,7 +122,7 @@ class TestResults:
 
     @pytest.mark.parametrize('visibility', VISIBILITIES)
     def test_students_see_tests_when_it_was_chosen(self, visibility):
-        """Students see the tests only if it was chosen, and never what the grader prints."""
+        """Students see the tests only if the option allows it, and never the grader's output."""
         data = results_of(FULL, visibility)
 
         assert {data['visibility'], *(test['visibility'] for test in data['tests'])} == {
@@ -154,7 +154,7 @@ class TestZip:
             subprocess.run(['bash', '-n', tmp_path / name], check=True)
 
     def test_it_holds_what_grading_needs(self, archive):
-        """The zip has the hidden exams, the release, the reference and the set-up."""
+        """The zip contains the hidden exams, the release, the reference and the set-up."""
         names = archive.namelist()
 
         for name in (
@@ -174,7 +174,7 @@ class TestZip:
         assert imported <= {name.partition('/')[0] for name in names}
 
     def test_it_has_the_same_hidden_inputs(self, archive):
-        """The zip has the secret, and nothing else of the work folder."""
+        """The zip contains only the secret from the work folder."""
         work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
 
         assert work == ['autograder/_work/course_secret']
@@ -182,7 +182,7 @@ class TestZip:
         assert stat.S_IMODE(archive.getinfo(work[0]).external_attr >> 16) == 0o600
 
     def test_it_is_small_enough_and_of_plain_names(self, archive):
-        """The zip has no build, no link and no path that leads out of the folder."""
+        """The zip contains no build, no link and no path that leads out of the folder."""
         for entry in archive.infolist():
             assert not os.path.isabs(entry.filename)
             assert not {'..', '__pycache__', 'ros_ws', '.git'} & set(entry.filename.split('/'))

@@ -47,7 +47,7 @@ def test_a_class_follows_the_schema(document):
 
 
 def test_for_review_has_no_points_anywhere():
-    """A submission for review has no points, and neither have its exams and checks."""
+    """A submission for review has no points, and neither do its exams and checks."""
     review = ClassResults(REVIEW.assignment, (REVIEW,))
     (one,) = json.loads(results_json(marked(review)))['submissions']
 
@@ -70,7 +70,7 @@ def test_for_review_has_no_points_anywhere():
     ],
 )
 def test_the_schema_refuses_what_contradicts_itself(document, number, change):
-    """The schema refuses a review with points, a grade without, and unknown fields."""
+    """The schema refuses a review with points, a grade without points, and unknown fields."""
     wrong = copy.deepcopy(document)
     wrong['submissions'][number].update(change)
 

@@ -1,8 +1,8 @@
 """
 JUnit XML by the rules of the schema of Jenkins' xUnit plugin (junit-10.xsd), as data.
 
-Its elements, their children and attributes, and the pattern of times; beside it what readers count
-on: numbers that add up, and a name for each case that no other has.
+The data has elements, children, attributes and the pattern of times.  Readers also rely on
+numbers that add up, and on a unique name for each case.
 """
 
 import re

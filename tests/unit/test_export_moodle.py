@@ -105,7 +105,7 @@ def test_a_different_maximum_is_refused_or_scaled():
     'data', [b'', b'Student,ID\nann,x\n', HEADER.encode(), 'J\xf6rg'.encode('latin-1')]
 )
 def test_a_different_file_is_refused(data):
-    """The error says where to get the right file."""
+    """The error says where to get the correct file."""
     with pytest.raises(GraderError, match='not a grading worksheet') as refused:
         moodle.fill(data, 'g.csv', [], {})
 

@@ -55,7 +55,7 @@ def files_of(**answers):
 
 
 def test_the_release_says_which_file_each_answer_is():
-    """Paths begin in the package."""
+    """Paths are relative to the package."""
     paths = {name: file.path for name, file in answer_files(RELEASE).items()}
 
     assert paths == {'msg': 'msg/Num.msg', 'xml': 'package.xml', 'talker': 'talker.py'}
@@ -75,7 +75,7 @@ def test_an_untouched_stub_is_a_file_too():
 
 
 def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
-    """A missing cell has no file, which is different from an untouched stub."""
+    """A missing cell has no file, unlike an untouched stub."""
     found = files_of(talker=None)
 
     assert found['talker'].files == {}

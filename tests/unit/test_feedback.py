@@ -91,7 +91,7 @@ def test_all_parts_may_be_long():
 
 
 def test_cause_is_printed_once_and_then_referred_to():
-    """Later checks name the one that has the cause, and print only a different repair."""
+    """Later checks name the check with the cause, and print only a different repair."""
     first = failing()
     again = replace(first, check='again', title='It speaks for a minute.')
     other = replace(again, check='other', try_this='Call spin().')
@@ -125,7 +125,7 @@ def test_html_says_the_same_words(text):
 
 
 def test_words_of_a_program_stay_words():
-    """Tags and control characters of a program have no effect."""
+    """Tags and control characters in a program's text have no effect."""
     result = ExamResult('talker', (failing(observed=EVIL, cause=EVIL, read=EVIL),), note=EVIL)
     page = exam_html(result, lesson='')
 

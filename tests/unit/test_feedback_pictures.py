@@ -1,4 +1,4 @@
-"""Pictures of failed checks: what they show, what they hide, and how large they are."""
+"""Pictures of failed checks: their content, hidden values, and size."""
 
 import json
 import re
@@ -58,7 +58,7 @@ def recorded(*events, ends=None, nodes=('/lab/talker',)):
 
 
 def drawn(recording, failure, hidden=False, **scenario):
-    """Return the picture of a check that fails with this, None if there is none."""
+    """Return the picture of a check that fails in this way, None if it has none."""
     whole = {
         'file': 'talker.py',
         'watch': {TOPIC: TYPE, '/chatter': TYPE},
@@ -144,7 +144,7 @@ class TestGraph:
         [('It keeps no message: its durability is volatile.', True), ('It is inactive.', False)],
     )
     def test_refused_late_subscription_is_shown_only_if_it_is_the_cause(self, cause, shown):
-        """An exam may expect that the program refuses a subscription."""
+        """An exam may require that the program refuses a subscription."""
         late = {'event': 'joined', 'clock_ns': 0, 'topic': TOPIC, 'listener': 'late'}
         failure = Failed(
             expected='messages on chatter', observed='none', why=Cause('mute', cause, 'Change it.')
@@ -160,7 +160,7 @@ class TestGraph:
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
-        """If the subscription hears another publisher, its refusal of this one is right."""
+        """If the subscription receives from another publisher, refusing this one is correct."""
         facts = {'event': 'offered', 'clock_ns': 0, 'topic': '/scan'}
         lazy = {**facts, 'publisher': 'lazy', 'matched': False, 'refused': ['DEADLINE']}
         right = {**facts, 'publisher': 'right', 'matched': matched, 'refused': []}
@@ -198,7 +198,7 @@ class TestTimeline:
         assert (came['label'], came['times'], came['count']) == (TOPIC, [1.1, 2.1, 4.1], 3)
 
     def test_times_are_those_of_the_ros_clock_that_the_program_follows(self):
-        """If ROS time is faster by a quarter, a message every 0.8 s is one per ROS second."""
+        """If ROS time runs 25 % faster, a message every 0.8 s is one per ROS second."""
         failure = Failed(**RATE, at=round(2.4 * SECOND), every_s=0.8)
         came = (said(one) for one in (0.8, 1.6, 2.8))
         picture = drawn(recorded(*came), failure, ros_clock=RosClock(rate=1.25))
@@ -218,7 +218,7 @@ class TestTimeline:
         assert f'59 in all, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
-        """Without messages, the row of expected times is above an empty one."""
+        """Without messages, the row of expected times is above an empty row."""
         picture = drawn(recorded(), Failed(**RATE, every_s=1.0))
 
         assert [row['count'] for row in picture['rows']] == [10, 0]
@@ -268,7 +268,7 @@ class TestTimeline:
 
 
 class TestSecrets:
-    """A picture of a hidden exam shows names and times, and nothing else."""
+    """A picture of a hidden exam shows only names and times."""
 
     def test_no_value_is_in_any_picture(self):
         picture = drawn(recorded(said(1.0)), Failed(**RATE, at=SECOND, every_s=1.0))
@@ -283,7 +283,7 @@ class TestSecrets:
         assert line['rows'][0]['times'] == [1.1]
 
     def test_the_order_of_hidden_inputs_is_not_shown(self):
-        """The order of the messages with a warning would give answers away."""
+        """The order of the messages with a warning would reveal answers."""
         inputs = fed(1, TOPIC)
         failure = Failed(expected='one WARN line', observed='no WARN line')
 

@@ -1,4 +1,4 @@
-"""The exams of lessons 01 and 03, asked about recordings made by hand: rhythm, count and level."""
+"""The exams of lessons 01 and 03, tested on handmade recordings: rhythm, count and level."""
 
 import pytest
 
@@ -26,7 +26,7 @@ def log(clock_s, text, level=INFO, name='n.night_watch'):
 
 def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
     """
-    Return a run of the night watch with these lines, one a second; None is silence.
+    Return a run of the night watch with these lines, one per second; None is silence.
 
     :param start: texts that it logs when it starts
     """
@@ -50,11 +50,11 @@ def cause_of(check, run):
 
 
 class TestNightWatch:
-    """Lines of a night: one a second, numbered, every fifth a warning."""
+    """Log lines of a night: one per second, numbered, every fifth a warning."""
 
     @pytest.mark.parametrize('text', ['watch {}', '{:03d}', '{} of 99', 'watch={}.0'])
     def test_any_form_of_the_number_passes(self, text):
-        """A number is a number, with zeros in front or another one beside it."""
+        """The number may have leading zeros, or a second number next to it."""
         run = night(*watches(text=text))
 
         night_watch.reports_every_second(run)
@@ -66,7 +66,7 @@ class TestNightWatch:
         [('', None), (', throttle_duration_sec=2.0', 'left_out')],
     )
     def test_logger_that_leaves_lines_out_is_told(self, argument, cause_id):
-        """One line has no rate; and no timer is blamed that has the right period."""
+        """One line shows no rate, and a timer with the correct period is not blamed."""
         code = f'create_timer(1.0, tick)\ndef tick():\n    log.info(number{argument})\n'
         run = night(watches()[0], code=code)
 
@@ -126,7 +126,7 @@ class TestNightWatch:
         assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
 
     def test_fifth_watch_that_is_left_out_is_told_everywhere(self):
-        """All later lines are shifted by it, so no other cause would be true."""
+        """The missing line shifts all later lines, so other causes would be false."""
         run = night(*[line if number % 5 else None for number, line in enumerate(watches(), 1)])
 
         assert cause_of(night_watch.reports_every_second, run) == 'fifth_missing'
@@ -143,7 +143,7 @@ class TestNightWatch:
         ],
     )
     def test_fifth_watch_that_is_elsewhere_is_not_called_missing(self, form, code, cause_id):
-        """Printed, dropped or said by another logger: what it lacks is not an else."""
+        """If the line was printed, dropped or sent by another logger, no ``else`` is missing."""
         lines = [line if number % 5 else None for number, line in enumerate(watches(), 1)]
         numbers = (1, 2) if 'ready' in form else (5, 10)
         run = night(*lines, code=code, printed=''.join(map(form.format, numbers)))
@@ -160,7 +160,7 @@ class TestNightWatch:
         ],
     )
     def test_period_is_not_blamed_where_only_the_fifths_are_logged(self, form, code, cause_id):
-        """Their numbers show that the others were counted."""
+        """The numbers of the warnings show that the node counted the other lines."""
         lines = [None if number % 5 else line for number, line in enumerate(watches(), 1)]
         run = night(*lines, code=code, printed=''.join(map(form.format, (1, 2, 3, 4))))
 
@@ -168,7 +168,7 @@ class TestNightWatch:
         assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
     def test_rate_that_is_even_is_told_and_one_with_holes_is_not(self):
-        """Every other second has a rate of its own; a rhythm with holes has none."""
+        """One line every two seconds is an even rate; a rhythm with gaps has no rate."""
         other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
         holes = [None if number in (4, 9) else line for number, line in enumerate(watches(), 1)]
         check = night_watch.reports_every_second
@@ -187,7 +187,7 @@ class TestHarbour:
 
     @pytest.mark.parametrize('moments', [(2.0, 4.0, 6.0, 8.0), (1.1, 3.1, 5.1, 7.1)])
     def test_it_does_not_matter_in_which_second_the_rhythm_begins(self, moments):
-        """One line every two seconds is what is asked for."""
+        """The exercise requires one line every two seconds."""
         harbour.keeper_reports_every_two_seconds(self.keeper(*moments))
 
     @pytest.mark.parametrize(
@@ -204,7 +204,7 @@ class TestHarbour:
         ],
     )
     def test_other_rhythm_is_explained(self, moments, code, cause_id):
-        """What the text of the program says helps to explain silence."""
+        """The program's code helps to explain silence."""
         run = self.keeper(*moments, code=code)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
@@ -213,7 +213,7 @@ class TestHarbour:
 class TestTalker:
     @staticmethod
     def run_of(texts, lost=0, period_s=0.5, code=''):
-        """Return a run in which these greetings are heard, and some before them are not."""
+        """Return a run in which these greetings are received, and some earlier ones are not."""
         end = {'topic': '/lab/chatter', 'kind': 'publisher', 'node': '/lab/talker'}
         graph = {'event': 'graph', 'nodes': [], 'endpoints': [end]}
         said = [
@@ -246,7 +246,7 @@ class TestTalker:
         assert cause_of(talker.counts_its_greetings, self.run_of(texts)) == cause_id
 
     def test_greeting_that_nobody_could_hear_counts(self):
-        """A loop publishes hello 1 at once, and the publisher has counted it."""
+        """A loop publishes hello 1 at once, and the numbering shows it."""
         talker.counts_its_greetings(self.run_of([f'hello {one}' for one in range(2, 9)], lost=1))
 
         run = self.run_of([f'hello {one}' for one in range(1, 8)], lost=1)
@@ -267,7 +267,7 @@ class TestTalker:
         ],
     )
     def test_wrong_rate_is_explained(self, period_s, code, cause_id):
-        """Even gaps show the period; a callback that sleeps explains a longer one."""
+        """Equal gaps show the period; a callback that sleeps explains a longer period."""
         run = self.run_of([''] * round(6.0 / (period_s or 0.25)), period_s=period_s, code=code)
 
         assert cause_of(talker.speaks_twice_a_second, run) == cause_id
@@ -281,9 +281,9 @@ class TestCourier:
         """
         Return a run of the courier.
 
-        :param heard: phase and listener of each parcel
-        :param lost: how many were sent to nobody before
-        :param lives: the graphs in which its publisher is seen
+        :param heard: phase and subscription of each parcel
+        :param lost: number of parcels that were sent earlier, without a subscription
+        :param lives: the graphs that contain its publisher
         """
         end = {
             'topic': courier.TOPIC,
@@ -320,7 +320,7 @@ class TestCourier:
         return Run({'courier.py': code}, Recording({}, (*graphs, *events, ended, process)))
 
     def test_parcel_that_comes_with_the_second_listener_is_late(self):
-        """As soon as a subscription is connected, says the exercise."""
+        """The exercise requires the parcel as soon as a subscription is connected."""
         run = self.run_of(('second', 'first'))
 
         assert cause_of(courier.delivers_to_who_comes_late, run) == 'waits_for_two'
@@ -345,7 +345,7 @@ class TestCourier:
         ],
     )
     def test_silence_is_explained_by_the_text(self, code, cause_id):
-        """A program that looks for listeners is not told to look for listeners."""
+        """A program that already looks for subscriptions is not told to look for them."""
         run = self.run_of(code=code)
 
         with pytest.raises(Failed) as failed:
@@ -354,7 +354,7 @@ class TestCourier:
         assert closest(Code(run.files), failed.value.why).cause_id == cause_id
 
     def test_parcel_that_is_kept_is_delivered_again(self):
-        """A subscription that asks for old messages gets it, at any time."""
+        """A subscription that requests old messages gets the parcel at any time."""
         run = self.run_of(('first', 'first'), durability='TRANSIENT_LOCAL')
 
         courier.delivers_to_who_comes_late(run)
@@ -370,11 +370,11 @@ class TestCourier:
         ],
     )
     def test_second_parcel_is_explained(self, heard, cause_id):
-        """To the same one, to the next one, or when the others have left."""
+        """It goes to the same subscription or the next one, or comes after the others left."""
         assert cause_of(courier.delivers_once, self.run_of(*heard)) == cause_id
 
     def test_parcel_that_nobody_could_receive_counts(self):
-        """The number of a message tells what its publisher has sent before."""
+        """The number of a message shows how many its publisher has sent before."""
         courier.delivers_once(self.run_of(('first', 'first')))
 
         early = self.run_of(('first', 'first'), lost=1)
@@ -382,7 +382,7 @@ class TestCourier:
 
     @pytest.mark.parametrize('exit', [None, 0])
     def test_node_that_goes_after_the_delivery_has_delivered_by_chance(self, exit):
-        """If it goes some time later, it has delivered and does not live on."""
+        """If the node ends some time later, the delivery counts, but not the node's survival."""
         at_once = self.run_of(('first', 'first'), lives=(), exit=exit)
         later = self.run_of(('first', 'first'), lives=('delivered',), exit=exit)
 
@@ -406,7 +406,7 @@ class TestRunningMean:
         ],
     )
     def test_wrong_mean_is_explained(self, answers, cause_id):
-        """Only what fits each answer is named."""
+        """Only a cause that fits each answer is named."""
         events = [
             event
             for place, answer in enumerate(answers)
@@ -425,7 +425,7 @@ class TestRunningMean:
         assert cause_of(judge_of(running_mean, 'publishes_the_mean'), run) == cause_id
 
     def test_two_topics_that_changed_places_are_named_together(self):
-        """The name of neither is wrong."""
+        """Neither name is wrong."""
         ends = [
             {'topic': topic, 'kind': kind, 'node': '/running_mean', 'type': running_mean.TYPE}
             for topic, kind in (('/mean', 'subscription'), ('/readings', 'publisher'))

@@ -11,7 +11,7 @@ NODE = '/talker'
 
 
 def end(topic, node=NODE, kind='publisher'):
-    """Return an endpoint as it is recorded."""
+    """Return an endpoint as in a recording."""
     return {'topic': topic, 'kind': kind, 'node': node, 'type': 'x/msg/X'}
 
 
@@ -74,7 +74,7 @@ def test_ports_of_domain_0_are_no_other_domain():
 
 
 def test_other_domain_is_known_by_its_two_ports():
-    """A participant opens the port of its domain and one of its own."""
+    """A participant opens the shared port of its domain and a port for itself."""
     first = 7400 + 250 * 42
 
     assert other_domains({7400, first, first + 10}) == [42]

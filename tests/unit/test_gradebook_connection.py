@@ -27,7 +27,7 @@ def test_a_gradebook_that_is_not_there_yet_is_not_made(tmp_path):
 
 
 def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
-    """The message has no password, with or without the driver, which is optional."""
+    """The message shows no password, whether or not the optional driver is installed."""
     url = 'postgresql+psycopg://grader:secret@127.0.0.1:1/marks'
 
     with pytest.raises(GraderError) as caught, connected(course(tmp_path, url)):
@@ -74,7 +74,7 @@ def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advic
 
 @pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
-    """The program that holds the lock has to end."""
+    """The message tells the instructor to close the program that holds the lock."""
     with closing(sqlite3.connect(filled.root / 'gradebook.db')) as other:
         other.execute('begin exclusive')
         with pytest.raises(GraderError) as caught:
@@ -86,7 +86,7 @@ def test_a_locked_gradebook_file_is_one_line(filled):
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
-    """An empty table that nbgrader creates would hide that its rows are lost."""
+    """Otherwise nbgrader would create an empty table, which would hide the loss of its rows."""
     layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
     refuse_incomplete(layout)
     make_gradebook(layout)

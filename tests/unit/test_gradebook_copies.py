@@ -62,7 +62,7 @@ def at(monkeypatch):
 
 
 def test_a_copy_has_what_the_gradebook_had(course, at):
-    """The copy is named by its date, and no unfinished file stays."""
+    """The copy is named after its date, and no unfinished file stays."""
     copy = keep_copy(course)
     submit(course, 'cho')
 
@@ -190,7 +190,7 @@ def test_without_a_copy_a_backup_is_asked_for(course):
 
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
-    """If the file is empty or missing, the next grading creates a gradebook."""
+    """If such a file is empty or missing, the next grading creates a gradebook."""
     journal = course.work / 'entered' / '01.jsonl'
     journal.unlink()
     empty(gradebook(course))
@@ -203,7 +203,7 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
 
 
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
-    """A locked gradebook cannot be copied, which is one line."""
+    """A locked gradebook cannot be copied, which gives one line."""
     connect = sqlite3.connect
     monkeypatch.setattr(database.sqlite3, 'connect', lambda path: connect(path, timeout=0))
     holder = connect(gradebook(course))

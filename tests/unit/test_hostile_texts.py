@@ -1,4 +1,4 @@
-"""Texts that would take hours or break a check take no time."""
+"""Hostile texts neither take hours nor break a check."""
 
 import time
 
@@ -11,7 +11,7 @@ from autograder.judging.causes.ended import why_it_ended, why_late
 from autograder.recording import header, Recording
 from autograder.submission.package import with_node_files
 
-BOUND_S = 10.0  # hours before; milliseconds now
+BOUND_S = 10.0  # without limits, hours; with them, milliseconds
 ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': ''},))
 
 

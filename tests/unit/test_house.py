@@ -74,7 +74,7 @@ def test_a_folder_imports_only_what_stands_below_it(floor):
 
 
 def test_no_file_imports_itself_through_others():
-    """Modules that import each other would be one module in several files."""
+    """Modules that import each other would really be one module in several files."""
     TopologicalSorter(
         {name: set(imported(path)) - {name} for name, path in modules().items()}
     ).prepare()
@@ -82,7 +82,7 @@ def test_no_file_imports_itself_through_others():
 
 @pytest.mark.parametrize('floor', ['probe', 'inside'])
 def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
-    """The sandbox has only the text of these modules."""
+    """The sandbox contains only the text of these modules."""
     others = {
         other
         for name, path in modules().items()

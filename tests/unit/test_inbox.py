@@ -145,7 +145,7 @@ def test_a_name_that_nbgrader_would_misread_is_not_recorded(tmp_path, hand_in, n
 
 
 def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
-    """The problem has the size of the file."""
+    """The problem shows the size of the file."""
     monkeypatch.setattr(reading, 'MAX_BYTES', 2**20)
     hand_in('ann', data=b' ' * (3 * 2**20))
 

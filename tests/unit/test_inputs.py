@@ -47,7 +47,7 @@ def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
 
 
 def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
-    """Anyone can compute the inputs of an empty secret, which a CI without its secret sets."""
+    """Anyone can compute the inputs of an empty secret, which CI sets if it lacks the secret."""
     monkeypatch.setenv('COURSE_SECRET', '')
     with pytest.raises(GraderError, match='COURSE_SECRET: expected the secret of the course'):
         inputs.generator('e', 'p')

@@ -1,4 +1,4 @@
-"""Changed cells are described in words, and ordinary work gives no line."""
+"""Changes to locked cells are described, and ordinary work gives no line."""
 
 import copy
 import json
@@ -130,5 +130,5 @@ def test_lines_are_bounded(student):
     ],
 )
 def test_numbers_are_small_or_just_numbers(text, number):
-    """A large number in the file is never computed."""
+    """A huge number in the file is never converted."""
     assert small_number(text) is number or small_number(text) == number

@@ -1,7 +1,7 @@
 """
-The real releases, saved again as editors do and damaged as nobody should.
+The real releases, saved again as editors do, and damaged in every place.
 
-An honest copy gives no line whatever wrote it; a damaged one never stops the grader and never
+An honest copy gives no line, whatever program wrote it; a damaged one never stops the grader or
 changes a cell that is not an answer.
 """
 
@@ -34,7 +34,7 @@ def as_jupyterlab(path: Path) -> str:
 
 
 def as_compact_json(path: Path) -> str:
-    """Return it in one line, keys in reverse order, texts as strings with Windows line ends."""
+    """Return the notebook in one line, with reversed keys, and strings with Windows line ends."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for cell in notebook['cells']:
         cell['source'] = ''.join(cell['source']).replace('\n', '\r\n')
@@ -43,7 +43,7 @@ def as_compact_json(path: Path) -> str:
 
 
 def after_running(path: Path) -> str:
-    """Return it with outputs, counts, timing, new ids and folded cells, with a byte order mark."""
+    """Return it as after a run: outputs, counts, timing, new ids, folded cells, a BOM."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for number, cell in enumerate(notebook['cells']):
         cell['id'] = f'new-{number}'
@@ -57,7 +57,7 @@ def after_running(path: Path) -> str:
 
 
 def without_ids(path: Path) -> str:
-    """Return it in an older minor format, as an old Jupyter saves it."""
+    """Return the notebook in an older minor format, as an old Jupyter saves it."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for cell in notebook['cells']:
         cell.pop('id', None)
@@ -67,7 +67,7 @@ def without_ids(path: Path) -> str:
 @pytest.mark.parametrize('lesson', LESSONS)
 @pytest.mark.parametrize('saved', [as_jupyterlab, as_compact_json, after_running, without_ids])
 def test_saving_again_is_no_change(lesson, saved):
-    """No flag, no problem, and the same notebook as before."""
+    """There is no flag and no problem, and the rebuilt notebook is the same."""
     path, release = release_of(lesson)
     opened = open_submission(saved(path).encode(), release, path.name)
     untouched = open_submission(path.read_bytes(), release, path.name)
@@ -89,7 +89,7 @@ ODD = st.one_of(
 
 
 def places(value, path=()):
-    """Yield the way to every part of a notebook."""
+    """Yield the path to every part of a notebook."""
     if not isinstance(value, (dict, list)):
         return
     for key, part in value.items() if isinstance(value, dict) else enumerate(value):
@@ -137,7 +137,7 @@ PLACES = list(places(SMALL))
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), ODD), min_size=1, max_size=4))
 def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
-    """Whatever is put in whatever place: what is graded is the release with texts of answers."""
+    """Whatever the damage, the graded notebook is the release with the texts of answers."""
     release = copy.deepcopy(SMALL)
     for cell in release['cells']:
         cell['source'] = ''.join(cell['source'])
@@ -149,7 +149,7 @@ def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
                 place = place[key]
             place[path[-1]] = value
         except (TypeError, KeyError, IndexError, AttributeError):
-            continue  # an earlier damage has taken this place away
+            continue  # earlier damage has removed this place
     opened = open_submission(json.dumps(student).encode(), release, 'x.ipynb')
 
     for wanted, found in zip(release['cells'], opened.notebook['cells'], strict=True):

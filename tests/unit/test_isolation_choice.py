@@ -1,4 +1,4 @@
-"""Refusals name the repair, weak modes need their name, and results state what they lack."""
+"""Refusals name a remedy, weak modes must be named, and results state missing protection."""
 
 import io
 import os
@@ -50,7 +50,7 @@ PIVOT = 'bwrap: pivot_root: Operation not permitted'
     ],
 )
 def test_each_refusal_has_its_repair(said, system, words):
-    """The output of bubblewrap and the system decide which command is shown."""
+    """The command depends on bubblewrap's output and on the system."""
     assert words in fix_for(said, system)
 
 
@@ -98,7 +98,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     ],
 )
 def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
-    """Without a name no weak mode is used, and root never runs programs as root."""
+    """Without its name, no weak mode is used, and root never runs programs as root."""
     assert isolation.permitted(named, root) == tried
 
 
@@ -113,7 +113,7 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
-    """The message has the kernel's own words."""
+    """The message contains the kernel's own error."""
 
     def ask() -> int:
         if error:
@@ -191,7 +191,7 @@ def built(tmp_path):
 
 
 def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
-    """Files next to a closed one are opened one by one, and folders above only by name."""
+    """Files next to a closed one are opened one by one; folders above it can only be listed."""
     workspace = Path(built.workspace)
     read, names = landlock.readable(built, course_messages=True)
     assert {str(tmp_path / 'bin'), str(workspace / PACKAGE / '__init__.py')} <= set(read)
@@ -216,7 +216,7 @@ def test_bubblewrap_covers_the_course_s_own_answer(built):
 
 
 def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
-    """A claim, or ports in the kernel's table, show that a domain is in use."""
+    """A claim or ports in the kernel's table show that a domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
     monkeypatch.setattr(landlock, 'ports', lambda pid: used)

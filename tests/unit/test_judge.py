@@ -1,4 +1,4 @@
-"""The judge has no side effects, so recordings that are made by hand can test it."""
+"""The judge has no side effects, so handmade recordings can test it."""
 
 import pytest
 
@@ -106,7 +106,7 @@ class TestJudge:
         assert result.read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
-        """If the node has a wrong name, its messages are judged as if the name were right."""
+        """If the node has a wrong name, its messages are judged as if the name were correct."""
         exam = make_exam()
 
         @exam.check(points=1)
@@ -119,7 +119,7 @@ class TestJudge:
         assert [one.points for one in judge(exam, Run({}, NOTHING))] == [0, 4]
 
     def test_failed_check_tells_five_things(self):
-        """The result has expected and observed values, the cause, the advice and the section."""
+        """The result has expected and observed values, cause, advice and section."""
         exam = make_exam(read='Part 1')
         exam.check(points=2)(fails)
 
@@ -131,7 +131,7 @@ class TestJudge:
         assert (result.try_this, result.read, result.cause_id) == ('this', 'Part 1', 'because')
 
     def test_check_whose_need_failed_is_not_run_and_names_it(self):
-        """A check that cannot be judged is not failed."""
+        """A check that cannot be judged does not count as failed."""
         exam = make_exam()
         exam.check(points=1)(fails)
         exam.check(points=4, needs=['fails'])(passes)

@@ -1,4 +1,4 @@
-"""A recording is complete or missing, and only missing ones are run again."""
+"""A recording is complete or missing, and only a missing one causes a run."""
 
 from dataclasses import replace
 from types import SimpleNamespace

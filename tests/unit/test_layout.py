@@ -56,7 +56,7 @@ def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
 
 
 def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
-    """A default in place of an unreadable line would prepare another course."""
+    """A default instead of an unreadable line would prepare a different course."""
     (tmp_path / FILE).write_text("package = '''doors_msgs'''")
 
     with pytest.raises(ValueError, match="expected a line package = 'NAME', got package"):
@@ -72,7 +72,7 @@ class TestHere:
         assert Layout.here().root == tmp_path
 
     def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
-        """The refusal prevents a grading of another course."""
+        """The refusal prevents the grading of a different course."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         with pytest.raises(
             GraderError, match=f'this is not the folder of a course; it has no {FILE}'
@@ -80,7 +80,7 @@ class TestHere:
             Layout.here()
 
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
-        """The course around the folder is used, or else the one with the grader."""
+        """The course that contains the folder is used, or else the one with the grader."""
         inside = tmp_path / 'notebooks' / '01_doors'
         inside.mkdir(parents=True)
         monkeypatch.delenv(CHOSEN, raising=False)

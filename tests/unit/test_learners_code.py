@@ -1,4 +1,4 @@
-"""What a learner's code contains: comments and strings do not count, nor does invalid Python."""
+"""Analysis of a learner's code, which ignores comments, strings and invalid Python."""
 
 import pytest
 
@@ -18,13 +18,13 @@ BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
 
 
 def node(callback: str, made: str = 'self.create_timer(1.0, self.tick)') -> dict[str, str]:
-    """Return the file of a node with one callback, whose body is in line 5."""
+    """Return the file of a node with one callback, whose body begins in line 5."""
     code = f'class N(Node):\n    def __init__(self):\n        {made}\n    def tick(self):\n'
     return {'n.py': f'{code}        {callback}\n'}
 
 
 class TestTexts:
-    """Comments and strings become blanks, and the rest keeps its place."""
+    """Comments and strings become blanks, and the other code keeps its position."""
 
     @pytest.mark.parametrize(
         ('code', 'left'),
@@ -54,7 +54,7 @@ class TestTexts:
         assert set(Code(files).calls) == {'isnan'}
 
     def test_an_escape_that_python_warns_of_is_the_learners(self):
-        """The grader prints no warnings of it."""
+        """The grader prints no warning about it."""
         assert Code({'n.py': "a = '\\d'"}).texts == {'\\d'}
 
 
@@ -172,7 +172,7 @@ LOGGING = (
     ],
 )
 def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
-    """What is said once in __init__() explains nothing, and neither does another level."""
+    """A single line in __init__() explains nothing, and neither does a different level."""
     assert leaves_out({'n.py': LOGGING.format(line)}, 'info') == found
 
 

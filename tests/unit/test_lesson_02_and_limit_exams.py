@@ -1,4 +1,4 @@
-"""The exams of lesson 02 and the one of limits, without a program: inputs, rules and causes."""
+"""The exams of lesson 02 and of limit_keeper, without a program: inputs, rules and causes."""
 
 from itertools import combinations, groupby
 
@@ -37,7 +37,7 @@ class TestJoining:
         assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
-        """And the latest of both as soon as it is fresh again."""
+        """Once both inputs are fresh again, the latest of both is due."""
         inputs = [Told(0, 0.5, 0.5), Told(1, 0.2, 2.5), Told(1, 0.3, 0.5), Told(0, 0.0, 0.5)]
 
         assert self.rule(inputs) == [
@@ -70,13 +70,13 @@ class TestInputsOfThePilot:
     """The exam does not depend on the moment at which a timer was created."""
 
     def test_any_timer_publishes_all_that_is_due(self, secret):
-        """No command is due for so short a time that it falls between two ticks."""
+        """Every command is due long enough for at least one tick."""
         asked = catalog.drawn('pilot', secret).asks['commands']
         for hundredth in range(50):
             assert ticked(asked.inputs, hundredth / 100 + 0.003) == asked.answers
 
     def test_no_two_inputs_are_whole_periods_apart(self, secret):
-        """A timer that is created when one comes does not tick when another one does."""
+        """A timer that is created when one input arrives never ticks when another arrives."""
         times = [0.0]
         for one in catalog.drawn('pilot', secret).asks['commands'].inputs[:-1]:
             times.append(times[-1] + one.lasts_s)
@@ -121,13 +121,13 @@ class TestHeartbeat:
         ids=['goes on', 'beats with the pictures', 'no result'],
     )
     def test_other_heartbeats_are_not(self, events):
-        """A cause is named only if all that came fits it."""
+        """A cause is named only if all messages fit it."""
         assert inspector.why_starved(run_of(inspector.exam, *events)) is None
 
 
 class TestLimits:
     def test_node_is_judged_by_the_limits_that_it_accepts(self):
-        """A node that accepts NaN warns of nothing after that, and loses those points once."""
+        """A node that accepts NaN never warns again, and loses points only once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
         sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
         rule = limit_keeper.warning()

@@ -1,4 +1,4 @@
-"""Contents, next lesson and map follow from the outlines of the lessons."""
+"""Contents, next lesson and map are generated from the outlines of the lessons."""
 
 from pathlib import Path
 import re
@@ -38,7 +38,7 @@ def solutions(tmp_path):
 
 
 def test_contents_name_what_a_lesson_needs(solutions):
-    """The lesson before it, unless its metadata says something else."""
+    """It needs the previous lesson, unless its metadata names others."""
     lessons = outlines(solutions)
 
     assert contents(lessons, 0).splitlines()[0] == '**In this lesson.**'
@@ -48,7 +48,7 @@ def test_contents_name_what_a_lesson_needs(solutions):
 
 
 def test_last_lesson_has_no_next_one(solutions):
-    """It leads back to the map, if the course has one."""
+    """The last lesson leads back to the map, if the course has one."""
     lessons = outlines(solutions)
 
     assert next_lesson(lessons, 1) == '*Next lesson:* [03 Title c](../03_c/c.ipynb)'
@@ -58,7 +58,7 @@ def test_last_lesson_has_no_next_one(solutions):
 
 
 def test_needed_lesson_that_does_not_exist_is_named(solutions):
-    """A typing mistake would leave the column empty."""
+    """Otherwise a typing mistake would leave the column empty."""
     lessons = outlines(solutions)
 
     assert list(unknown_needs(lessons[:2])) == []
@@ -66,7 +66,7 @@ def test_needed_lesson_that_does_not_exist_is_named(solutions):
 
 
 def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
-    """Its other cells are copied."""
+    """The other cells of START_HERE are copied."""
     release = tmp_path / 'release'
     release.mkdir()
     start_here(solutions, release)
@@ -81,7 +81,7 @@ def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
 
 
 def test_make_lab_opens_a_page_that_exists():
-    """JupyterLab would show an error in its place."""
+    """Otherwise JupyterLab would show an error."""
     root = Layout.here().root
     makefile = (root / 'Makefile').read_text(encoding='utf-8')
     found = re.search(r'default_url=/lab/tree/(\S+)', makefile)
@@ -92,7 +92,7 @@ def test_make_lab_opens_a_page_that_exists():
 
 @pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path):
-    """Every link leads to a heading that is in the lesson."""
+    """Every link leads to a heading in the lesson."""
     cells = nbformat.read(path, as_version=4).cells
     outline = read_outline(path)
     shown = cells[1].source
@@ -104,7 +104,7 @@ def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path
 
 
 def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
-    """Only one that fails is reported and stays as it is."""
+    """A lesson that fails is reported and remains unchanged."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(solutions.parent)))
 
     class Client:

@@ -1,4 +1,4 @@
-"""The files of a message package, and the causes that a learner reads about them."""
+"""The files of a message package, and the causes of their failures."""
 
 import pytest
 
@@ -64,7 +64,7 @@ def failure(check, *given):
 
 
 def station(text):
-    """Return a run with only Station.msg."""
+    """Return a run whose only file is Station.msg."""
     return Run({'msg/Station.msg': text}, Recording({}, ()))
 
 
@@ -107,7 +107,7 @@ class TestDeclarations:
     """package.xml may declare a dependency in any of the ways of REP 149."""
 
     def test_other_tags_that_say_the_same_pass(self):
-        """A build_depend and an exec_depend together are a depend."""
+        """A build_depend and an exec_depend together equal a depend."""
         require_declarations(MANIFEST, 'words')
 
     @pytest.mark.parametrize('line', MANIFEST.splitlines()[1:-1])
@@ -118,7 +118,7 @@ class TestDeclarations:
         assert 0 < failed.share < 0.5
 
     def test_a_tag_that_says_something_else_is_named(self):
-        """A dependency of the tests is not one of the package's users."""
+        """A test_depend is not a dependency of the package's users."""
         text = MANIFEST.replace(
             'depend>rosidl_default_runtime</', 'test_depend>rosidl_default_runtime</test_'
         )
@@ -172,7 +172,7 @@ class TestBuild:
         assert '30 s' in cause.text
 
     def test_build_that_waits_forever_is_said_to_wait(self):
-        """Time stands still during a build, so a limit ends one that waits."""
+        """Virtual time stops during a build, so a limit ends a build that waits."""
         cause = self.built(exit=None, killed='waits_outside')
 
         assert cause.cause_id == 'waits_outside'

@@ -1,4 +1,4 @@
-"""What is said about values and stamps of the exam about one message type and another."""
+"""The exam with two message types: causes of wrong values and stamps."""
 
 import pytest
 
@@ -17,7 +17,7 @@ answers_one_for_one = next(one.judge for one in exam.checks if one.name == 'answ
 
 
 def run_of(events) -> Run:
-    """Return a run of two numbers, which come one by one."""
+    """Return a run with two numbers, sent one after the other."""
     return Run({}, Recording({}, tuple(events)), build((1234, 5678), ('oven', 'fridge')).facts)
 
 
@@ -76,7 +76,7 @@ def test_each_number_has_one_reading(indexes, cause):
     ],
 )
 def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
-    """The ROS clock tells a quarter of a second at a time."""
+    """The ROS clock advances in steps of a quarter of a second."""
     data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
     run = run_of(
         [
@@ -111,7 +111,7 @@ def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
     ],
 )
 def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
-    """1234 thousandths are 1.234; what else comes out of them tells how."""
+    """1234 thousandths are 1.234; a different result shows the mistake."""
     events = [
         {
             'event': 'message',
@@ -129,7 +129,7 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
 
 
 def test_message_that_was_too_large_to_be_recorded_is_an_answer_too_many():
-    """It counts, and nothing that is not there is looked at."""
+    """The message counts, and its missing data is not read."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     large = {'event': 'message', 'topic': TARGET, 'after_input': 0, 'clock_ns': 0}

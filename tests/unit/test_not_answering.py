@@ -58,7 +58,7 @@ class TestThreads:
         assert found.text.endswith('to str. It ended the thread that spins the node.')
 
     def test_known_exception_keeps_its_own_words(self):
-        """The cause is that of a program that dies of the exception."""
+        """The cause is the same as for a program that the exception ends."""
         error = "AttributeError: 'String' object has no attribute 'dat'"
 
         found = why_silent(run(stderr=died(error=error)))
@@ -84,7 +84,7 @@ class TestThreads:
         assert 'It ended a thread' in found.text
 
     def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
-        """If the exception is not in the learner's code, no line is named."""
+        """If the exception is not in the learner's code, the cause names no line."""
         found = why_silent(run(stderr=died(file='/opt/ros/x.py'), code='rclpy.spin(node)'))
 
         assert found.cause_id == 'blocked'

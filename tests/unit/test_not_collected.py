@@ -1,4 +1,4 @@
-"""Work that could not be collected is in the reports until the student hands in other work."""
+"""Work that could not be collected stays in the reports until other work is collected."""
 
 from collect_sources import (
     CANVAS,
@@ -38,7 +38,7 @@ def kept(layout):
 
 
 def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
-    """A student whose notebook was collected is not saved."""
+    """A student whose notebook was collected is not in the list."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
     assert kept(layout) == [
@@ -59,7 +59,7 @@ def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
 
 
 def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path, layout):
-    """The student has to know the last reason."""
+    """The student needs to know the latest reason."""
     first = {'diaz_1004_1_essay.pdf': b'%PDF', 'ann_1_2_talk.ipynb': GOOD}
     again = {'diaz_1004_3_listen.ipynb': OTHER, 'ann_1_2_talk.ipynb': GOOD}
     collect(packed(tmp_path / 'a.zip', first), layout, layout.submitted, TALK)
@@ -112,7 +112,7 @@ class TestShown:
         return read_not_collected(layout)
 
     def test_pages_have_reasons_and_names(self, missing, layout):
-        """The names are together, so that they can be copied into an e-mail."""
+        """The names are in one place, so that they can be copied into an e-mail."""
         write_reports(layout.reports, TALK, [submission('cho')], missing=missing)
         write_class_report(layout, graded(layout, TALK)[0])
 

@@ -15,7 +15,7 @@ AFFINITY = 'import os; print(sorted(os.sched_getaffinity(0)))'
 
 @pytest.fixture(autouse=True)
 def calm(monkeypatch):
-    """Let the machine seem to do nothing else."""
+    """Make the machine seem idle."""
     monkeypatch.setattr(module, 'ready_to_run', lambda: 1)
 
 
@@ -37,7 +37,7 @@ def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor(
 
 
 def test_runs_side_by_side_share_the_processors_evenly():
-    """Twice as many runs as processors: two on each."""
+    """With twice as many runs as processors, each has two."""
     allowed = sorted(os.sched_getaffinity(0))
     together, chosen = Barrier(2 * len(allowed)), []
 

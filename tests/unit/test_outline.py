@@ -59,7 +59,7 @@ def test_outline_has_title_parts_and_minutes(lesson):
 
 
 def test_exercises_belong_to_the_part_above_them(lesson):
-    """A written answer has no visible check."""
+    """A written answer is not an exercise, because it has no visible check."""
     outline = read_outline(lesson)
 
     assert outline.parts[2].quizzes == ['03-a', '03-b']
@@ -82,7 +82,7 @@ def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
 
 @pytest.mark.parametrize('text', ['', '[]', '{"cells": 1}'])
 def test_file_that_is_not_a_notebook_is_refused(lesson, text):
-    """Callers decide what to show instead."""
+    """The caller chooses what to show instead."""
     lesson.write_text(text)
 
     with pytest.raises(ValueError, match=r'Expecting value|not a notebook'):

@@ -1,4 +1,4 @@
-"""Packages are read safely and completely, or refused: a folder, a script or a zip."""
+"""Packages are read safely and completely, or refused, as a folder, a script or a zip."""
 
 import stat
 import struct
@@ -104,7 +104,7 @@ class TestWhatIsTakenIn:
 
 
 def info(name, **facts):
-    """Return a zip entry with these facts."""
+    """Return a zip entry with these attributes."""
     entry = zipfile.ZipInfo(name)
     for fact, value in facts.items():
         setattr(entry, fact, value)
@@ -136,7 +136,7 @@ class TestWhatAZipMayNotHold:
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):
-        """The refusal has the entry and the reason."""
+        """The refusal names the entry and the reason."""
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
         with pytest.raises(NotTakenInError, match=said):
@@ -190,7 +190,7 @@ class TestWhatAZipMayNotHold:
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
-        """A truncated zip is one line, like a file that is not a zip."""
+        """A truncated zip gives one line, like a file that is not a zip."""
         (tmp_path / 'a.zip').write_bytes(data)
 
         with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
@@ -251,7 +251,7 @@ class TestNodeFiles:
         assert text == 'import sys\n\nfrom pkg.node_one import start\n\nsys.exit(start())\n'
 
     def test_a_file_at_the_top_is_not_replaced(self):
-        """A file at the top is what was handed in under that name."""
+        """The student has submitted the file at the top under that name."""
         files = {'talker.py': 'mine', 'pkg/talker.py': 'other'}
 
         assert with_node_files(files, ['talker.py']) == files
@@ -278,7 +278,7 @@ def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
 
 
 def test_hidden_files_and_other_kinds_are_left_out(tmp_path):
-    """Only what a build could need."""
+    """Only files that a build could need are read."""
     (tmp_path / '.part.py').write_text('x')
     (tmp_path / '__pycache__').mkdir()
     (tmp_path / '__pycache__' / 'a.py').write_text('x')
@@ -291,7 +291,7 @@ def test_hidden_files_and_other_kinds_are_left_out(tmp_path):
 
 @pytest.mark.parametrize('target', ['/etc/passwd', '/etc'])
 def test_link_is_refused_with_its_name(tmp_path, target):
-    """Without its target, the check would say that nothing was saved."""
+    """If links were skipped, the check would report that no file was saved."""
     (tmp_path / 'pkg').symlink_to(target)
 
     with pytest.raises(NotTakenInError, match=r'pkg: expected a file or folder, got a link'):
@@ -299,14 +299,14 @@ def test_link_is_refused_with_its_name(tmp_path, target):
 
 
 def test_odd_bytes_are_replaced(tmp_path):
-    """The compiler says what is wrong with them."""
+    """The compiler then reports the mistake."""
     (tmp_path / 'a.py').write_bytes(b'x = "\xff"')
 
     assert read_package(tmp_path) == {'a.py': 'x = "\ufffd"'}
 
 
 def test_a_message_is_built_without_the_nodes_of_other_exercises():
-    """As in grading; and an edit of a node builds nothing again."""
+    """Grading does the same, and editing a node does not repeat the build."""
     files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
     message = catalog.load('temperature_message', hidden=False)
     publisher = catalog.load('temperature_publisher', hidden=False)

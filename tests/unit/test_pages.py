@@ -1,4 +1,4 @@
-"""Reports: complete, readable without colour, and inert whatever a student wrote."""
+"""Reports are complete, readable without colour, and inert whatever a student wrote."""
 
 from dataclasses import replace
 import io
@@ -51,7 +51,7 @@ def links_of(path):
 
 class TestPages:
     def test_a_failed_check_says_all_five_things(self, tmp_path):
-        """Expected, observed, cause, what to try, where to read."""
+        """The facts are expected, observed, cause, what to try and where to read."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -97,11 +97,11 @@ class TestPages:
             assert '\x1b' not in path.read_text(encoding='utf-8')
 
     def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
-        """They can be sent by mail."""
+        """So the pages can be sent by e-mail."""
         index = write_reports(tmp_path, '01_talker', [submission(), submission('../b c')])
 
         links = links_of(index)
-        links.remove('class.html')  # the page of figures, which has a writer of its own
+        links.remove('class.html')  # the page of statistics, which a different function writes
         assert len(links) == 2
         for link in links:
             assert (index.parent / link).is_file()
@@ -124,7 +124,7 @@ class TestPages:
         assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
 
     def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
-        """Where a learning platform has numbers for ids."""
+        """Learning platforms may use numbers as ids."""
         people = {'ann': 'Ann <b>Example'}
         index = write_reports(tmp_path, '01_talker', [submission()], people=people)
 
@@ -132,7 +132,7 @@ class TestPages:
         assert 'Example' not in read(index.parent / page_name('ann')).text
 
     def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
-        """Every other command begins with them."""
+        """Every other command reads the results first."""
 
         def stop(*_):
             raise KeyboardInterrupt
@@ -146,7 +146,7 @@ class TestPages:
         assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
-        """Other programs read them."""
+        """Other programs read the results."""
         index = write_reports(tmp_path, '01_talker', [submission()])
 
         data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
@@ -169,7 +169,7 @@ class TestPages:
         assert len(ids) == len(set(ids)) == 5
 
     def test_pages_are_well_formed_for_readers(self, tmp_path):
-        """Language, title, one main heading, headed tables."""
+        """Pages have a language, a title, one main heading, and tables with headers."""
         index = write_reports(tmp_path, '01_talker', [submission()])
 
         for path in index.parent.rglob('*.html'):
@@ -183,7 +183,7 @@ class TestPages:
         'name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80, 'Щ' * 100]
     )
     def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
-        """No name leads elsewhere."""
+        """No name leads to a path outside the folder."""
         index = write_reports(tmp_path, '01_talker', [submission(name), submission('other')])
 
         assert len(list((index.parent / 'students').iterdir())) == 2
@@ -202,18 +202,18 @@ class TestTable:
         assert 'a typo' in line
 
     def test_flags_come_below(self):
-        """They are for the instructor."""
+        """Flags are for the instructor."""
         assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
 
     def test_hostile_words_do_not_steer_the_terminal(self):
-        """No escape sequences, no markup."""
+        """The output contains no escape sequences and no markup."""
         text = self.printed(submission(student=EVIL, checks=[failing(cause=EVIL)]))
 
         assert '\x1b[31m' not in text
         assert '[bold]' in text
 
     def test_a_fault_of_ours_shows_no_points(self):
-        """A person has to look."""
+        """An instructor has to look at the submission."""
         text = self.printed(submission(fault='probe broke'))
 
         assert 'for review' in text
@@ -222,7 +222,7 @@ class TestTable:
 
 class TestWords:
     def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
-        """It goes into the notebook's check cell."""
+        """The text goes into the notebook's check cell."""
         lines = exam_text(submission().exams[0]).splitlines()
 
         assert lines[0] == '2 of 6 points'
@@ -232,7 +232,7 @@ class TestWords:
         assert '       waits for: It warns.' in lines
 
     def test_control_characters_are_replaced(self):
-        """Line ends and tabs stay."""
+        """Line ends and tabs are kept."""
         assert printable('a\x1b[1mb\n\tc\x00') == 'a\ufffd[1mb\n\tc\ufffd'
 
     def test_what_costs_points_comes_before_what_does_not(self):
@@ -268,7 +268,7 @@ class TestWords:
         )
 
     def test_headline_says_the_observed_value_once(self):
-        """It is shortened, and left out where the cause has it."""
+        """The value is shortened, and omitted if the cause contains it."""
         long = failing(observed='sensor_id ' + 'x' * 99)
 
         assert headline(submission(checks=(long,))).endswith('xxx\N{HORIZONTAL ELLIPSIS})')
@@ -277,7 +277,7 @@ class TestWords:
 
 
 def test_repeated_ids_get_a_number_that_is_free():
-    """Links lead to the first; words that look like an id stay as they are."""
+    """Links lead to the first; text that looks like an id is unchanged."""
     page = '<h3 id="a">x</h3><h3 class="b" id="a">id="a"</h3><p id="a-2"></p><h3 id="a"></h3>'
 
     assert with_unique_ids(page) == (

@@ -1,4 +1,4 @@
-"""Causes read off the whole run: which inputs are answered, and what disturbs a rhythm."""
+"""Causes that follow from the whole run: answered inputs, and disturbed rhythms."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -67,14 +67,14 @@ def why(check, *given):
     ids=str,
 )
 def test_pattern_is_named_if_all_answers_fit_it(came, cause_id):
-    """A run that ended before all inputs were sent shows only what it shows."""
+    """In a run that ended early, only the inputs that were sent are evidence."""
     found = why_pattern([1] * len(came), came)
 
     assert (found and found.cause_id) == cause_id
 
 
 def test_answer_without_an_expected_one_is_no_pattern():
-    """Messages come at the wrong inputs, so nothing is left out."""
+    """Messages come at the wrong inputs, so the cause is not a missing answer."""
     assert why_pattern([1, 0, 1, 1], [1, 1, 0, 0]) is None
 
 
@@ -90,7 +90,7 @@ def test_answer_without_an_expected_one_is_no_pattern():
     ids=str,
 )
 def test_burst_shows_which_messages_are_answered(came, cause_id):
-    """The first only: the node was busy. Some first ones: a queue was full. Else, a depth."""
+    """Only the first: the node was busy. Some first ones: a queue was full. Otherwise, a depth."""
     asked = Specification('abcd', each(lambda one: (one,)), burst=4)
 
     found = why_burst_cut(asked, came)
@@ -117,7 +117,7 @@ def test_part_of_a_burst_is_not_taken_for_a_depth():
     ids=['at once', 'again later', 'last only', 'one at once', 'last only, always late'],
 )
 def test_delay_of_an_answer_shows_a_timer(late_s, came, says):
-    """A callback answers at once, and a timer when it ticks."""
+    """A callback answers at once, a timer only when it ticks."""
     asked = Specification('abc', each(lambda one: (one,)), burst=2)
     place = int(len(came[0]) == 1)
 
@@ -140,7 +140,7 @@ def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
 
 
 def test_count_that_goes_back_is_told_with_what_else_happened():
-    """The joining of a subscription between two messages is worth knowing."""
+    """The cause mentions that a subscription joined between the two messages."""
     found = [message(clock) for clock in (1.0, 2.0, 3.0)]
     run = run_of(*found, at(2.6, 'joined', matched=True))
     texts = ['hello 1', 'hello 2', 'hello 1']
@@ -163,7 +163,7 @@ def test_count_that_goes_back_is_told_with_what_else_happened():
 )
 @pytest.mark.parametrize('texts', [['hello 7', 'hello 8', 'hello 1'], ['8', '9', '0']])
 def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, says, texts):
-    """A count that nothing sets again is not blamed."""
+    """A counter that no code resets is not blamed."""
     first = int(texts[0][-1])
 
     cause = closest(Code(run_of(code=code).files), why_not_numbered(texts, 2, first))
@@ -202,7 +202,7 @@ def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, s
     ],
 )
 def test_what_disturbs_a_rhythm_is_told(clocks, others, cause_id):
-    """Only an event at the very moment is to blame."""
+    """Only an event at exactly the same moment is blamed."""
     found = [message(clock) for clock in clocks]
 
     cause = why(rhythm.require_period, run_of(*found, *others), found, 1.0, 15.0)
@@ -274,7 +274,7 @@ def test_right_period_in_the_code_is_not_to_be_corrected(code, every_s, cause_id
 
 
 def test_pause_with_a_reset_is_told_to_leave_the_reset_out():
-    """A pause shorter than the period alone delays no later tick."""
+    """Without a reset, a pause shorter than the period delays no later tick."""
     code = 'node.create_timer(1.0, tick)\ndef tick():\n    time.sleep(0.2)\n    timer.reset()\n'
     found = [message(1.2 * number) for number in range(1, 12)]
 
@@ -282,7 +282,7 @@ def test_pause_with_a_reset_is_told_to_leave_the_reset_out():
 
 
 def test_warning_from_another_line_is_not_called_a_repetition():
-    """The one that reports a refusal has its own place in the code."""
+    """The warning about a refusal comes from a different line of the code."""
     asked = Specification([SimpleNamespace(kind='hot')] * 2, each(lambda one: 1))
     line = {'event': 'log', 'level': WARN, 'text': 'hot', 'line': 20}
 
@@ -297,14 +297,14 @@ class TestHeartbeat:
     quiet = tuple(message(half / 2) for half in range(1, 7))
 
     def test_lock_that_both_callbacks_take_is_named(self):
-        """More threads than the program has do not help."""
+        """More threads would not help."""
         code = 'MultiThreadedExecutor()\nReentrantCallbackGroup()\nlock = threading.Lock()\n'
         run = run_of(*self.quiet, message(4.4, '/results'), message(4.4), code=code)
 
         assert inspector.why_starved(run).cause_id == 'waits_for_lock'
 
     def test_pictures_that_wait_may_use_up_the_threads(self):
-        """One picture alone delays nothing."""
+        """A single picture delays nothing."""
         sent = [at(clock, 'input', index=place) for place, clock in enumerate((3.2, 5.7, 5.7))]
         beats = [message(half / 2) for half in (7, 8, 9, 10, 11, 14, 15)]
         results = [message(clock, '/results') for clock in (4.4, 6.9, 8.1)]
@@ -318,7 +318,7 @@ class TestHeartbeat:
     ('period_s', 'repair'), [(0.1, 'Publish at once'), (5.0, 'Check every tenth')]
 )
 def test_late_parcel_is_blamed_on_what_the_code_has(period_s, repair):
-    """A node that checks often waits for something else."""
+    """If a node checks often, the cause of the delay is different."""
     run = run_of(code=f'self.create_timer({period_s}, self.look)\n')
 
     assert courier._why_late(run, 3.0).try_this.startswith(repair)
@@ -343,7 +343,7 @@ class TestSensor:
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
     def test_watchdog_that_runs_from_the_start_is_told(self, early_s, cause_id):
-        """A line at the moment of an offer is about the offer."""
+        """A line at the moment of an offer refers to the offer."""
         offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
         silence = at(5.0, 'mark', name='silence')
 
@@ -352,7 +352,7 @@ class TestSensor:
         assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
 
     def test_refusals_that_are_counted_from_the_start_are_told(self):
-        """The second publisher gives two lines, the first one gave one."""
+        """The second publisher causes two lines, the first one caused one."""
         events = []
         for place, name in enumerate(sensor_watch.LAZY):
             begun = 2.0 * place
@@ -378,14 +378,14 @@ class TestManaged:
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 
     def test_second_configuration_that_creates_nothing_is_told(self):
-        """A flag that stays set."""
+        """A flag in the node stays set."""
         seen = [self.graph('configured', BEACON), self.graph('configured again')]
         run = run_of(*seen, facts=managed_beacon.exam.facts)
 
         assert why(managed_beacon.cleans_up, run).cause_id == 'configured_once'
 
     def test_flashes_that_were_kept_are_told(self):
-        """They come together, at the moment of the activation."""
+        """The flashes arrive together, at the moment of the activation."""
         mark = at(1.0, 'mark', name='active')
         flashes = [message(clock, '/beacon_signal') for clock in (1.5, 1.5, 1.5, 2.5, 3.5, 4.5)]
         run = run_of(self.graph('end', BEACON), mark, *flashes, facts=managed_beacon.exam.facts)
@@ -393,7 +393,7 @@ class TestManaged:
         assert why(managed_beacon.publishes_while_active, run).cause_id == 'sent_later'
 
     def test_limit_that_is_rounded_in_the_line_is_told(self):
-        """The student sees a limit in the line, so it is not missing."""
+        """The line does contain a limit, so the cause is not a missing limit."""
         answer = {'data': {'results': [{'successful': True}]}}
         refused = (-1.0, 0.0, -212.45)
         facts = {'refusals': shown(refused, lambda limit: (limit,))}
@@ -407,7 +407,7 @@ class TestManaged:
 
 
 def test_map_that_is_published_for_each_newcomer_is_told():
-    """It comes at the moment at which the late subscription joins."""
+    """The map arrives at the moment at which the late subscription joins."""
     asked = replace(map_server.exam.asks['maps'], inputs=('hall', 'yard'))
     events = []
     for place, text in enumerate(asked.inputs):
@@ -444,7 +444,7 @@ def test_first_map_for_a_newcomer_is_told_from_a_late_one(code, cause_id):
     [('', False, 'no_reason'), ('too high', True, 'looks_at_one')],
 )
 def test_limit_keeper_gives_a_reason_for_each_refusal(reason, together, cause_id):
-    """Also if the limit is not the first parameter of a call."""
+    """The limit need not be the first parameter of a call."""
     asked = limit_keeper.exam.asks['changes']
     answers = [
         at(1.0, 'answer', service=limit_keeper.SERVICE, data={'results': [given]})

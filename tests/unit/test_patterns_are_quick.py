@@ -1,9 +1,9 @@
 """
-Check that no text keeps a regular expression of the grader busy.
+Check that no text makes a regular expression of the grader slow.
 
 Students choose the texts that the grader searches, and it searches them in its own process.  The
 tests try each pattern that is a single string in a call of ``re`` or in the tables of mistakes on
-texts that make a search start again at each letter.
+texts at which a search starts again at each letter.
 """
 
 import ast
@@ -21,9 +21,9 @@ IN_THE_SANDBOX = ('inside/', 'probe/', '_work/')
 METHODS = {'search', 'match', 'fullmatch', 'findall', 'finditer', 'sub', 'subn', 'split'}
 PIECES = (*' \n\ta_0(["\'=./\\{<;:', 'a ', 'a.', '- ', 'a,', ';\n', '" ')
 LENGTH = 1000
-NOTHING_S = 0.005  # an answer in one pass takes a tenth of it
+NOTHING_S = 0.005  # a search in one pass takes a tenth of this time
 LONGER = 4
-QUADRATIC = 9.0  # times longer for a text of four times the length: 4 in one pass, else 16
+QUADRATIC = 9.0  # ratio of times for a text four times as long: 4 in one pass, otherwise 16
 
 
 def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
@@ -72,7 +72,7 @@ def flags(call: ast.Call) -> int:
 
 
 def hostile(pattern: str, length: int) -> Iterator[str]:
-    """Yield texts of one piece again and again, alone and behind words of the pattern."""
+    """Yield texts that repeat one piece, alone and after words of the pattern."""
     plain = re.sub(r'\\[a-zA-Z]|\?P<\w+>', ' ', pattern)
     words = list(dict.fromkeys(re.findall('[A-Za-z_]{2,}', plain)))[:6]
     heads = ('', 'def main', 'x = ', '"', '(', 'File "/', *words)
@@ -126,13 +126,13 @@ def test_every_pattern_is_done_in_one_pass():
     ],
 )
 def test_the_search_finds_what_it_is_for(code):
-    """What has kept the grader busy."""
+    """The test finds the patterns that once kept the grader busy."""
     ((_, pattern, method),) = patterns_in(ast.parse(code))
     assert slow_text(pattern, method) is not None
 
 
 def test_a_pattern_that_is_matched_at_the_beginning_only_is_no_search():
-    """It begins once."""
+    """Such a match starts only once."""
     ((_, pattern, method),) = patterns_in(
         ast.parse(r"WORD = re.compile(r'\w+Error: ')" + '\nWORD.match(text)')
     )

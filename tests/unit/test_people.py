@@ -86,7 +86,7 @@ def test_names_are_text_of_one_line(layout):
     ],
 )
 def test_a_damaged_file_is_no_trouble(data, known, layout):
-    """A damaged file is replaced with the next names."""
+    """The next names replace a damaged file."""
     layout.work.mkdir(parents=True)
     layout.people.write_bytes(data)
     assert read_people(layout) == known

@@ -34,7 +34,7 @@ class FakeExam:
 
 
 class FakeEngine:
-    """Gives a point for the word right, and raises for some words."""
+    """Gives a point for the word "right", and raises for some words."""
 
     def __init__(self):
         self.threads = set()
@@ -138,7 +138,7 @@ def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
 
 
 def test_no_more_runs_at_a_time_than_asked_for():
-    """One job is one thread."""
+    """Each job uses one thread."""
     engine = FakeEngine()
 
     grade_class([handed_in(name, 'right') for name in 'abcdef'], LESSON, engine, jobs=1)
@@ -147,7 +147,7 @@ def test_no_more_runs_at_a_time_than_asked_for():
 
 
 def test_ctrl_c_starts_nothing_new():
-    """Planned runs are dropped."""
+    """Queued runs are cancelled."""
     engine, begun, held = FakeEngine(), threading.Event(), threading.Event()
     run, ran = engine.run, []
 
@@ -175,7 +175,7 @@ def test_ctrl_c_starts_nothing_new():
 
 
 def test_one_notebook_is_graded_the_same_way():
-    """The bytes of a notebook give a result without a class."""
+    """The bytes of a notebook are enough to grade it without a class."""
     result = grade_notebook(handed_in('ann', 'right').data, LESSON, 'ann', FakeEngine())
 
     assert (result.student, result.points, result.max_points) == ('ann', 2.0, 2)

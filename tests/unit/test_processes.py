@@ -10,7 +10,7 @@ import pytest
 
 from autograder.sandboxes.processes import family, running, states, used_ns
 
-# Each says a word when its threads are at it.
+# Each program prints a word when its threads have started.
 SLEEPS = "import threading; print('x', flush=True); threading.Event().wait()"
 COMPUTES = "print('x', flush=True)\nwhile True: pass"
 THREADS = f"""

@@ -20,7 +20,7 @@ def done(points: float) -> ExamResult:
 
 
 def test_full_marks_less_and_reviews_are_counted():
-    """A submission for review counts as neither."""
+    """A submission for review counts neither as full marks nor as less."""
     counts = Counter(map(kind_of, (done(2), done(1), done(2))))
     assert text_of(counts) == '2 full marks, 1 less'
 
@@ -33,7 +33,7 @@ def test_full_marks_less_and_reviews_are_counted():
     [(True, '', True), (True, 'false', True), (True, 'true', False), (False, '', False)],
 )
 def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monkeypatch):
-    """A log would keep every state of the line."""
+    """In a log, every state of the line would remain."""
     monkeypatch.setenv('CI', variable)
 
     assert is_alive(Console(file=io.StringIO(), force_terminal=terminal)) is alive
@@ -48,7 +48,7 @@ def test_a_short_grading_prints_nothing_into_a_log(capsys):
 
 
 def test_a_line_in_a_log_has_counts_and_the_time_left():
-    """The time left is unknown at first, and then follows from the pace."""
+    """The time left is unknown at first, and is then estimated from the runs so far."""
     assert line_of(Counter(), 8, 3.0) == '0 of 8 runs'
 
     counts = Counter(map(kind_of, (done(2), done(1))))
@@ -75,7 +75,7 @@ def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
 
 
 def test_the_summary_names_who_took_longest_over_all_exams():
-    """Equal files share a recording and its time: the first by name is named after a rerun too."""
+    """Equal files share a recording and its time, so the first student by name is named."""
 
     def took(student: str, *seconds: float) -> SubmissionResult:
         exams = (ExamResult('e', (), timing={'kept_run_s': one}) for one in seconds)

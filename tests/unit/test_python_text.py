@@ -14,13 +14,13 @@ DEEP = '-' * 900 + '1'
 
 
 def let_others_run(*_):
-    """Give up the interpreter in the middle of a tree."""
+    """Release the interpreter lock in the middle of a tree."""
     time.sleep(0.0005)
 
 
 @pytest.fixture
 def crowded():
-    """Switch threads at every few objects."""
+    """Switch threads after every few objects."""
     before = gc.get_threshold()
     gc.callbacks.append(let_others_run)
     gc.set_threshold(50)
@@ -30,7 +30,7 @@ def crowded():
 
 
 def kind_of(text):
-    """Return what became of a text."""
+    """Return the outcome of parsing a text."""
     try:
         return type(parsed(text, 'eval')).__name__
     except NotPythonError:
@@ -48,17 +48,17 @@ def test_threads_do_not_disturb_one_another():
         kinds = list(pool.map(kind_of, texts))
 
     assert set(kinds[::2]) == {'Expression'}
-    assert len(set(kinds[1::2])) == 1  # how deep a tree may be is Python's own matter
+    assert len(set(kinds[1::2])) == 1  # Python limits the depth of a tree
 
 
 @pytest.mark.parametrize('text', ['x = (', 'a\0b', '(' * 5000, 'return' * 3 + '!'])
 def test_what_is_no_python_says_so(text):
-    """One error for all the ways in which Python gives up."""
+    """Every failure of Python's parser gives the same error."""
     with pytest.raises(NotPythonError):
         parsed(text)
 
 
 def test_odd_escapes_are_no_warning(recwarn):
-    """They are the learner's matter."""
+    """Odd escapes are the learner's mistake, not the grader's."""
     assert isinstance(parsed(r"x = '\d'"), ast.Module)
     assert not recwarn.list

@@ -1,4 +1,4 @@
-"""Causes that no sample submission shows, asked about recordings made by hand."""
+"""Causes that no sample submission has, tested on handmade recordings."""
 
 from dataclasses import replace
 
@@ -45,7 +45,7 @@ def why(check, run):
 
 
 def test_message_type_that_builds_and_is_another_one():
-    """The node that echoes has a type with a different name."""
+    """The echoing node uses a type with a different name."""
     end = {
         'topic': '/echo_in',
         'kind': 'subscription',
@@ -63,7 +63,7 @@ def test_message_type_that_builds_and_is_another_one():
 
 
 def test_burst_of_which_a_part_is_lost_is_told_apart():
-    """Readings one by one are logged, and of those at once only some."""
+    """Single readings are logged, but only some readings of a burst."""
     burst = (Reading(31.0, 'one at once'), Reading(32.0, 'another at once'))
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
@@ -109,7 +109,7 @@ def test_first_map_is_there_before_the_node_is_seen(sent_s, cause_id):
 def test_warning_of_silence_does_not_come_instead_of_a_distance(
     level, text, printed, code, cause_id
 ):
-    """It is right, whatever is wrong with the line that shows the number."""
+    """The warning is correct, whatever is wrong with the line that shows the number."""
     line = {'event': 'log', 'name': 'sensor_watch', 'after_input': 0, 'clock_ns': None}
     silence = {**line, 'level': WARN, 'text': 'No distance in time (1 misses)'}
     logged = [{**line, 'level': level, 'text': text}] if level else []
@@ -138,7 +138,7 @@ def warming(values, code=''):
 
 
 def test_formula_is_not_blamed_for_a_flood():
-    """What it gives for the readings that were due, counts."""
+    """Only the values for the expected readings count."""
     temperature_publisher.readings_are_plausible(warming(range(20, 220)))
 
     found = why(temperature_publisher.readings_are_plausible, warming(range(110, 130)))
@@ -158,7 +158,7 @@ def test_seed_in_the_callback_is_told(line, cause_id):
 
 
 class TestCausesOfBlindPrograms:
-    """Mistakes that only programs showed whose authors knew nothing of the exams."""
+    """Mistakes found only in programs whose authors did not know the exams."""
 
     @pytest.mark.parametrize(
         ('numbers', 'values', 'names', 'check', 'cause_id'),
@@ -182,7 +182,7 @@ class TestCausesOfBlindPrograms:
     def test_reader_is_told_which_of_its_messages_are_wrong(
         self, numbers, values, names, check, cause_id
     ):
-        """Below zero, or without a description."""
+        """They are those below zero, or those without a description."""
         facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
         events = [
             {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)
@@ -195,7 +195,7 @@ class TestCausesOfBlindPrograms:
         assert why(check, Run({}, Recording({}, (*events, *ENDS)), facts)).cause_id == cause_id
 
     def test_temperature_that_is_no_number_is_no_formula(self):
-        """Some readings are NaN, on purpose."""
+        """Some readings are deliberately NaN."""
         readings = [
             {
                 'event': 'message',
@@ -209,7 +209,7 @@ class TestCausesOfBlindPrograms:
         assert why(temperature_publisher.readings_are_plausible, run).cause_id == 'not_finite'
 
     def test_beacon_that_is_silent_the_second_time_only(self):
-        """What on_deactivate() stops, nobody starts again."""
+        """The node publishes only until its first on_deactivate()."""
         topic = '/beacon_signal'
         beats = [
             {'event': 'message', 'topic': topic, 'clock_ns': round((0.5 + at) * 1e9), 'data': {}}
@@ -227,7 +227,7 @@ class TestCausesOfBlindPrograms:
         assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
 
     def test_transition_that_is_refused_the_second_time_only(self):
-        """Its callback is right as long as nothing is left from before."""
+        """Its callback is correct only while nothing remains from an earlier transition."""
         code = 'def on_configure(self, state):\n    return self.done\n'
 
         found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
@@ -239,7 +239,7 @@ class TestCausesOfBlindPrograms:
         [('', 'declared_again'), ('self.undeclare_parameter("a")', 'refused_again')],
     )
     def test_parameter_that_is_declared_in_each_configuration(self, first, cause_id):
-        """The exception is swallowed, so only the code shows it."""
+        """The program hides the exception, so only the code shows it."""
         code = f'def on_configure(self, state):\n    {first}\n    self.declare_parameter("a", 1)\n'
 
         found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
@@ -247,7 +247,7 @@ class TestCausesOfBlindPrograms:
         assert found.cause_id == cause_id
 
     def test_second_refusal_alone_is_missing(self):
-        """A flag: the callback for the event is there, and logs."""
+        """A flag is the cause: the event has a callback, which logs."""
         line = {'event': 'log', 'name': 'sensor_watch', 'after_input': None, 'clock_ns': 1}
         offer = {'event': 'offered', 'matched': False, 'refused': ['DEADLINE'], 'clock_ns': 1}
         events = (
@@ -263,7 +263,7 @@ class TestCausesOfBlindPrograms:
         assert why(sensor_watch.names_the_policy, run).cause_id == 'first_refusal_only'
 
     def test_node_that_runs_and_is_not_seen(self):
-        """Its class is there, and nothing explains why no node appears."""
+        """The code contains the node's class, and no evidence explains why no node appears."""
         code = "class N(Node):\n    def __init__(self):\n        super().__init__('n')\n"
 
         found = ended.why_no_node(Run({'n.py': code}, Recording({}, ENDS)), '/n')

@@ -1,4 +1,4 @@
-"""Recordings: what they answer, and how they are kept."""
+"""Recordings: queries, and storage in files."""
 
 import os
 
@@ -36,21 +36,21 @@ SAMPLE = Recording(
 
 class TestAnswers:
     def test_nodes_are_those_of_every_graph(self):
-        """A node that came or went in between is still known."""
+        """A node that appeared or left during the run is still listed."""
         assert SAMPLE.nodes == ('/a', '/b')
 
     def test_endpoints_leave_out_the_plumbing(self):
-        """Every node publishes on /rosout; nobody asks for it."""
+        """Every node publishes on /rosout, which no check needs."""
         assert [end['topic'] for end in SAMPLE.endpoints('publisher')] == ['/t']
         assert [end['topic'] for end in SAMPLE.endpoints('publisher', '/rosout')] == ['/rosout']
 
     def test_logs_can_be_asked_by_level_and_input(self):
-        """Both filters hold at once."""
+        """Both filters can be combined."""
         assert [log['text'] for log in SAMPLE.logs(level=30)] == ['hot']
         assert [log['text'] for log in SAMPLE.logs(level=30, after_input=0)] == []
 
     def test_late_listeners_are_asked_by_name(self):
-        """What a listener of its own heard is not what the first one heard."""
+        """Messages of a later subscription are separate from those of the first one."""
         heard = [
             {'event': 'message', 'topic': '/t', 'data': 1},
             {'event': 'message', 'topic': '/t', 'data': 2, 'listener': 'late'},
@@ -61,7 +61,7 @@ class TestAnswers:
         assert [event['data'] for event in seen.messages('/t', 'late')] == [2]
 
     def test_phase_ends_where_the_next_begins(self):
-        """A phase of that name that comes back is part of it; an unknown one is empty."""
+        """A phase includes repeats of the same name; an unknown phase is empty."""
         marks = [{'event': 'mark', 'name': name} for name in ('a', 'b', 'a')]
         logs = [{'event': 'log', 'level': 20, 'text': text} for text in ('0', '1', '2', '3')]
         seen = Recording({}, [logs[0], marks[0], logs[1], marks[1], logs[2], marks[2], logs[3]])
@@ -70,7 +70,7 @@ class TestAnswers:
         assert seen.phase('c').events == []
 
     def test_calls_are_answered_or_not_in_order(self):
-        """Both count, so that the number of a call is its place."""
+        """Missing answers count too, so that the index of a call is its position."""
         events = [
             {'event': 'answer', 'service': '/a/x', 'data': {}},
             {'event': 'no_answer', 'service': '/a/x', 'reason': 'too_late'},
@@ -82,12 +82,12 @@ class TestAnswers:
         assert found == ['answer', 'no_answer']
 
     def test_recording_without_an_end_is_broken_off(self):
-        """Absence of the last event is itself a fact."""
+        """The missing last event shows that the recording is incomplete."""
         assert Recording({}, ()).end_reason == 'broken_off'
 
 
 class TestFile:
-    """A file is whole, ours and of this version, or it is refused."""
+    """A file is refused unless it is complete, a recording, and of this version."""
 
     def test_saved_recording_loads_equal(self, tmp_path):
         path = tmp_path / 'deep' / 'r.jsonl'
@@ -104,7 +104,7 @@ class TestFile:
         ids=['empty', 'list', 'other format', 'no json', 'truncated'],
     )
     def test_other_file_is_refused(self, tmp_path, text):
-        """Nothing is judged from a file that is not a whole recording."""
+        """A file that is not a complete recording is never judged."""
         path = tmp_path / 'r.jsonl'
         path.write_text(text, encoding='utf-8')
 
@@ -130,19 +130,19 @@ class TestFile:
     @settings(deadline=None)
     @given(cut=st.integers(min_value=0, max_value=len(SAMPLE.to_bytes()) - 1))
     def test_file_that_was_cut_off_anywhere_is_refused(self, cut):
-        """At a line's end, too, where all that is left is sound JSON."""
+        """Even at the end of a line, where the rest is valid JSON, the cut is noticed."""
         with pytest.raises(RecordingInvalid):
             Recording.from_bytes(SAMPLE.to_bytes()[:cut])
 
     def test_file_whose_numbers_were_changed_is_refused(self):
-        """One letter of an event is enough."""
+        """A change of one letter in an event is enough."""
         changed = SAMPLE.to_bytes().replace(b'"hot"', b'"hat"')
 
         with pytest.raises(RecordingInvalid, match='checksum'):
             Recording.from_bytes(changed, 'r.jsonl')
 
     def test_file_of_a_full_disk_leaves_nothing(self, tmp_path, monkeypatch):
-        """Neither under its name nor under another."""
+        """No file remains, neither the recording nor a temporary file."""
 
         def refuse(_):
             raise OSError(28, 'No space left on device')

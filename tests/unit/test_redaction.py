@@ -1,8 +1,8 @@
 """
-No feedback on a hidden exam tells what the exam has drawn.
+No feedback on a hidden exam reveals the inputs that the exam has drawn.
 
-A program is played, not run: for each step of the exam's scenario it does something wrong, and
-most of all it says again what it was sent.  Every check judges it, whatever it would wait for.
+A program is played, not run: for each step of the exam's scenario, it makes a mistake, and
+above all it repeats its inputs.  Every check judges it, without waiting for other checks.
 """
 
 from collections.abc import Iterator
@@ -51,14 +51,15 @@ ANSWERS = {
 @dataclass(frozen=True)
 class Program:
     """
-    What is wrong with a program.
+    The mistakes of a program.
 
-    :param place: put before the names of its nodes and topics, in which a {} is the namespace
-    :param slip: put behind the names of its nodes, or of its topics
+    :param place: prefix of the names of its nodes and topics, in which a {} is the namespace
+    :param node_slip: suffix of the names of its nodes
+    :param topic_slip: suffix of the names of its topics
     :param ends: whether it has publishers and subscriptions
-    :param type: of all of them, if it is a wrong one
-    :param says: what it logs and publishes of what it has heard, None for nothing
-    :param died: whether an exception with all inputs in it ends it
+    :param type: type of all its endpoints, empty for the correct types
+    :param says: template of the text that it logs and publishes about an input; None for none
+    :param died: whether an exception that contains all inputs ends the program
     """
 
     place: str = '{}'
@@ -112,7 +113,7 @@ class Played:
         self.play()
 
     def play(self) -> None:
-        """Write down what the probe would have seen."""
+        """Record the events that the probe would have observed."""
         self.graph('start')
         for step in self.exam.scenario.steps if self.nodes else ():
             self.follow(step)
@@ -127,17 +128,17 @@ class Played:
         self.note('process', killed='', stdout='', **code)
 
     def note(self, event: str, **facts: Any) -> None:
-        """Write an event."""
+        """Record an event."""
         moment = {'clock_ns': self.clock_ns, 'after_input': self.index}
         self.events.append({'event': event, **moment, **facts})
 
     def graph(self, when: str) -> None:
-        """Write who is there."""
+        """Record the nodes and endpoints."""
         ends = list(self.ends()) if self.program.ends else []
         self.note('graph', when=when, nodes=self.nodes, endpoints=ends)
 
     def ends(self) -> Iterator[dict[str, Any]]:
-        """Yield the endpoints that are asked for, with what is wrong with them."""
+        """Yield the required endpoints, with the mistakes of the program."""
         scenario, program = self.exam.scenario, self.program
         for node in self.nodes:
             for kind, topic, type_name in scenario.endpoints():
@@ -187,12 +188,12 @@ class Played:
         self.clock_ns += round(seconds * 1e9)
 
     def say(self) -> None:
-        """Log and publish what was heard last, with the stamp of the first moment."""
+        """Log and publish the last input, with the stamp of the first moment."""
         if self.program.says is None:
             return
         try:
             text = self.program.says.format(self.heard, space=self.space)
-        except ValueError:  # a text cannot be rounded
+        except ValueError:  # a string cannot be rounded
             text = str(self.heard).upper()
         number = self.heard if isinstance(self.heard, (int, float)) else 1.0
         for node in self.nodes:
@@ -219,14 +220,14 @@ class Played:
 
 
 def alone(exam: Exam) -> Exam:
-    """Return an exam whose checks wait for none."""
+    """Return an exam whose checks do not wait for other checks."""
     one = copy.copy(exam)
     one.checks = [replace(check, needs=()) for check in exam.checks]
     return one
 
 
 def runs_of(exam: Exam) -> Iterator[tuple[str, Run]]:
-    """Yield what each of the programs gives an exam to judge."""
+    """Yield the run of each program that an exam judges."""
     files = dict.fromkeys(exam.requires, CODE)
     for name, program in PROGRAMS.items():
         recording = Recording({}, tuple(Played(exam, program).events))
@@ -243,7 +244,7 @@ def failures(exam: Exam) -> Iterator[tuple[str, Run, CheckResult]]:
 
 @pytest.mark.parametrize('name', NAMES)
 def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
-    """Whatever a program does, and although it says again what it has heard."""
+    """No text reveals inputs, even if the program repeats everything that it received."""
     exam = catalog.load(name)
     found = list(failures(exam))
     told = [
@@ -258,7 +259,7 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
-    """Names of topics are in pictures too."""
+    """Pictures contain names of topics too."""
     exam = catalog.load(name)
     space = namespace_of(exam.scenario).strip('/')
 
@@ -282,7 +283,7 @@ def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
     ],
 )
 def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
-    """So the test above looks for what is really there; and learners read numbers."""
+    """So the test above searches for existing values; learners of visible exams see numbers."""
     exam = alone(catalog.load(name))
     exam.hidden, exam.facts = False, {**exam.facts, 'secret': False}
 
@@ -291,7 +292,7 @@ def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_a_namespace_is_long_enough_to_be_left_out_of_texts(name):
-    """Shorter letters may be a part of a word."""
+    """A shorter namespace could be part of a word."""
     space = namespace_of(catalog.load(name).scenario).strip('/')
 
     assert not space or (len(space) >= 6 and not set(space) & set('aeiou'))
@@ -341,7 +342,7 @@ class TestWords:
         ],
     )
     def test_feedback_speaks_of_kinds_and_relations(self, exam, program, check, words):
-        """A sentence stays a sentence."""
+        """A sentence remains complete without the hidden values."""
         texts = [
             texts_of(one)
             for name, _, one in failures(catalog.load(exam))
@@ -367,6 +368,6 @@ class TestWords:
         assert own_words(run, 'a map', 'another text') == shown
 
     def test_numbers_of_a_quoted_line_are_left_out(self):
-        """Only where they may be inputs."""
+        """They are left out only if they may be inputs."""
         assert quoted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
         assert quoted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'

@@ -1,5 +1,5 @@
 """
-The check of a release: notebooks, exams, and what students receive fit together.
+The check of a release: notebooks, exams and the students' files match.
 
 ``make check`` runs it on this course.
 """
@@ -36,7 +36,7 @@ CHECK = cell('check_talker', "check('talker')", grade=True, points=3)
 
 
 def unfit(*cells, exams=(FakeExam(),)):
-    """Return what is wrong with a notebook of some cells."""
+    """Return the mistakes in a notebook with some cells."""
     return list(course.unfit_checks({'cells': list(cells)}, 'x.ipynb', exams))
 
 
@@ -63,7 +63,7 @@ class TestCheckCells:
         assert line.startswith('x.ipynb')
 
     def test_a_grade_id_used_twice_is_named_with_both_places(self):
-        """Also across notebooks: the gradebook's pages are per course."""
+        """Ids must differ across notebooks too, because the gradebook's pages are per course."""
         seen = {}
         assert list(course.repeated_ids({'cells': [ANSWER]}, 'a.ipynb', seen)) == []
 
@@ -74,14 +74,14 @@ class TestCheckCells:
 
     @pytest.mark.parametrize('kept', [{'outputs': [{'x': 1}]}, {'execution_count': 3}])
     def test_stored_outputs_are_found(self, kept):
-        """They make every run a change."""
+        """With stored outputs, every run would change the file."""
         (line,) = course.stored_outputs({'cells': [ANSWER, {**CHECK, **kept}]}, 'x.ipynb')
 
         assert line.startswith('x.ipynb, cell 2')
 
 
 def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
-    """Machines that build check projects out in folders called build."""
+    """CI machines may check a project out into a folder called build."""
     folder = tmp_path / 'build' / 'notebooks'
     for name in ('01/a.ipynb', '01/ros_ws/x.py'):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -93,13 +93,13 @@ def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
 class TestRelease:
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):
-        """Return a course whose notebooks need no generating."""
+        """Return a course whose notebooks need not be generated."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
         monkeypatch.setattr(course, 'generate', lambda layout, folder: ['01'])
         return Layout(tmp_path)
 
     def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
-        """The old bundle stays, and the faults are listed."""
+        """The old bundle stays, and the mistakes are listed."""
         monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
         monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
 

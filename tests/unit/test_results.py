@@ -1,4 +1,4 @@
-"""Records survive the way through JSON, and sum up."""
+"""Results survive a round trip through JSON, and add up."""
 
 import json
 
@@ -12,7 +12,7 @@ PROBLEM = Problem('x.ipynb', 'a notebook', 'a picture', 'submit again', ('talker
 
 
 def through_json(record):
-    """Return a record after a trip through JSON text."""
+    """Return a result after a round trip through JSON text."""
     return type(record).from_json(json.loads(json.dumps(record.to_json())))
 
 
@@ -35,5 +35,5 @@ def test_points_are_sums_over_checks_and_exams():
 
 
 def test_a_problem_is_one_line():
-    """Where, expected, got, what to try."""
+    """The line has the place, expected and found values, and what to try."""
     assert PROBLEM.line() == 'x.ipynb: expected a notebook, got a picture. Try: submit again.'

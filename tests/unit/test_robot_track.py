@@ -1,4 +1,4 @@
-"""Where a robot is after some commands, and the picture of it."""
+"""The track of a robot after some commands, and its picture."""
 
 import math
 import re
@@ -11,7 +11,7 @@ from roslab.robot_track import COMMAND, DEADLINE, moved, NOT_FINITE, Pose, Track
 
 
 def driven(*commands: tuple[float, float, float], until_s: float) -> Track:
-    """Return the track after commands: second, speed, turn."""
+    """Return the track after commands, each with second, speed and turn."""
     track = Track()
     for command in commands:
         track.obey(*command)
@@ -37,7 +37,7 @@ def test_robot_drives_an_exact_arc():
 
 
 def test_track_is_the_same_however_often_it_is_asked():
-    """A picture that is drawn five times a second does not change where the robot goes."""
+    """Drawing the picture five times a second does not change the track."""
     once, often = driven((0.0, 0.4, 0.3), until_s=3.0), driven((0.0, 0.4, 0.3), until_s=0.0)
     for hundredth in range(301):
         often.advance(hundredth / 100)
@@ -69,7 +69,7 @@ def test_command_that_is_not_finite_stops_the_robot():
 
 
 def test_picture_says_the_same_in_words_signs_and_table():
-    """All three come from what arrived; equal things in a row are one row of the table."""
+    """All three show the received commands; consecutive equal ones are one row of the table."""
     track = driven((0.0, 0.5, 0.0), (0.1, 0.5, 0.0), until_s=0.1)
     track.obey(1.0, 0.0, 0.0, DEADLINE)
     track.obey(2.0, 0.0, 0.0)
@@ -92,7 +92,7 @@ def test_picture_says_the_same_in_words_signs_and_table():
 
 
 def test_picture_of_a_long_drive_stays_small():
-    """An hour with ten commands a second is a page like any other."""
+    """An hour with ten commands per second still gives a page of normal size."""
     track = Track()
     for tenth in range(36_000):
         track.obey(tenth / 10, 0.3, 0.4 if tenth % 50 else -0.4)
@@ -101,7 +101,7 @@ def test_picture_of_a_long_drive_stays_small():
 
 
 def test_refused_publisher_is_named():
-    """A robot that hears nothing says why."""
+    """The picture of a robot that receives nothing gives the reason."""
     page = track_html(driven(until_s=1.0), refused='RELIABILITY')
 
     assert 'a publisher was refused: RELIABILITY' in page

@@ -1,4 +1,4 @@
-"""The course's ros2 command: its arguments, and what it makes of them without any node."""
+"""The course's ros2 command: parsing and use of its arguments, without a node."""
 
 from argparse import ArgumentParser
 import re
@@ -52,7 +52,7 @@ def test_help_lists_every_verb_and_its_options(group, capsys):
 
 
 def test_help_says_what_it_is(capsys):
-    """Nobody takes it for the whole ros2."""
+    """The help says that this is not the complete ros2 command."""
     assert cli.main([]) == 0
     text = ' '.join(capsys.readouterr().out.split())
     assert "The course's own small ros2 command" in text
@@ -81,7 +81,7 @@ def test_group_without_verb_prints_its_help(capsys):
 
 @pytest.mark.parametrize('words', [['topik'], ['topic', 'lst'], ['topic', 'pub', '-1', '-t', '2']])
 def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
-    """A typing mistake names the choices."""
+    """For a typing mistake, the error lists the choices."""
     with pytest.raises(SystemExit) as ended:
         cli.main(words)
 
@@ -98,7 +98,7 @@ def test_command_of_a_full_installation_is_told_from_a_typing_mistake():
 
 
 def test_daemon_answers_honestly(capsys):
-    """There is none, and none can be started."""
+    """The course's command has no daemon, and cannot start one."""
     assert cli.main(['daemon', 'status']) is None
     assert capsys.readouterr().out.startswith('The daemon is not running')
     assert 'cannot be started' in cli.main(['daemon', 'start'])
@@ -109,7 +109,7 @@ def test_daemon_answers_honestly(capsys):
     [(None, 0, ''), (0, 0, ''), (1, 1, ''), ('Node not found', 1, 'Node not found\n')],
 )
 def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, capsys):
-    """A text is an error, as in the real command."""
+    """A string is an error, as in the real command."""
     monkeypatch.setattr(cli, 'main', lambda arguments: outcome)
 
     with pytest.raises(SystemExit) as ended:
@@ -118,7 +118,7 @@ def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, c
 
 
 def qos_of(*words):
-    """Return the QoS that options ask for."""
+    """Return the QoS that the options request."""
     parser = ArgumentParser()
     for names, how, _ in qos_options.qos_arguments('publish', 'default'):
         parser.add_argument(*names, **how)
@@ -126,7 +126,7 @@ def qos_of(*words):
 
 
 def test_qos_options_change_their_profile():
-    """What is not said stays as the profile has it; no option means no wish."""
+    """Other policies keep the profile's values; without options, no QoS is requested."""
     quick = qos_of('--qos-profile', 'sensor_data', '--qos-depth', '3')
     kept = qos_of('--qos-durability', 'transient_local')
 
@@ -160,7 +160,7 @@ BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     ],
 )
 def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines, capsys):
-    """The strongest that everybody offers; what is given up is said."""
+    """The QoS is the strongest that all publishers offer; a message names weakened policies."""
     qos = graph.qos_for_publishers(Graph(*publishers), '/x')
 
     assert (qos.reliability.name, qos.durability.name) == (reliability, durability)
@@ -168,7 +168,7 @@ def test_qos_for_publishers_hears_all(publishers, reliability, durability, lines
 
 
 def test_fill_sets_nested_fields_arrays_and_the_time():
-    """YAML goes into messages, arrays and times in the types that fields have."""
+    """YAML values are converted to the types of fields, in messages, arrays and times."""
     array, now = Float64MultiArray(), Header().stamp
     now.sec = 5
     header, text = Header(), String()
@@ -185,7 +185,7 @@ def test_fill_sets_nested_fields_arrays_and_the_time():
 
 @pytest.mark.parametrize('text', ['[1, 2]', 'seven', '{a: ', '5'])
 def test_values_that_are_no_mapping_are_refused(text):
-    """The text has to give fields by name."""
+    """The YAML must give fields by name."""
     with pytest.raises(RuntimeError, match='YAML'):
         topic_pub.parsed(text)
 
@@ -197,7 +197,7 @@ def test_fill_unknown_field_names_it():
 
 
 def test_selected_walks_along_a_path():
-    """Fields of fields and items of arrays; a wrong name is told."""
+    """A path has nested fields and items of arrays; the error names a wrong field."""
     header = Header(frame_id='map')
     header.stamp.sec = 3
 
@@ -224,7 +224,7 @@ def files(tmp_path, monkeypatch):
 
 
 def test_definition_puts_parts_below_their_field(files):
-    """Comments of the interface stay, those of its parts go unless all are asked for."""
+    """The interface's comments stay; those of its parts are shown only on request."""
     lines = list(definition('a/msg/Whole', 'all', 'none'))
 
     assert lines == [
@@ -259,7 +259,7 @@ def test_interface_names_are_explained(name, words, monkeypatch):
 
 
 def new_package(build_type, node='speak'):
-    """Return a package with everything that needs care in XML and Python."""
+    """Return a package with all characters that need quoting in XML and Python."""
     return pkg_files.NewPackage(
         name='my_pkg',
         format=3,
@@ -287,7 +287,7 @@ def test_manifest_of_a_new_package_is_right(build_type):
 
 
 def test_python_files_compile_and_name_the_program():
-    """setup.py starts what the node's file defines; without a node there is no program."""
+    """The program in setup.py is a function in the node's file; no node means no program."""
     files = pkg_files.ament_python_files(new_package('ament_python'))
     for name, text in files.items():
         if name.endswith('.py'):

@@ -1,4 +1,4 @@
-"""Launch files in XML: what is read from them, and what is refused."""
+"""Launch files in XML: which parts are read, and which are refused."""
 
 import pytest
 
@@ -29,7 +29,7 @@ def read(folder, inside):
 
 
 def test_node_becomes_a_command_with_its_names_and_parameters(installed):
-    """As they are typed behind --ros-args; a namespace gets its slash."""
+    """They follow --ros-args as when typed; a namespace gets its slash."""
     (start,) = read(
         installed,
         """<node pkg="my_robot_pkg" exec="talker" name="crier" namespace="lab" output="screen">
@@ -48,7 +48,7 @@ def test_node_becomes_a_command_with_its_names_and_parameters(installed):
 
 
 def test_bare_node_starts_without_arguments(installed):
-    """What it prints is not shown, as with the real command."""
+    """Its output is not shown, as with the real command."""
     (start,) = read(installed, '<node pkg="my_robot_pkg" exec="talker"/>')
 
     assert (len(start.command), start.screen) == (1, False)
@@ -78,6 +78,6 @@ def test_launch_file_refused_says_why(installed, inside, said):
     ],
 )
 def test_missing_launch_file_is_named(installed, words, said):
-    """With the place where it was looked for."""
+    """The error shows the path that was searched."""
     with pytest.raises(RuntimeError, match=said):
         launch.find(*words)

@@ -1,4 +1,4 @@
-"""Each kernel has a ROS domain of its own, as long as there are any."""
+"""Each kernel has a separate ROS domain, as long as one is free."""
 
 import os
 import random
@@ -43,7 +43,7 @@ class Shell:
 
 @pytest.fixture
 def name(monkeypatch):
-    """Give the test names that no other process claims, and a process that has claimed none."""
+    """Use names that no other process claims, in a process without a claim."""
     name = f'test-{os.getpid()}-{random.SystemRandom().getrandbits(64)}-'
     monkeypatch.setattr(ros_domain, 'NAME', name)
     monkeypatch.setattr(kernel_domain, '_claimed', None)
@@ -54,7 +54,7 @@ def name(monkeypatch):
 
 @pytest.fixture
 def claiming(name):
-    """Return a function that starts a process which claims domain 7, and says what it got."""
+    """Return a function that starts a process that claims domain 7 and prints its domain."""
     processes = []
 
     def start():
@@ -74,7 +74,7 @@ def claiming(name):
 
 
 def kernel(monkeypatch):
-    """Do what the start of a kernel does, and return its shell and what it has claimed."""
+    """Claim a domain as a starting kernel does, and return its shell and its claim."""
     monkeypatch.setattr(kernel_domain, '_claimed', None)
     monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
     shell = Shell()
@@ -117,7 +117,7 @@ def test_claim_is_not_inherited_by_child_processes(name):
 
 
 def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
-    """What a cell starts inherits the number."""
+    """Processes that a cell starts inherit the number."""
     _, first = kernel(monkeypatch)
     assert os.environ['ROS_DOMAIN_ID'] == str(first.domain)
     _, second = kernel(monkeypatch)
@@ -130,7 +130,7 @@ def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
 
 
 def test_restarted_kernel_has_the_domain_of_before(name, monkeypatch):
-    """A terminal that has joined the notebook need not join it again."""
+    """A terminal that uses the notebook's domain need not be changed."""
     _, before = kernel(monkeypatch)
     before.holder.close()
     _, after = kernel(monkeypatch)
@@ -140,7 +140,7 @@ def test_restarted_kernel_has_the_domain_of_before(name, monkeypatch):
 
 
 def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatch, capsys):
-    """It is in domain 0 then, and says once what to do."""
+    """The kernel uses domain 0, and prints a remedy once."""
     held = [claim([number]) for number in DOMAINS]
     shell, claimed = kernel(monkeypatch)
     assert (claimed, os.environ['ROS_DOMAIN_ID'], capsys.readouterr().out) == (None, '0', '')
@@ -157,7 +157,7 @@ def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatc
 
 
 def test_domain_that_the_user_has_set_stays(name, monkeypatch, capsys):
-    """Other kernels leave it out; a second one with the same setting shares it."""
+    """Other kernels avoid this domain; a second one with the same setting shares it."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '42')
     shell = Shell()
     kernel_domain.claim_domain(shell)
@@ -173,7 +173,7 @@ def test_domain_that_the_user_has_set_stays(name, monkeypatch, capsys):
 
 
 def test_system_without_abstract_sockets_is_named(name, monkeypatch, capsys):
-    """The kernel starts, in domain 0."""
+    """The kernel starts anyway, in domain 0."""
 
     def refuse(domains):
         raise OSError(2, 'No such file or directory')

@@ -1,4 +1,4 @@
-"""Where cells are saved, and which names are refused."""
+"""The places of saved cells, and refused names."""
 
 from contextlib import suppress
 import os
@@ -56,7 +56,7 @@ def test_link_out_of_the_package_is_refused(learner, tmp_path):
 
 
 def test_texts_are_keyed_as_the_grader_keys_them(learner):
-    """Node files are found under their own names, hidden and compiled files are not."""
+    """Node files are found under their own names; hidden and compiled files are not found."""
     learner.save(CellFile('node', 'a', 'pass\n'))
     learner.save(CellFile('rosmsg', 'A', 'int64 x\n'))
     (learner.folder / 'temp_monitor_pkg' / '__pycache__').mkdir()
@@ -73,7 +73,7 @@ def test_package_name_that_ros_would_refuse_is_refused(name):
 
 
 def test_package_name_can_be_chosen(monkeypatch, tmp_path):
-    """Another lesson keeps its cells in another package."""
+    """A different lesson saves its cells in a different package."""
     monkeypatch.setattr(package_files, '_name', 'temp_monitor_pkg')
     monkeypatch.chdir(tmp_path)
 
@@ -111,7 +111,7 @@ def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
 
 
 def test_long_output_is_cut_at_its_beginning(tmp_path):
-    """A child that prints for ever does not fill the kernel; its last words are kept."""
+    """A child that prints forever does not fill the kernel's memory; its last output is kept."""
     outcome = run('print("x" * 5_000_000); print("end")', tmp_path)
 
     assert len(outcome.output) <= 2_000_000
@@ -120,6 +120,6 @@ def test_long_output_is_cut_at_its_beginning(tmp_path):
 
 @pytest.mark.parametrize('folder', ['/', '/tmp', '/nowhere/a/b/c'])
 def test_a_folder_in_no_workspace_is_not_built(folder):
-    """However short its path is."""
+    """Even a very short path makes no difference."""
     with pytest.raises(NotHereError, match='expected a package inside a workspace'):
         build_messages(folder)

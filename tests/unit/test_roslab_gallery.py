@@ -49,7 +49,7 @@ def test_entries_and_exhibits_are_the_same() -> None:
 
 @each_entry
 def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
-    """Who comes for one error runs the setup and that cell; `caught` would hide a missing name."""
+    """A reader may run only the setup and one cell; `caught` would hide a missing name."""
     cells = sources()
     ready = {
         name
@@ -65,7 +65,7 @@ def test_exhibit_needs_the_setup_and_no_other_exhibit(entry: Entry) -> None:
     local = scoped | {name.id for name in names if isinstance(name.ctx, ast.Store)}
 
     lacking = used - ready - local - defined_names(source) - set(dir(builtins))
-    assert lacking <= {'Float32'}  # whose import is what the exhibit lacks
+    assert lacking <= {'Float32'}  # the exhibit lacks its import
 
 
 def test_names_of_a_learner_do_not_disturb() -> None:
@@ -99,7 +99,7 @@ def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str])
 
 
 def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
-    """The class of an exception is part of what is searched."""
+    """The search includes the class of the exception."""
     explain(NameError("name 'Float32' is not defined"))
 
     assert 'Import it' in capsys.readouterr().out
@@ -108,7 +108,7 @@ def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
 def test_explain_looks_at_the_last_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without a text it explains what this interpreter has shown last."""
+    """Without an argument, it explains the last error in this interpreter."""
     monkeypatch.setattr(
         sys, 'last_value', TypeError("'NoneType' object is not callable"), raising=False
     )
@@ -126,20 +126,20 @@ def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize('nonsense', [3, '', '  '])
 def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
-    """A number or an empty text is answered with an example of a right call."""
+    """For a number or an empty string, the answer is an example of a correct call."""
     with pytest.raises(RoslabError, match='expected the text of an error'):
         explain(nonsense)
 
 
 def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str]) -> None:
-    """What is not in the gallery is looked up among the mistakes of a build."""
+    """An error that is not in the gallery is looked up among the mistakes of a build."""
     explain("CMake Error: the passed dependency 'geometry_msgs' has not been found before using")
 
     assert 'find_package(geometry_msgs REQUIRED)' in capsys.readouterr().out
 
 
 def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
-    """An unknown message is called unknown, with ways to go on and no guess."""
+    """For an unknown message, it says so and suggests next steps, without a guess."""
     explain('RCLError: the robot has eaten the map')
 
     said = capsys.readouterr().out
@@ -149,7 +149,7 @@ def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) 
 
 
 def raised(code: str, name: str = '__main__') -> BaseException:
-    """Return the exception that code of a module raises."""
+    """Return the exception that code in a module raises."""
     try:
         exec(code, {'__name__': name})
     except Exception as error:
@@ -163,7 +163,7 @@ def raised(code: str, name: str = '__main__') -> BaseException:
 def test_error_of_python_leads_to_its_manual(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What Python itself raises is not searched among the issues of rclpy."""
+    """For an exception of Python itself, the issues of rclpy are not searched."""
     explain(error)
 
     said = capsys.readouterr().out
@@ -182,7 +182,7 @@ def test_error_of_python_leads_to_its_manual(
 def test_builtin_error_that_ros_raises_leads_to_its_issues(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The code that raised it, or its words, tell whose error it is."""
+    """The raising code or the message shows that the error comes from ROS."""
     explain(error)
 
     assert 'github.com/ros2/rclpy' in capsys.readouterr().out
@@ -195,7 +195,7 @@ def test_builtin_error_that_ros_raises_leads_to_its_issues(
 def test_misspelt_module_is_named(
     written: str, meant: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """One slip away from a module that exists, it is no package that was not built."""
+    """A name close to that of an existing module is a typo, not a package that was not built."""
     explain(f"ModuleNotFoundError: No module named '{written}'")
 
     said = capsys.readouterr().out
@@ -207,7 +207,7 @@ def test_misspelt_module_is_named(
 def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """No module is suggested that has little to do with the name."""
+    """No module with a very different name is suggested."""
     explain(f"ModuleNotFoundError: No module named '{name}'")
 
     assert 'it is misspelt, not built, not installed' in capsys.readouterr().out

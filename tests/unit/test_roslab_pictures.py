@@ -1,4 +1,4 @@
-"""The layout, the pictures and the text of roslab, made from plain data."""
+"""Layout, pictures and text of roslab, made from plain data."""
 
 import html
 import json
@@ -116,12 +116,12 @@ def test_endpoint_without_a_match_is_dashed_and_says_why(publisher, subscription
 
 
 def test_fitting_qos_that_is_not_equal_is_no_mismatch():
-    """A publisher may offer more than a subscription wants."""
+    """A publisher may offer more than a subscription requests."""
     assert mismatch(end('/a', qos=LASTING), end('/b', qos=BEST_EFFORT)) == ''
 
 
 def test_only_the_refused_one_of_two_listeners_is_dashed():
-    """A publisher that reaches somebody keeps its plain arrow."""
+    """A publisher that reaches at least one subscription keeps its plain arrow."""
     graph = Graph(chatter([end('/a')], [end('/b'), end('/c', qos=LASTING)]))
 
     assert f'/a --> /chatter [{STRING}] --> /b' in str(graph)
@@ -149,7 +149,7 @@ def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
 
 
 def test_names_from_other_programs_are_text_never_markup():
-    """What a program calls itself cannot change the page."""
+    """The name of a program cannot change the page."""
     page = Graph(chatter([end('/<script>')], [end('/b"onload="x')]))._repr_html_()
 
     assert '<script>' not in page
@@ -157,7 +157,7 @@ def test_names_from_other_programs_are_text_never_markup():
 
 
 def test_two_nodes_of_one_name_and_an_idle_one_are_told():
-    """A node without topics is listed, and a name that is there twice is counted."""
+    """A node without topics is listed, and a name that two nodes share is counted."""
     facts = Facts(('/idle', '/twin', '/twin'), ())
 
     text = str(Graph(facts))
@@ -172,7 +172,7 @@ def test_empty_graph_says_that_nothing_is_seen():
 
 
 def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
-    """Title and description hold what the text form holds."""
+    """Title and description contain everything in the text form."""
     tree = drawing(Graph(chatter([end('/talker')], []))._repr_html_())
     labels = tree.get('aria-labelledby').split()
     described = {e.get('id'): e.text for e in tree if e.get('id') in labels}
@@ -184,7 +184,7 @@ def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
 
 
 def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
-    """On a narrow page; what is focused has a role and a name."""
+    """On a narrow page, the focused element has a role and a name."""
     page = svg.picture(900, 100, 'A <graph>', 'words', [])
 
     assert page.startswith('<div role="group" aria-label="A &lt;graph&gt;" tabindex="0" style="ov')
@@ -216,7 +216,7 @@ def test_picture_has_its_data_in_a_table():
 
 
 def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
-    """A reader goes through some dozens of rows."""
+    """A person can read at most some dozens of rows."""
     points = tuple((n / 10, 100.0 if n == 777 else 1.0) for n in range(1000))
     rows = table(curve_html(Curve('/t value', points, 100.0)))
 
@@ -278,7 +278,7 @@ def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
 
 
 def listener(topic, began, times):
-    """Return what timeline() needs of a listener."""
+    """Return the parts of a listener that timeline() needs."""
     return SimpleNamespace(topic=topic, began=began, times=times, msg_type=String)
 
 
@@ -303,7 +303,7 @@ def test_timeline_compares_a_simulation_with_a_live_plot():
 
 
 def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
-    """What happened beside the messages differs from them and from each other in shape."""
+    """Messages and each kind of mark have different shapes."""
     line = timeline(
         listener('/a', 0.0, [0.0, 1.0, 2.0]), marks={'stopped': [1.5], 'started': [1.8]}
     )
@@ -319,7 +319,7 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
 
 
 def test_timeline_of_the_last_seconds_leaves_older_messages_out():
-    """`seconds` cuts the axis at its newest end."""
+    """`seconds` limits the axis to its newest part."""
     line = timeline(listener('/a', 0.0, [0.0, 4.0, 5.0]), seconds=2.0)
 
     assert line.rows[0].times == (4.0, 5.0)
@@ -363,7 +363,7 @@ def test_slider_of_many_moments_is_short_and_keeps_the_last():
     ],
 )
 def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
-    """A name is not a listener, and a word is not a time."""
+    """A name is not a listener, and a string is not a time."""
     with pytest.raises(RoslabError, match=re.escape(said)):
         timeline(*sources, marks=marks)
 
@@ -392,7 +392,7 @@ def test_value_that_is_not_finite_is_a_gap():
 
 
 def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
-    """As warnings that came after readings; both are also in the words."""
+    """The marks are warnings after readings; the description contains both."""
     made = Curve('/t data', ((1.0, 20.0), (2.0, 33.0)), 3.0, 30.0, {'WARN': (2.0, 2.0)})
     page = curve_html(made)
 
@@ -431,7 +431,7 @@ def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
 
 
 def test_field_paths_reach_nested_fields_and_items_of_arrays():
-    """Dots and brackets lead to a number; an array that is too short gives none."""
+    """Dots and brackets lead to a number; if an array is too short, there is none."""
     header = Header()
     header.stamp.sec = 7
 
@@ -458,7 +458,7 @@ def test_field_paths_reach_nested_fields_and_items_of_arrays():
 def test_field_that_does_not_exist_or_is_no_number_is_answered_with_those_that_are(
     kind, path, said
 ):
-    """The error names what could be plotted."""
+    """The error lists the fields that can be plotted."""
     with pytest.raises(RoslabError, match=re.escape(said)):
         number_getter(kind, path)
 
@@ -475,14 +475,14 @@ def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
 
 
 def test_long_texts_and_arrays_are_cut_unless_all_is_asked_for():
-    """The first 128 are written, then three dots."""
+    """The first 128 elements are written, then three dots."""
     assert message_yaml(String(data='x' * 200)) == f'data: {"x" * 128}...\n'
     assert message_yaml(String(data='x' * 200), COMPLETE) == f'data: {"x" * 200}\n'
     assert message_yaml(Int32MultiArray(data=range(200))).endswith("- 127\n- '...'\n")
 
 
 def test_rate_is_computed_from_the_gaps_between_messages():
-    """The window counts gaps, as the tool does."""
+    """The window counts gaps, as the ROS tool does."""
     assert hz_text([0.0, 1.0, 2.5]) == (
         'average rate: 0.800\n\tmin: 1.000s max: 1.500s std dev: 0.25000s window: 2'
     )

@@ -1,4 +1,4 @@
-"""What checks and quizzes found is remembered, shown and deleted."""
+"""Results of checks and quizzes are stored, shown and deleted."""
 
 from concurrent.futures import ThreadPoolExecutor
 import json
@@ -18,7 +18,7 @@ NONE = {'checks': {}, 'quizzes': {}, 'tries': {}}
 
 @pytest.fixture
 def file(tmp_path, monkeypatch):
-    """Return the path of the results of an empty course, from one of whose folders tests run."""
+    """Return the path of the results file of an empty course; tests run in one of its folders."""
     root = tmp_path / 'course'
     (root / 'notebooks' / '01_a').mkdir(parents=True)
     (root / 'course.toml').write_text("name = 'small'\nwork = '_work'\n")
@@ -52,7 +52,7 @@ class TestRemember:
         assert 'progress(forget=True)' in json.loads(file.read_text())['about']
 
     def test_notebooks_that_finish_together_lose_nothing(self, file):
-        """Each adds to what the others wrote."""
+        """Each notebook adds to the results of the others."""
         with ThreadPoolExecutor(8) as pool:
             list(pool.map(lambda n: remember('checks', f'exam_{n}', n), range(32)))
 
@@ -100,11 +100,11 @@ BROKEN = [
 
 
 class TestBrokenFile:
-    """Whatever is in the file, the learner gets one sentence and loses no other file."""
+    """Whatever the file contains, the learner gets one sentence and loses no other file."""
 
     @pytest.mark.parametrize('text', BROKEN)
     def test_result_is_not_remembered_and_the_file_stays(self, file, capsys, text):
-        """The check itself has already shown its result."""
+        """The check has already shown its result."""
         file.parent.mkdir()
         file.write_text(text)
         remember('checks', 'talker', 8)
@@ -115,7 +115,7 @@ class TestBrokenFile:
         assert file.read_text() == text
 
     def test_progress_says_how_to_delete_it(self, file):
-        """It deletes nothing by itself."""
+        """The function deletes nothing by itself."""
         file.parent.mkdir()
         file.write_text('my own notes')
 
@@ -124,7 +124,7 @@ class TestBrokenFile:
         assert file.read_text() == 'my own notes'
 
     def test_folder_that_cannot_be_written_is_one_line(self, file, capsys):
-        """As in a course that all students of a computer share."""
+        """All students of a computer may share one read-only course."""
         file.parent.write_text('a file in place of the folder')
         remember('checks', 'talker', 8)
 
@@ -133,7 +133,7 @@ class TestBrokenFile:
 
 class TestProgress:
     def test_first_unfinished_part_comes_next(self, lessons):
-        """A wrong answer to a quiz is an answer; an exercise needs all its points."""
+        """A quiz is finished after any answer; an exercise needs full points."""
         answered = {'01-a': False, '01-b': True}
 
         assert next_part(lessons, NONE)[1].heading == 'Part 1: One'
@@ -145,7 +145,7 @@ class TestProgress:
         assert as_text(lessons, done).startswith('18 of 18 points; every exercise')
 
     def test_text_has_points_and_right_answers(self, lessons):
-        """A lesson without exercises has empty columns; an unknown exercise counts nothing."""
+        """A lesson without exercises has empty columns; an unknown exercise does not count."""
         results = {
             'checks': {'talker': 99, 'courier': 2.5, 'of_an_older_course': 7},
             'quizzes': {'01-a': False, '01-b': True},
@@ -171,7 +171,7 @@ class TestProgress:
         assert rows == ['01 a', '02 b.ipynb cannot be read']
 
     def test_forget_deletes_the_results(self, file, capsys):
-        """A second time does no harm."""
+        """Forgetting twice does no harm."""
         remember('checks', 'talker', 8)
         progress(forget=True)
         progress(forget=True)

@@ -1,4 +1,4 @@
-"""Practice questions: their files, their errors, and what a viewer without widgets shows."""
+"""Practice questions: their files, their errors, and the text for viewers without widgets."""
 
 from collections import Counter
 import random
@@ -57,7 +57,7 @@ QUESTION = {
 
 @pytest.mark.parametrize('path', files(), ids=lambda path: path.name)
 def test_questions_of_the_course_are_well_formed(path):
-    """Each has one right option and an explanation for each; backticks come in pairs."""
+    """Each has one correct option, and an explanation for each option; backticks are paired."""
     assert re.fullmatch(r'\d\d_[a-z0-9_]+\.yaml', path.name)
     for question in yaml.safe_load(path.read_text()):
         jsonschema.validate(question, QUESTION)
@@ -82,7 +82,7 @@ def test_no_letter_is_right_so_often_that_choosing_it_would_pay():
 
 
 def test_question_is_read_whole(folder):
-    """Nothing is lost but the order of the options."""
+    """Everything is read; only the order of the options changes."""
     question = find('03-matched', folder)
 
     assert question.text == 'Is `x` matched?'
@@ -95,7 +95,7 @@ def test_question_is_read_whole(folder):
 
 
 def test_order_depends_on_the_key_alone(folder):
-    """Two readers see the same letters, whatever else has drawn random numbers."""
+    """Two readers see the same letters, whatever other code has drawn random numbers."""
     first = find('03-matched', folder)
     random.seed(7)
 
@@ -103,7 +103,7 @@ def test_order_depends_on_the_key_alone(folder):
 
 
 def test_right_answers_are_spread_over_the_letters(folder):
-    """Authors who always write the right one first give nothing away."""
+    """Authors who always write the correct option first do not reveal it."""
     path = folder / '03_topics.yaml'
     path.write_text(''.join(GOOD.replace('03-matched', f'03-m{n}') for n in range(300)))
     places = Counter(
@@ -143,20 +143,20 @@ def test_file_of_another_form_is_refused(folder, text):
 
 
 def test_unknown_key_is_answered_with_the_near_ones(folder):
-    """A typing mistake costs one look."""
+    """The error lists similar keys."""
     with pytest.raises(RoslabError, match=r"'03-matched'; there is no '03-macthed'"):
         find('03-macthed', folder)
 
 
 def test_broken_file_of_another_lesson_does_not_matter(folder):
-    """Each lesson reads its own."""
+    """Each lesson reads only its own file."""
     (folder / '04_messages.yaml').write_text('- nonsense')
 
     assert isinstance(find('03-matched', folder), Question)
 
 
 def test_viewer_without_widgets_gets_the_question_and_its_letters():
-    """A notebook keeps this text; which option is right is not in it."""
+    """A notebook stores this text, which does not show the correct option."""
     question = find('07-threshold')
     bundle = show('07-threshold')._repr_mimebundle_()
     data = bundle[0] if isinstance(bundle, tuple) else bundle

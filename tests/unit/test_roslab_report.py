@@ -34,7 +34,7 @@ def report(*checks, **more):
 
 
 def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
-    """A failed check says what was expected, what was seen, and what to try."""
+    """A failed check shows expected and observed values, and what to try."""
     text = str(report(PASSED, FAILED, WAITING))
 
     assert text.splitlines()[0].startswith('temperature_publisher: 3 of 10 points')
@@ -46,7 +46,7 @@ def test_text_has_one_line_per_check_and_the_facts_of_a_failure():
 
 
 def test_html_escapes_what_the_program_did():
-    """What a learner's program prints is text, never markup."""
+    """The output of a learner's program is text, never markup."""
     page = report(FAILED)._repr_html_()
 
     assert '<script>' not in page
@@ -66,7 +66,7 @@ def test_report_is_true_only_if_every_check_passed():
 
 
 def test_plain_mode_is_said():
-    """A run without a sandbox is never silent about it."""
+    """The report always says if the run had no sandbox."""
     assert 'without a sandbox' in str(report(PASSED, mode='none'))
     assert 'sandbox' not in str(report(PASSED, mode='user'))
 
@@ -83,7 +83,7 @@ def test_verdicts_are_read_from_the_last_line_of_json():
 
 
 def test_error_of_the_child_is_shown_as_one_line():
-    """Bad input is named as the engine names it."""
+    """The report repeats the engine's message about bad input."""
     problem = {'where': 'check', 'expected': 'a known exam', 'got': 'x', 'try_this': 'another'}
     text = str(read(json.dumps({'error': problem}), 2))
 
@@ -103,7 +103,7 @@ def test_deadline_is_named():
 
 
 def test_unfinished_files_are_named():
-    """A stub that is still there is the first thing to hear of."""
+    """The report names a remaining stub first."""
     assert 'x.py is not finished' in str(CheckReport('x', unfinished=('x.py',)))
 
 
@@ -142,12 +142,12 @@ def test_files_with_a_stub_are_unfinished(exam, unfinished):
     ],
 )
 def test_progress_of_a_build_is_its_last_mark(output, how_far):
-    """Ninja counts its steps, make says a percentage, and CMake neither."""
+    """Ninja counts its steps, make prints a percentage, and CMake neither."""
     assert messages._progress(output) == how_far
 
 
 def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
-    """Looking at it moves nothing in the file that the command writes."""
+    """Reading it does not move the position in the file to which the command writes."""
     seen = []
 
     def on_tick(seconds, output):

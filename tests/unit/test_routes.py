@@ -1,4 +1,4 @@
-"""The table of routes in environment.md: what it says was executed, by the command that did it."""
+"""The table of routes in environment.md shows which commands were executed, and when."""
 
 import json
 import re
@@ -19,7 +19,7 @@ autograder/_work/submitted was empty, so the 3 example submissions from tests we
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Give two rows and a page, in place of the project's."""
+    """Replace the project's rows and page by two rows and a small page."""
     row = {'route': 'r', 'system': 's', 'type': 't', 'date': '', 'result': 'no time'}
     rows = [{'name': 'see-it', **row}, {'name': '-', **row}]
     monkeypatch.setattr(routes.tempfile, 'tempdir', str(tmp_path))
@@ -31,7 +31,7 @@ def files(tmp_path, monkeypatch):
 
 
 def test_the_table_of_environment_md_agrees_with_its_data():
-    """Nobody edits the table by hand."""
+    """The table must not be edited by hand."""
     rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
     assert routes.BEGIN + routes.table(rows) + routes.END in routes.PAGE.read_text(
         encoding='utf-8'
@@ -39,7 +39,7 @@ def test_the_table_of_environment_md_agrees_with_its_data():
 
 
 def test_each_route_has_one_row_and_each_date_a_route():
-    """A row that no command can execute has no date."""
+    """A row without a command has no date."""
     rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
     assert sorted(row['name'] for row in rows if row['name'] != '-') == sorted(routes.ROUTES)
     for row in rows:
@@ -48,7 +48,7 @@ def test_each_route_has_one_row_and_each_date_a_route():
 
 
 def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
-    """The other rows keep theirs."""
+    """The other rows keep their date and result."""
     monkeypatch.setitem(routes.ROUTES, 'see-it', lambda folder: 'it worked')
     assert routes.main(['see-it']) == 0
     page = routes.PAGE.read_text()
@@ -60,7 +60,7 @@ def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
 
 
 def test_a_route_that_fails_changes_no_row(files, monkeypatch, capsys):
-    """The date stays that of the last time when it worked."""
+    """The row keeps the date of the last success."""
 
     def fails(folder):
         routes.run(folder, 'sh', '-c', 'echo no network; exit 3')

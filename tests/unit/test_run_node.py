@@ -1,4 +1,4 @@
-"""How a node file is started; no ROS is needed for it."""
+"""The start of a node file, tested without ROS."""
 
 from pathlib import Path
 import subprocess
@@ -17,7 +17,7 @@ def started(path: Path, gate: bytes = b'x') -> subprocess.CompletedProcess[bytes
 
 
 def test_nothing_runs_before_the_gate_is_opened(tmp_path):
-    """The end of the input means that the grader is gone."""
+    """If the input ends, the grader has ended."""
     path = tmp_path / 'node.py'
     path.write_text('print("ran")', encoding='utf-8')
 

@@ -18,7 +18,7 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
-    """One command is a stop; a wrong limit shows where commands are fast, and nowhere else."""
+    """One command is a stop; only fast commands reveal a wrong limit."""
     asked = catalog.drawn('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]
@@ -32,7 +32,7 @@ def test_drawn_commands_are_as_the_exam_needs_them(secret):
 
 
 def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
-    """Where no slip gives all answers, the stop itself is the evidence."""
+    """If no slip gives all answers, the stop itself is the evidence."""
     events = []
     for index, one in enumerate(safety_stop.exam.facts['commands'].inputs):
         data = {'linear': {'x': one.speed}, 'angular': {'z': one.turn}}

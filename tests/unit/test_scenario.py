@@ -1,4 +1,4 @@
-"""Scenarios as data: what the probe is told, and nothing else."""
+"""Scenarios as data: they contain only the instructions to the probe."""
 
 import json
 
@@ -38,7 +38,7 @@ STEPS = [
 
 
 def test_every_step_is_json():
-    """What is written is what the probe reads back, step by step."""
+    """The probe reads back the same steps that were written."""
     told = Scenario(steps=STEPS).to_json()
 
     assert json.loads(json.dumps(told))['steps'] == told['steps']
@@ -51,20 +51,20 @@ def test_every_step_is_json():
     ('virtual_s', 'ros_s'), [(0.0, 100.0), (0.124, 100.0), (0.125, 100.25), (3.0, 106.0)]
 )
 def test_ros_time_is_that_of_the_last_message_on_its_topic(virtual_s, ros_s):
-    """At twice the speed of the computer, a step of 0.25 s takes 0.125 s."""
+    """If ROS time runs at twice the computer's speed, a step of 0.25 s takes 0.125 s."""
     clock = RosClock(begins_s=100.0, rate=2.0, step_s=0.25)
 
     assert clock.at(round(virtual_s * 1e9)) == round(ros_s * 1e9)
 
 
 def test_service_is_named_after_its_node_unless_it_is_full():
-    """A full name has a slash in front."""
+    """A full name begins with a slash."""
     assert state('/lab/thermometer').to_json()['service'] == '/lab/thermometer/get_state'
     assert Call('/talker', '/reset', 'a/srv/B').to_json()['service'] == '/reset'
 
 
 def test_feed_without_quality_of_service_suits_everyone():
-    """The plain type and the one with a profile are told in the same form."""
+    """A plain type and a type with a profile are written in the same form."""
     mine = FeedTopic('std_msgs/msg/String', Qos('BEST_EFFORT', depth=1))
 
     feed = Scenario(feed={'/a': 'std_msgs/msg/String', '/b': mine}).to_json()['feed']
@@ -95,14 +95,14 @@ def test_feed_without_quality_of_service_suits_everyone():
     ids=['bool', 'int', 'float', 'str'],
 )
 def test_parameter_is_told_with_its_type(value, told):
-    """The numbers are those of rcl_interfaces/msg/ParameterType; a bool is not an int."""
+    """The type numbers are those of rcl_interfaces/msg/ParameterType; a bool is not an int."""
     (parameter,) = set_parameters('/a', {'x': value}).to_json()['request']['parameters']
 
     assert parameter == {'name': 'x', 'value': told}
 
 
 def test_transitions_have_the_numbers_of_the_lifecycle():
-    """As in lifecycle_msgs/msg/Transition."""
+    """The numbers are those of lifecycle_msgs/msg/Transition."""
     names = ('configure', 'cleanup', 'activate', 'deactivate')
 
     numbers = [transition('/a', name).to_json()['request']['transition']['id'] for name in names]

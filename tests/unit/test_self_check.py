@@ -1,4 +1,4 @@
-"""The proof on this machine: full marks for the reference, none for the release."""
+"""The self-check: full marks for the reference solution, none for the untouched release."""
 
 from dataclasses import dataclass
 import json
@@ -14,14 +14,14 @@ from autograder.results import CheckResult, ExamResult, Verdict
 
 @dataclass(frozen=True)
 class FakeExam:
-    """What the pipeline needs of an exam."""
+    """The parts of an exam that the pipeline needs."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """Gives a point for the word right."""
+    """Gives a point for the word "right"."""
 
     def __init__(self, *exams: FakeExam) -> None:
         self.known = exams
@@ -62,7 +62,7 @@ def course(tmp_path: Path):
 
 
 def test_reference_and_release_are_as_they_must_be(course):
-    """Both lines are right, and say who."""
+    """Both lines report success and name the submission."""
     layout = course('right', '# YOUR CODE HERE')
 
     lines = list(self_check(layout, FakeEngine(FakeExam())))
@@ -84,24 +84,24 @@ def test_reference_that_fails_its_exam_is_told(course):
 
 
 def test_lesson_without_exams_has_nothing_to_grade(course):
-    """It is named, so that nobody wonders where it is."""
+    """The report names the lesson, so that it does not seem to be missing."""
     lines = list(self_check(course('right', 'x', checked=False), FakeEngine()))
 
     assert lines == [(True, '01_x: nothing to grade, as expected.')]
 
 
 def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
-    """An exam that got lost would else be missed by nobody."""
+    """Otherwise a lost exam would go unnoticed."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
     assert lines == [(False, '01_x: check_talker has no exam.')]
 
 
 def test_a_run_without_a_verdict_has_no_points_to_compare(course):
-    """Nought of nought would read as if the release were right."""
+    """0 of 0 points would look as if the release were correct."""
 
     class BrokenEngine(FakeEngine):
-        """Sees a probe that breaks off."""
+        """Fails because its probe stops early."""
 
         def run(self, exam, files):
             raise ProbeFailed(f'exam {exam.name}: the probe broke off.')

@@ -1,4 +1,4 @@
-"""Similar submissions are found in spite of other names, spacing, comments and order."""
+"""Similar submissions are found despite changed names, spacing, comments and order."""
 
 from dataclasses import asdict
 import json
@@ -92,7 +92,7 @@ def score(one, two):
 
 
 def test_other_names_spacing_and_comments_make_no_difference():
-    """The same after normalising; how much was renamed is said."""
+    """The code is equal after normalising, and the share of renamed lines is reported."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
 
     assert (pair.first, pair.second, pair.score) == (('ann', 'bob'), (), 1.0)
@@ -100,18 +100,18 @@ def test_other_names_spacing_and_comments_make_no_difference():
 
 
 def test_another_order_makes_little_difference():
-    """Methods and lines may be moved."""
+    """Moved methods and lines hardly change the score."""
     assert score(ORIGINAL.split('Node\n', 1)[1], MOVED) > 0.9
 
 
 def test_another_solution_of_the_same_exercise_is_not_listed():
-    """The exercise gives some words to everyone."""
+    """Every solution of the exercise shares some words."""
     assert score(ORIGINAL, OTHER) < 0.6
     assert found(ann=ORIGINAL, bob=OTHER).pairs == ()
 
 
 def test_what_everybody_received_does_not_count():
-    """Two who changed nothing of it are not alike: they have nothing of their own."""
+    """Two unchanged releases are not similar, because they contain no code of their own."""
     result = found(given_text=ORIGINAL, ann=ORIGINAL, bob=ORIGINAL, eve=OTHER)
 
     assert result.short == ('ann', 'bob')
@@ -119,7 +119,7 @@ def test_what_everybody_received_does_not_count():
 
 
 def test_received_lines_do_not_make_others_alike():
-    """A long stub around two different answers."""
+    """Two different answers share a long stub."""
     assert score(ORIGINAL + OTHER, ORIGINAL) > 0.6
     result = found(0.0, given_text=ORIGINAL, ann=ORIGINAL + OTHER, bob=ORIGINAL + RENAMED)
 
@@ -127,7 +127,7 @@ def test_received_lines_do_not_make_others_alike():
 
 
 def test_the_common_part_is_shown_as_each_wrote_it():
-    """With where it stands."""
+    """The line numbers are shown too."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
     (part,) = pair.common
 
@@ -137,7 +137,7 @@ def test_the_common_part_is_shown_as_each_wrote_it():
 
 
 def test_three_copies_are_one_entry():
-    """Not three pairs."""
+    """They are not three pairs."""
     result = found(ann=ORIGINAL, bob=RENAMED, eve=ORIGINAL, max=OTHER)
 
     assert [pair.first for pair in result.pairs] == [('ann', 'bob', 'eve')]
@@ -145,7 +145,7 @@ def test_three_copies_are_one_entry():
 
 
 def test_the_most_alike_come_first_and_too_many_are_counted(monkeypatch):
-    """A list can be read to its end."""
+    """The list stays short enough to read."""
     texts = {
         f's{n}': ORIGINAL + f'        self.x{n} = {"+".join("12345"[:n])}\n' for n in range(6)
     }
@@ -173,7 +173,7 @@ def test_a_copy_of_the_finished_package_is_listed():
 
 
 def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
-    """Other lessons have no such package."""
+    """Other lessons are not compared with a package."""
     layout = Layout.here()
     lessons = {name: load_lesson(layout, name) for name in ('03_topics', '07_temperature_monitor')}
     nodes, package = finished(layout, lessons['07_temperature_monitor']).values()
@@ -184,7 +184,7 @@ def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
 
 
 def test_a_name_of_ros_is_no_name_of_the_students():
-    """create_publisher and create_subscription say different things."""
+    """create_publisher and create_subscription remain different tokens."""
     other = ORIGINAL.replace('create_publisher', 'create_subscription').replace('1.0', '2.0')
 
     assert score(ORIGINAL, other) < 1.0
@@ -192,7 +192,7 @@ def test_a_name_of_ros_is_no_name_of_the_students():
 
 @pytest.mark.parametrize('text', ['def broken(:\n  x', 'x = (', '\x00', '"""open', '  if x:\n y'])
 def test_text_that_is_no_python_is_compared_as_words(text):
-    """As it was handed in; nothing of it is run."""
+    """The text is compared as submitted, and no code in it runs."""
     long = '\n'.join([text, *('some words of nobody else here',) * 10])
 
     assert score(long, long.replace('words', 'terms')) > 0.8
@@ -201,13 +201,13 @@ def test_text_that_is_no_python_is_compared_as_words(text):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=200), strategies.text(max_size=200))
 def test_any_text_can_be_compared(one, two):
-    """Without an error, and a score is a share."""
+    """No text raises an error, and every score is from 0 to 1."""
     for pair in found(0.0, one=one, two=two).pairs:
         assert 0 <= pair.score <= 1
 
 
 def test_other_files_are_read_as_words():
-    """Without comments and spacing."""
+    """Comments and spacing are ignored."""
     (line,) = lines_of('msg/T.msg', '# all comment\nfloat64 value   # in C\n')
 
     assert (line.number, line.raw) == (2, ('float64', 'value'))
@@ -225,7 +225,7 @@ def test_the_release_gives_away_its_cells_without_their_magic():
 
 
 def test_the_list_says_that_it_is_no_proof():
-    """On the terminal and as JSON; and how alike two of the class typically are."""
+    """The terminal and JSON also show how similar two submissions typically are."""
     result = found(0.0, ann=ORIGINAL, bob=RENAMED, eve=OTHER)
 
     assert WARNING in similar_text(result)
@@ -235,7 +235,7 @@ def test_the_list_says_that_it_is_no_proof():
 
 
 def test_hostile_words_have_no_effect_on_a_terminal():
-    """Control characters of a student's text."""
+    """Control characters in a student's text are removed."""
     text = '\n'.join(f'x{n} = "\x1b[31m{n}" + some(words)' for n in range(20))
 
     assert '\x1b' not in similar_text(found(ann=text, bob=text))

@@ -1,4 +1,4 @@
-"""Simulations without ROS: what the probe is told, and what a recording shows."""
+"""Simulations without ROS: the probe's instructions, and the contents of a recording."""
 
 import pytest
 
@@ -39,7 +39,7 @@ def send(text):
 
 
 def test_plan_watches_every_topic_that_the_program_publishes():
-    """Except those that come with every node."""
+    """The topics that every node has are excluded."""
     scenario = planned(order_of('echo.py', 10), Scenario(), SEEN)
 
     assert scenario.watch == {'/out': STRING}
@@ -61,7 +61,7 @@ def test_inputs_of_one_second_are_a_burst_in_the_given_order():
 
 
 def test_late_subscription_asks_for_what_the_publisher_offers():
-    """So it receives stored messages where there are some."""
+    """So it receives stored messages if there are any."""
     steps = steps_of(late={'out': 3.0})
     qos = Qos('RELIABLE', 'TRANSIENT_LOCAL', depth=100)
 
@@ -99,7 +99,7 @@ def test_program_that_ends_at_once_gets_no_inputs():
     ],
 )
 def test_wrong_wish_is_refused_with_its_place(wishes, words):
-    """The message names the topic, and what would work."""
+    """The message names the topic and a valid alternative."""
     with pytest.raises(UsageError) as refused:
         steps_of(**wishes)
 
@@ -114,7 +114,7 @@ def test_impossible_length_is_refused(seconds):
 
 
 def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
-    """The order travels to another process as JSON."""
+    """The order is sent to a different process as JSON."""
     fields = {'value': float('nan'), 'stamp': {'sec': 1}, 'items': (1.5, float('-inf'))}
     (one,) = order_of('echo.py', 10, {'in': [(1, fields)]}).inputs
 
@@ -122,7 +122,7 @@ def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
 
 
 def recorded(*events, reason='complete', over_ns=10_001_000_000, exit_code=None, printed=''):
-    """Return what a simulation of ten seconds shows."""
+    """Return the result of a simulation of ten seconds."""
     ending = [
         {'event': 'end', 'clock_ns': over_ns, 'reason': reason},
         {'event': 'process', 'exit': exit_code, 'stdout': '', 'stderr': printed},
@@ -138,7 +138,7 @@ def message(at_ns, text, **facts):
 
 
 def test_recording_becomes_messages_with_times():
-    """What happens in the last instant belongs to it; what comes later does not."""
+    """Events at the last instant are included, later ones are not."""
     log = {'event': 'log', 'clock_ns': 5, 'level': 30, 'name': 'echo', 'text': 'hot'}
     sent = {'event': 'input', 'clock_ns': 10**9, 'topic': '/in', 'data': {'data': 'a'}}
     joined = {'event': 'joined', 'clock_ns': 2 * 10**9, 'topic': '/out', 'listener': 'late/out'}
@@ -178,7 +178,7 @@ def test_end_of_a_program_is_told_with_its_last_line():
 
 
 def test_limit_keeps_what_was_observed_until_then():
-    """A limit of the grader has no time of its own."""
+    """An end caused by a limit of the grader has no time."""
     run = recorded(message(4 * 10**9, 'a'), reason='cpu_limit', over_ns=None)
 
     assert (run.times('out'), run.seconds) == ([4.0], 4.0)
@@ -186,7 +186,7 @@ def test_limit_keeps_what_was_observed_until_then():
 
 
 def test_modules_next_to_a_program_come_along(tmp_path):
-    """By their own names, and as a package of the folder's name."""
+    """They can be imported by name, and as a package named after the folder."""
     folder = tmp_path / 'my_package'
     folder.mkdir()
     for name in ('my_node.py', 'helper.py'):
@@ -204,7 +204,7 @@ def test_modules_next_to_a_program_come_along(tmp_path):
 
 
 def test_entry_point_calls_its_function(tmp_path, monkeypatch):
-    """The program is found as Python finds it."""
+    """The program is found in the same way as by Python."""
     (tmp_path / 'some_node.py').write_text('def run():\n    pass\n', encoding='utf-8')
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -216,6 +216,6 @@ def test_entry_point_calls_its_function(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize('program', ['nowhere.py', 'nowhere:main', 'nowhere.inner:main'])
 def test_missing_program_is_refused(program):
-    """Before anything runs."""
+    """The refusal comes before any run."""
     with pytest.raises(UsageError, match=r'there is no such file|has no such module'):
         files_of(program)

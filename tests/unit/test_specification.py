@@ -1,4 +1,4 @@
-"""A specification computes the right answers and those of slips, and inputs tell them apart."""
+"""A specification computes the correct answers and those of slips; inputs separate them."""
 
 import math
 import operator
@@ -40,7 +40,7 @@ class TestCause:
         ],
     )
     def test_all_answers_have_to_be_those_of_the_slip(self, came, cause_id):
-        """One answer that the slip does not give is enough to name no cause."""
+        """A single answer that the slip does not give rules out the cause."""
         found = asked(20.0, 31.0, 45.0, 30.0, -40.0, math.nan)
         place = found.wrong(came)[0]
 
@@ -49,7 +49,7 @@ class TestCause:
         assert (slip and slip.cause_id) == cause_id
 
     def test_what_was_not_sent_is_no_answer(self):
-        """If the run ended early, the answers until then decide."""
+        """If the run ended early, only the answers until then are compared."""
         found = asked(31.0, 30.0, 45.0)
 
         assert found.wrong([1, 1, None]) == [1]
@@ -64,7 +64,7 @@ class TestCause:
         assert found.cause(came, 0, [1, 2, 3]) is None
 
     def test_slip_that_happens_sometimes_explains_two_wrong_answers(self):
-        """One wrong answer has too many explanations."""
+        """A single wrong answer has too many explanations."""
         late = Slip('late', '', '', each(lambda value: 1), sometimes=True)
         question = Specification((1, 2, 3, 40), above(), [late])
 
@@ -81,7 +81,7 @@ class TestCause:
         assert found.cause([0, 3], 1).cause_id == 'warns_at_threshold'
 
     def test_throttled_warnings_are_one_of_a_burst(self):
-        """Throttled warnings are right for single inputs, and only one comes for a burst."""
+        """Throttled warnings are correct for single inputs, but a burst gives only one."""
         inputs, (*_, slip) = (31.0, 20.0, 45.0, 31.0, 20.0), warning_slips(above, '30.0', 3)
         found = Specification(inputs, above(), [slip], burst=3)
 
@@ -90,7 +90,7 @@ class TestCause:
         assert slip.cause_id not in {one.cause_id for one in SLIPS}
 
     def test_equal_message_that_is_skipped_is_not_a_change_only(self):
-        """Another value above the limit has its own warning."""
+        """A different value above the limit gets a separate warning."""
         found = asked(31.0, 31.0, 45.0, 20.0)
 
         assert found.cause([1, 0, 1, 0], 1).cause_id == 'skips_equal'
@@ -104,7 +104,7 @@ class TestCause:
 
 
 class TestMistakes:
-    """Inputs are a mistake if a slip gives the right answers, or those of another slip."""
+    """Inputs are invalid if a slip gives the correct answers, or those of another slip."""
 
     def test_edge_that_is_not_tried(self):
         """Without the limit itself, no input shows whether it is included."""
@@ -121,14 +121,14 @@ class TestMistakes:
         )
 
     def test_two_of_one_name_may_look_alike(self):
-        """Two slips with one id have one text, so they may give the same answers."""
+        """Two slips with one id have the same text, so they may give the same answers."""
         rule = each(lambda one: 0)
         slips = (Slip('none', 'text', 'try', rule), Slip('none', 'text', 'try', rule))
 
         assert list(Specification((31.0,), above(), slips).mistakes()) == []
 
     def test_another_secret_changes_nothing_for_those_who_grade(self):
-        """Drawing with another secret does not change the exam in use."""
+        """Drawing with a different secret does not change the exam in use."""
         before = catalog.load('running_mean')
 
         other = catalog.drawn('running_mean', 'another secret')

@@ -1,4 +1,4 @@
-"""What students receive, and what stays with the instructors."""
+"""The files that students receive, and those that only instructors have."""
 
 from collections.abc import Container
 import os
@@ -36,7 +36,7 @@ HELP = re.compile(r'^  make ([a-z]+)', re.M)
 
 
 def dead_links(name: str, path: Path, files: Container[str]) -> list[str]:
-    """Return the relative links of a page or a lesson that lead to none of some files."""
+    """Return the relative links of a page or a lesson that lead to none of the given files."""
     if path.suffix == '.ipynb':
         cells = read_release(path)['cells']
         text = '\n'.join(cell['source'] for cell in cells if cell['cell_type'] == 'markdown')
@@ -85,7 +85,7 @@ class TestPacking:
         return Layout(tmp_path)
 
     def test_only_what_is_named_goes(self, layout):
-        """A new part stays until the list names it."""
+        """A new part of the project is not packed until the list names it."""
         assert sorted(student_bundle.bundled_files(layout)) == [
             '.github/workflows/classroom.yml',
             'LICENSE',
@@ -102,7 +102,7 @@ class TestPacking:
         ]
 
     def test_the_same_course_gives_the_same_bytes(self, layout, tmp_path):
-        """A new bundle means a new course."""
+        """Only a changed course changes the bundle."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
         assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 13
@@ -112,7 +112,7 @@ class TestPacking:
     def test_a_bundle_that_cannot_be_made_leaves_the_one_before(
         self, layout, tmp_path, monkeypatch
     ):
-        """Half of one would be handed to students."""
+        """Otherwise students could receive half a bundle."""
         student_bundle.pack(layout, tmp_path / 'a.zip')
         before = (tmp_path / 'a.zip').read_bytes()
         broken = {'a': layout.root / 'README.md', 'b': layout.root / 'not there'}
@@ -123,7 +123,7 @@ class TestPacking:
         assert (tmp_path / 'a.zip').read_bytes() == before
 
     def test_its_readme_is_the_page_for_students(self, layout, tmp_path):
-        """The project's own speaks of grading and of pages that are not there."""
+        """The project's README describes grading, and links to pages that students lack."""
         student_bundle.pack(layout, tmp_path / 'a.zip')
 
         bundle = zipfile.ZipFile(tmp_path / 'a.zip')
@@ -149,7 +149,7 @@ def names_in(copy):
 
 class TestThisCourse:
     def test_every_named_file_and_folder_is_there(self):
-        """A name that leads to nothing is a part that students lack."""
+        """A name without a file would be a part that students lack."""
         missing = [one for one in student_bundle.ALLOWED if not (ROOT / one).exists()]
 
         assert missing == []
@@ -169,11 +169,11 @@ class TestThisCourse:
         + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'self_check', 'similar'],
     )
     def test_it_has_nothing_of_the_instructors(self, copy, part):
-        """Neither exams nor solutions nor what looks at a class."""
+        """It contains no hidden exams, no solutions and no code for classes."""
         assert [name for name in names_in(copy) if part in name] == []
 
     def test_github_finds_the_workflow(self, copy):
-        """In its folder at the top, with the module that it runs."""
+        """The workflow is in the top folder's .github, with the module that it runs."""
         assert {'.github/workflows/classroom.yml', 'autograder/workflow/__main__.py'} <= {
             *names_in(copy)
         }
@@ -193,7 +193,7 @@ class TestThisCourse:
 
     @pytest.mark.slow
     def test_everything_that_it_imports_is_in_it(self, copy):
-        """No module asks for one that stays with the instructors."""
+        """No module imports one that only instructors have."""
         done = subprocess.run(
             [sys.executable, '-c', IMPORT_ALL], cwd=copy, capture_output=True, text=True
         )
@@ -202,7 +202,7 @@ class TestThisCourse:
         assert done.stdout == f'{copy}/autograder/__init__.py\n'
 
     def test_no_page_of_it_leads_to_a_file_that_is_not_in_it(self, copy):
-        """Neither a page nor a text cell of a lesson; the project's README would."""
+        """The text cells of lessons are tested too; the project's README would fail."""
         files = names_in(copy)
         dead = [link for name, path in files.items() for link in dead_links(name, path, files)]
 
@@ -211,7 +211,7 @@ class TestThisCourse:
         assert 'README.md: ARCHITECTURE.md' in dead_links('README.md', ROOT / 'README.md', files)
 
     def test_its_make_help_lists_what_works_there(self, copy):
-        """And every goal that the page for students names is among it."""
+        """The list contains every target that the page for students names."""
         done = subprocess.run(
             ['make', 'help'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -222,7 +222,7 @@ class TestThisCourse:
         assert set(re.findall(r'\bmake ([a-z]+)', page)) <= {*goals, 'help'}
 
     def test_a_goal_that_it_does_not_have_is_one_line(self, copy):
-        """It says how to find those that it has."""
+        """The line says how to list the available targets."""
         done = subprocess.run(
             ['make', 'grade'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -234,7 +234,7 @@ class TestThisCourse:
     @pytest.mark.slow
     @pytest.mark.parametrize('name', KINDS)
     def test_its_visible_checks_judge_a_right_answer(self, copy, name, tmp_path):
-        """Nothing outside the bundle is needed to run, record and judge the program."""
+        """The bundle is enough to run, record and judge the program."""
         (exercise,) = (one for one in exercises() if one.name == name)
         for file, text in exercise.files.items():
             (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
@@ -250,7 +250,7 @@ class TestThisCourse:
 
 
 def without_make():
-    """Return the environment without what a make around the tests has left in it."""
+    """Return the environment without the variables of a make that runs the tests."""
     return {name: text for name, text in os.environ.items() if not name.startswith('MAKE')}
 
 
@@ -258,7 +258,7 @@ class TestPackedPackage:
     """The finished package in a form that shows no answer."""
 
     def test_it_unpacks_to_the_same_package_without_words(self, tmp_path):
-        """What is built of it is what is built of the sources."""
+        """A build of the unpacked package gives the same files as a build of the sources."""
         package = ROOT / 'temp_monitor_pkg'
         packed_package.unpack(packed_package.pack(package), tmp_path)
         module = tmp_path / 'temp_monitor_pkg' / 'temp_publisher.py'

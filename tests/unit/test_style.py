@@ -14,11 +14,11 @@ STYLE = ROOT / 'docs' / 'style.md'
 WORDS = re.findall(
     r'^\| ([A-Za-z ]+) \|', STYLE.read_text(encoding='utf-8').partition('| not | but |')[2], re.M
 )
-# A capital in the table is meant: "cannot tell whether" is good English.
+# Capitals in the table are significant: "cannot tell whether" is good English.
 ANY_CASE = [word if word[0].isupper() else f'(?i:{word})' for word in WORDS]
 PHRASES = re.compile(rf'\b({"|".join(ANY_CASE)})\b'.replace(' ', r'\s+'))
-# Samples are what students might write, CHANGELOG.md is history, notebooks/ and the tables are
-# generated. After any change to judged texts, all recordings and tables must be made again.
+# The samples imitate students, CHANGELOG.md is history, and notebooks/ and the tables are
+# generated. After any change to the judging code, all recordings and tables must be made again.
 LEFT_OUT = re.compile(
     r'tests/(submissions|attacks/\w+)/|notebooks/|CHANGELOG\.md|docs/(style|agreement|attacks|causes'
     r'|coverage|mutants)\.md|autograder/(judging|exams|exam|submission/code)/|tests/unit/test_style'

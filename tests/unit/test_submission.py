@@ -1,4 +1,4 @@
-"""Reading what students hand in: any bytes give a notebook that can be graded, or a reason."""
+"""Reading submissions: any bytes give a notebook that can be graded, or a reason."""
 
 import json
 
@@ -51,7 +51,7 @@ def source_of(notebook, grade_id):
 
 
 class TestUnusable:
-    """If nothing of the assignment can be read, a person decides: there is no evidence."""
+    """If no cell of the assignment can be read, there is no evidence, so a person decides."""
 
     @pytest.mark.parametrize(
         ('data', 'got'),
@@ -64,7 +64,7 @@ class TestUnusable:
         ],
     )
     def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
-        """Whatever the reason; and no line says that each locked cell is missing."""
+        """Whatever the reason, no line says that each locked cell is missing."""
         before = (Problem('submitted/ann', 'a folder', 'no notebook', 'submit again'),)
         opened = open_submission(data, release, 'n.ipynb', before if data is None else ())
         result = SubmissionResult('ann', 'a', problems=opened.problems)
@@ -75,7 +75,7 @@ class TestUnusable:
         assert opened.flags == ()
 
     def test_one_cell_of_the_assignment_is_enough(self, release):
-        """What is missing costs its own points."""
+        """A missing answer costs only its own points."""
         data = json.dumps({'cells': [cell('check_talker', "check('talker')")]}).encode()
 
         opened = open_submission(data, release, 'n.ipynb')
@@ -85,7 +85,7 @@ class TestUnusable:
 
 
 class TestReadNotebook:
-    """Bytes that are no notebook are told apart, each with one line."""
+    """Each kind of file that is not a notebook gets a different line."""
 
     @pytest.mark.parametrize(
         ('data', 'got'),
@@ -105,7 +105,7 @@ class TestReadNotebook:
         ],
     )
     def test_bytes_that_are_no_notebook_get_one_clear_line(self, data, got):
-        """The line names the file, what was expected, what came, and what to try."""
+        """The line names the file, expected and found content, and what to try."""
         cells, problems = read_notebook(data, 'submitted/ann/x.ipynb')
 
         assert cells is None
@@ -125,7 +125,7 @@ class TestReadNotebook:
         assert 'too many' in problems[0].got
 
     def test_a_long_output_with_many_quotes_is_fine(self):
-        """Quotes inside a text are no parts: HTML tables are full of them."""
+        """Quotes inside a string do not count as strings: HTML tables are full of them."""
         output = {'output_type': 'display_data', 'data': {'text/html': '<td class="a">' * 300_000}}
         cells = [{**cell('a', 'x'), 'outputs': [output]}]
 
@@ -159,14 +159,14 @@ class TestReadNotebook:
         assert found[0].source == 'x\ny\nz'
 
     def test_half_a_surrogate_pair_becomes_writable_text(self):
-        """JSON can hold what no file can."""
+        """JSON can contain a lone surrogate, which a file cannot."""
         found, _ = read_notebook(b'{"cells": [{"source": "a\\ud800b"}]}', 'x')
 
         assert found[0].source.encode('utf-8') == b'a?b'
 
 
 class TestRebuild:
-    """The release with the student's answers, and nothing else of the student's."""
+    """The rebuilt notebook is the release with only the student's answers."""
 
     def test_answers_are_found_by_grade_id_wherever_they_stand(self, release):
         """Order and extra cells do not matter."""
@@ -185,7 +185,7 @@ class TestRebuild:
         assert len(notebook['cells']) == len(release['cells'])
 
     def test_tags_metadata_and_outputs_of_the_student_are_dropped(self, release):
-        """A tag makes nbgrader skip a cell, an output makes it give points."""
+        """A tag makes nbgrader skip a cell, and an output makes it give points."""
         content = student_file(release, talker='%%node talker\npass')
         for one in content['cells']:
             one['metadata']['tags'] = ['skip-execution']
@@ -200,7 +200,7 @@ class TestRebuild:
         assert opened.notebook['metadata'] == release['metadata']
 
     def test_the_release_itself_is_not_changed(self, release):
-        """Many threads share it."""
+        """Many threads share the release."""
         before = json.dumps(release)
 
         rebuild(release, [StudentCell('talker', 'code', 'x')])
@@ -274,7 +274,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_537, 'x\r\n' * 40_000, '\u00e9' * 40_000])
     def test_an_answer_above_64_kib_is_missing(self, release, text):
-        """It goes to a compiler and a database; it is never cut and then graded."""
+        """A compiler and a database get the answer, so it is never truncated and then graded."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')
@@ -285,7 +285,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
     def test_an_answer_of_64_kib_counts_whole(self, release, text):
-        """The bound is on bytes, with Unix line ends."""
+        """The limit applies to bytes, with Unix line ends."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')

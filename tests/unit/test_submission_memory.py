@@ -1,4 +1,4 @@
-"""However much a class hands in, the grader holds one notebook at a time and keeps the answers."""
+"""The grader holds one notebook of a class in memory at a time, and keeps only the answers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,17 +27,17 @@ RELEASE = {'cells': [cell('%%node talker\n# YOUR CODE HERE')], 'metadata': {}}
 
 @dataclass(frozen=True)
 class FakeExam:
-    """What the pipeline needs of an exam."""
+    """The parts of an exam that the pipeline needs."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
 
 
 class FakeEngine:
-    """Says that it ran."""
+    """Returns a result without running anything."""
 
     def run(self, exam, files):
-        """Judge nothing."""
+        """Return an empty result."""
         return ExamResult(exam.name, ())
 
 
@@ -49,7 +49,7 @@ def large_notebook(picture=MEGABYTE):
 
 @dataclass
 class Traced:
-    """Bytes of Python's memory, beyond what there was before."""
+    """Memory that Python has allocated since the start of a measurement [bytes]."""
 
     kept: int = 0
     peak: int = 0
@@ -68,7 +68,7 @@ def traced() -> Iterator[Traced]:
 
 
 def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
-    """Not of all of them: the bytes are read and dropped one after the other."""
+    """The bytes of each notebook are dropped before the next one is read."""
     for number in range(STUDENTS):
         folder = tmp_path / f's{number:02}' / '01'
         folder.mkdir(parents=True)
@@ -97,7 +97,7 @@ def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
 
 
 def test_many_numbers_take_no_more_than_their_text():
-    """Each would be an object of 24 bytes or more."""
+    """Otherwise each number would be an object of 24 bytes or more."""
     numbers = b'1.5,' * MEGABYTE
     data = b'{"cells": [], "x": [' + numbers + b'1]}'
 

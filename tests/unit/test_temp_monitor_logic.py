@@ -35,7 +35,7 @@ def test_units_there_and_back_is_the_same_temperature(value_c, unit):
 @untimed
 @given(value=any_float, unit=st.one_of(st.sampled_from(UNITS), st.text()), limit_c=plausible_c)
 def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
-    """No reading, however odd, stops the monitor, and the finding fits the reading."""
+    """No reading, however odd, stops the monitor, and the verdict fits the reading."""
     finding = judge(value, unit, limit_c).finding
 
     assert (finding is Finding.UNKNOWN_UNIT) == (unit not in UNITS)
@@ -47,7 +47,7 @@ def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
 @untimed
 @given(limit_c=plausible_c)
 def test_judge_threshold_itself_is_normal_and_the_next_number_is_not(limit_c):
-    """Strictly above means: the smallest step over the threshold counts, equality does not."""
+    """The smallest number above the threshold is too hot, the threshold itself is not."""
     above_c = math.nextafter(limit_c, math.inf)
 
     assert judge(limit_c, 'Celsius', limit_c).finding is Finding.NORMAL
@@ -103,7 +103,7 @@ def test_messages_have_exactly_the_fields_of_the_course():
 
 
 def test_package_xml_declares_what_interfaces_need():
-    """The declarations without which the messages do not build, or build and do not work."""
+    """Without these declarations, the messages do not build, or build but do not work."""
     root = ElementTree.parse(PACKAGE / 'package.xml').getroot()
     declared = {(element.tag, element.text) for element in root}
 
@@ -120,7 +120,7 @@ def test_package_xml_declares_what_interfaces_need():
 
 
 def test_launch_file_is_python_with_the_expected_entry():
-    """PyPI has no launch system, so here the file can only be read, not run."""
+    """PyPI has no launch system, so the test can only read the file, not run it."""
     source = (PACKAGE / 'launch' / 'temp_monitor.launch.py').read_text(encoding='utf-8')
     functions = [node.name for node in ast.parse(source).body if hasattr(node, 'name')]
 
@@ -129,7 +129,7 @@ def test_launch_file_is_python_with_the_expected_entry():
 
 @pytest.mark.ros
 def test_built_package_is_the_source():
-    """What the tests and lessons import was built from the files in this project."""
+    """The package that tests and lessons import was built from the files in this project."""
     installed = Path(units.__file__).parent
     stale = [
         path.name
@@ -141,6 +141,6 @@ def test_built_package_is_the_source():
 
 
 def test_no_module_shadows_the_generated_package():
-    """An __init__.py in the source folder would hide the messages from a python started there."""
+    """An __init__.py in the source folder would hide the messages from a Python started there."""
     assert not (SOURCE / '__init__.py').exists()
     assert not (PACKAGE / '__init__.py').exists()

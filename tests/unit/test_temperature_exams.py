@@ -1,4 +1,4 @@
-"""The exams of lesson 07, asked about recordings made by hand: clocks, stamps and log lines."""
+"""The exams of lesson 07, tested on handmade recordings: clocks, stamps and log lines."""
 
 import math
 
@@ -36,7 +36,7 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
     """
     Return a run of the publisher with readings at these moments.
 
-    :param moments_s: system time [s], of which a minute of ten ROS seconds has eight
+    :param moments_s: system time [s]; the run lasts ten ROS seconds, which are eight of these
     """
     events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
     for moment_s in moments_s:
@@ -56,21 +56,21 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
 
 
 def every(ros_s, begin_s=0.8, until_s=BEGIN_S + 8.0):
-    """Return moments that are so many ROS seconds apart [s]."""
+    """Return moments at equal distances in ROS seconds [s]."""
     count = math.ceil((until_s - begin_s) / ros_s * CLOCK.rate)
     return [begin_s + ros_s / CLOCK.rate * number for number in range(count)]
 
 
 class TestRhythm:
-    """A reading a second of the ROS clock, which runs faster than the computer's."""
+    """One reading per second of the ROS clock, which runs faster than the computer's."""
 
     @pytest.mark.parametrize('begin_s', [0.64, 0.8, 1.3, 1.45])
     def test_second_of_the_ros_clock_is_right(self, begin_s):
-        """Wherever it begins, within a second."""
+        """The rhythm may begin at any time within the second."""
         publisher.publishes_once_per_second(published(every(1.0, begin_s)))
 
     def test_message_may_be_a_step_late(self):
-        """A loop that polls the clock sees a step some time after it."""
+        """A loop that polls the clock notices a step only some time later."""
         late = [one + 0.07 * (number % 2) for number, one in enumerate(every(1.0))]
 
         publisher.publishes_once_per_second(published(late))
@@ -88,7 +88,7 @@ class TestRhythm:
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
-        """By the messages alone."""
+        """The messages alone show the cause."""
         with pytest.raises(Failed) as failed:
             publisher.publishes_once_per_second(published(moments_s))
 
@@ -104,24 +104,24 @@ class TestRhythm:
         ],
     )
     def test_code_tells_why_a_period_is_longer(self, code, cause_id):
-        """A clock that is named need not be the one that paces."""
+        """A clock in the code need not be the one that sets the pace."""
         found = why(publisher.publishes_once_per_second, published(every(2.0), code))
 
         assert found.cause_id == cause_id
 
 
 class TestStamps:
-    """The clock shows one time from step to step."""
+    """Between two steps, the clock shows the same time."""
 
     @pytest.mark.parametrize('steps', [0, 1])
     def test_step_that_is_told_is_the_time(self, steps):
-        """Or the one before, if both happen at one moment."""
+        """The previous step is correct too, if both happen at the same moment."""
         run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
 
         publisher.stamps_follow_the_clock(run)
 
     def test_clock_shows_zero_before_its_first_step_alone(self):
-        """What is sent before the program can hear of it."""
+        """Only messages from before the first step may have stamp zero."""
         early = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 3 * 10**8))
         late = published([0.2, *every(1.0)], stamp=lambda now: CLOCK.at(now) * (now > 9 * 10**8))
 
@@ -129,7 +129,7 @@ class TestStamps:
         assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
 
     def test_sleep_between_stamp_and_message_is_told(self):
-        """The clock goes on, although a node that sleeps does not see it."""
+        """The clock advances, although a sleeping node does not notice."""
         code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
         run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
 
@@ -147,7 +147,7 @@ class TestStamps:
         ],
     )
     def test_stamp_of_another_time_is_wrong(self, stamp, cause_id):
-        """To the nanosecond."""
+        """Stamps are compared to the nanosecond."""
         run = published(every(1.0, 1.6), stamp=stamp)
 
         assert why(publisher.stamps_follow_the_clock, run).cause_id == cause_id
@@ -155,7 +155,7 @@ class TestStamps:
 
 @pytest.mark.parametrize(('count', 'judged'), [(1, False), (2, True)])
 def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
-    """Fewer prove nothing about a whole minute."""
+    """Fewer readings prove nothing about a whole minute."""
     run = published(every(1.0)[:count])
 
     if judged:
@@ -176,7 +176,7 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
     ],
 )
 def test_stamp_of_zero_is_explained_by_what_the_code_does(code, cause_id, words):
-    """What cannot be known is not claimed."""
+    """Without evidence in the code, no cause is named."""
     run = published(every(1.0), code, stamp=lambda _: 0)
 
     found = why(publisher.stamps_follow_the_clock, run)
@@ -194,7 +194,7 @@ ODD = Reading(300.0, 'a reading in an unknown unit', 'QXZ')
 
 
 def heard(readings, answer, code='', secret=False, printed=''):
-    """Return a run of the subscriber, which logs for each reading what a function says."""
+    """Return a run of the subscriber, which logs a function's result for each reading."""
     events = []
     for number, reading in enumerate(readings):
         events.append({'event': 'input', 'index': number, 'data': reading.message(number)})
@@ -216,7 +216,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
 
 
 def right(reading):
-    """Log as the lesson asks for."""
+    """Log as the lesson requires."""
     lines = [(INFO, f'{reading.celsius:.2f}')]
     return [*lines, (WARN, 'too hot')] if reading.hot else lines
 
@@ -229,7 +229,7 @@ CHECKS = (
 
 
 def warnings_only(reading):
-    """Log what is too hot, and nothing else."""
+    """Log only readings that are too hot."""
     return right(reading)[1:]
 
 
@@ -237,7 +237,7 @@ OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\
 
 
 class TestUnlogged:
-    """Lines that are missing beside others that come, and stand on standard output as well."""
+    """Some lines are missing, and the others are on standard output as well."""
 
     @pytest.mark.parametrize('check', [subscriber.logs_every_reading, CHECKS[2]])
     @pytest.mark.parametrize(
@@ -265,13 +265,13 @@ class TestUnlogged:
         ],
     )
     def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
-        """The readings are logged as they should be."""
+        """The readings are logged correctly, but the warning has the wrong level or place."""
         run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
 
         assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id
 
     def test_missing_warning_that_no_slip_explains_is_only_described(self):
-        """A program that leaves out the second of three is none that we know."""
+        """No known slip leaves out only the second of three warnings."""
         readings = [COOL, HOT, Reading(46.0, 'another hot reading'), HOT, COOL]
         run = heard(readings, lambda one: right(one)[: 1 + (one is HOT)])
 
@@ -286,7 +286,7 @@ class TestUnlogged:
         ],
     )
     def test_error_that_nobody_gets_is_looked_for_where_all_is_silent(self, printed, cause_id):
-        """A program that logs nothing at all."""
+        """The program logs nothing at all."""
         run = heard([COOL, ODD, COOL], lambda _: [], printed=printed)
 
         found = why(subscriber.reports_an_unknown_unit, run)
@@ -302,7 +302,7 @@ class TestUnlogged:
         ],
     )
     def test_error_that_goes_to_stderr_is_no_log(self, what, cause_id):
-        """Of the output only stdout is searched, so the code shows it."""
+        """The grader searches only stdout, so the code must show this cause."""
         code = f"node.create_subscription(T, 't', hear, 10)\ndef hear(msg):\n    {what}\n"
         run = heard([COOL, ODD, COOL], lambda one: right(one)[:1] if one is COOL else [], code)
 
@@ -312,7 +312,7 @@ class TestUnlogged:
 
 
 class TestErrors:
-    """A proper reading that is answered with an ERROR: the line says why."""
+    """A valid reading is answered with an ERROR, whose text gives the reason."""
 
     @pytest.mark.parametrize('check', CHECKS)
     @pytest.mark.parametrize(
@@ -335,21 +335,21 @@ class TestErrors:
         ],
     )
     def test_text_of_the_error_is_told_and_no_unit_invented(self, check, text, cause_id, words):
-        """Only a line about the unit is one about the unit."""
+        """The unit is blamed only if the line mentions it."""
         found = why(check, heard([COOL, HOT, COOL], lambda _: [(ERROR, text)]))
 
         assert found.cause_id == cause_id
         assert words in found.text
 
     def test_readings_that_are_all_logged_as_errors_have_the_wrong_level(self):
-        """The value is in the line, so nothing has gone wrong but the level."""
+        """The line contains the value, so only the level is wrong."""
         run = heard([COOL, HOT], lambda reading: [(ERROR, f'{reading.value} Celsius')])
 
         assert why(subscriber.logs_every_reading, run).cause_id == 'wrong_level'
         assert why(subscriber.warns_when_too_hot, run).cause_id == 'wrong_level'
 
     def test_line_of_a_hidden_exam_is_quoted_without_what_was_sent(self):
-        """The quotation contains neither numbers nor units that are secret."""
+        """The quotation contains no secret numbers or units."""
         text = "bad 21.5, heard 45.25 and qxz, name 'x' is not defined " + 'long ' * 99
 
         found = why(CHECKS[0], heard([COOL, HOT, ODD], lambda _: [(ERROR, text)], secret=True))
@@ -368,7 +368,7 @@ class TestErrors:
 
 
 class TestFahrenheit:
-    """Readings in Fahrenheit that are refused, while Celsius is understood."""
+    """Readings in Fahrenheit are refused, while Celsius is accepted."""
 
     @staticmethod
     def refusing(code, text='unknown unit'):
@@ -391,7 +391,7 @@ class TestFahrenheit:
         ],
     )
     def test_no_other_level_is_advised(self, check, code, hint):
-        """A warning in place of that ERROR would spoil the check of unknown units."""
+        """A warning instead of that ERROR would fail the check of unknown units."""
         if code.startswith('elif'):
             code = f"if msg.unit == 'Celsius':\n    pass\n{code}\n    pass\n"
 
@@ -403,7 +403,7 @@ class TestFahrenheit:
         assert 'warning' not in found.try_this
 
     def test_wrong_conversion_is_no_wrong_comparison(self):
-        """Celsius is compared as it should be."""
+        """The comparison is correct for Celsius."""
         run = heard([COOL, HOT, WARM_F, COOL], lambda one: right(one)[: 1 + (one is HOT)])
 
         found = why(subscriber.converts_fahrenheit, run)
@@ -429,7 +429,7 @@ class TestFahrenheit:
 
 
 def test_warning_of_nan_is_no_wrong_comparison_elsewhere():
-    """Each other reading is judged as it should be."""
+    """All other readings are judged correctly."""
     run = heard([COOL, NAN, HOT], lambda one: [(WARN, 'oh')] if one.odd else right(one))
 
     assert why(subscriber.does_not_warn_about_nan, run).cause_id == 'nan'
@@ -437,7 +437,7 @@ def test_warning_of_nan_is_no_wrong_comparison_elsewhere():
 
 @pytest.mark.parametrize(('reason', 'part'), [('student_exited', 0.5), ('cpu_limit', 0.0)])
 def test_how_far_a_slow_program_came_earns_nothing(reason, part):
-    """That is the machine's doing; how far one came that ended by itself is its own."""
+    """Progress counts only if the program ended by itself, not at a limit of the grader."""
     run = Run({}, Recording({}, ({'event': 'end', 'reason': reason},)))
 
     assert share(run, [[], None], 1, 2) == part

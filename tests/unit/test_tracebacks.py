@@ -35,7 +35,7 @@ def ended(stderr, code=CODE):
     ['Exception: unknown unit', 'Exception', '__main__.SensorFault: 3', 'KeyboardInterrupt'],
 )
 def test_an_exception_of_any_name_is_seen(error):
-    """Learners raise Exception, and exceptions of their own that end in anything."""
+    """Learners raise Exception, and their own exceptions with any name."""
     trace = traceback_of(ended(part(error)))
 
     assert trace.error == error
@@ -43,7 +43,7 @@ def test_an_exception_of_any_name_is_seen(error):
 
 
 def test_the_usual_last_line_is_no_exit_of_the_program():
-    """Every package contains sys.exit(main()); the cause is whatever ended main()."""
+    """Every package contains sys.exit(main()); the cause is the exception that ended main()."""
     raised = why_it_ended(ended(part('Exception: unknown unit')))
     silent = why_it_ended(ended(''))
     exits = why_it_ended(ended('', CODE.replace('main())', '1)')))
@@ -62,7 +62,7 @@ def test_the_usual_last_line_is_no_exit_of_the_program():
     ],
 )
 def test_of_chained_exceptions_the_last_ended_the_program(between):
-    """The earlier ones were caught."""
+    """The program caught the earlier exceptions."""
     stderr = f'{part("ValueError: no number")}\n{between}\n\n{part("Exception: bad", 4)}'
 
     trace = traceback_of(ended(stderr))
@@ -80,7 +80,7 @@ def test_of_chained_exceptions_the_last_ended_the_program(between):
     ],
 )
 def test_cleaning_up_what_was_never_made_hides_no_exception(last):
-    """What went wrong first is why there is nothing to destroy."""
+    """The first exception is the reason why nothing exists to destroy."""
     between = '\nDuring handling of the above exception, another exception occurred:\n\n'
     stderr = part('TypeError: no name') + between + part(last, 6)
 
@@ -90,7 +90,7 @@ def test_cleaning_up_what_was_never_made_hides_no_exception(last):
 
 
 def test_an_exception_that_python_ignores_ended_nothing():
-    """What a destructor raises is printed below the reason."""
+    """Python prints an exception from a destructor below the real cause."""
     ignored = 'Exception ignored in: <function Destroyable.__del__ at 0x7f>\n'
     after = part("AttributeError: 'NoneType' object has no attribute 'x'", 6)
 
@@ -108,7 +108,7 @@ def test_further_lines_of_a_message_are_no_error():
 
 
 def test_error_that_lost_its_frames_is_seen_all_the_same():
-    """The beginning of a long output is cut."""
+    """The beginning of a long output is cut off."""
     trace = traceback_of(ended('    x\nValueError: bad\n'))
 
     assert (trace.error, trace.line, trace.place) == ('ValueError: bad', None, None)
@@ -116,7 +116,7 @@ def test_error_that_lost_its_frames_is_seen_all_the_same():
 
 
 def test_suggestion_behind_a_path_is_kept():
-    """The path of the machine is cut out of the middle."""
+    """The path on this machine is removed from the middle of the message."""
     said = "ImportError: cannot import name 'Nod' from 'rclpy.node'"
     trace = traceback_of(ended(part(f"{said} (/usr/rclpy/node.py). Did you mean: 'Node'?")))
 

@@ -1,4 +1,4 @@
-"""Names that Python does not find are told with where they come from."""
+"""The feedback on an undefined name says where the name comes from."""
 
 import pytest
 
@@ -9,7 +9,7 @@ import roslab
 
 
 def at(line, error, above=''):
-    """Return how an error is explained that comes from a line below others."""
+    """Return the explanation of an error in a line that follows other lines."""
     source = f'{above}{line}\n'
     return exception_cause(Traceback(error, source.count('\n'), line, source))
 
@@ -36,7 +36,7 @@ def at(line, error, above=''):
     ],
 )
 def test_the_import_that_is_missing_is_written_out(line, said, words):
-    """The repair is the line to write, and why the import of another cell does not help."""
+    """The repair shows the import, and why an import in a different cell does not help."""
     found = at(line, f'NameError: {said}')
 
     assert found.cause_id == 'missing_import'
@@ -52,7 +52,7 @@ def test_the_import_that_is_missing_is_written_out(line, said, words):
     ],
 )
 def test_name_with_two_origins_is_told_with_both(name, lines):
-    """The learner knows which of them the line needs."""
+    """The learner knows which origin the line needs."""
     found = at(f'stamp = {name}()', f"NameError: name '{name}' is not defined")
 
     assert all(line in found.try_this for line in lines)
@@ -97,7 +97,7 @@ MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
     ],
 )
 def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above, words):
-    """Python's suggestion is passed on, unless the code tells better."""
+    """Python's suggestion is shown, unless the code allows a better one."""
     found = at(line, f'NameError: {said}', above)
 
     assert found.cause_id == 'unknown_name'
@@ -154,7 +154,7 @@ def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above,
     ],
 )
 def test_an_import_is_told_with_the_one_to_write(said, cause_id, words):
-    """A name that is spelled right needs no look at its spelling."""
+    """If the name is spelled correctly, the feedback does not mention its spelling."""
     kind = 'ModuleNotFoundError' if said.startswith('No') else 'ImportError'
 
     found = at('import x', f'{kind}: {said}')
@@ -165,7 +165,7 @@ def test_an_import_is_told_with_the_one_to_write(said, cause_id, words):
 
 
 def test_a_name_behind_the_wrong_module_is_told_with_its_own():
-    """Rclpy has nodes, but not under that name."""
+    """The module rclpy does contain nodes, but not under that name."""
     found = at('rclpy.Node', "AttributeError: module 'rclpy' has no attribute 'Node'")
 
     assert found.cause_id == 'import'
@@ -173,7 +173,7 @@ def test_a_name_behind_the_wrong_module_is_told_with_its_own():
 
 
 def test_tools_of_the_notebook_are_those_of_roslab():
-    """A tool with a different name would be read as a typo."""
+    """A renamed tool of roslab would be reported as a typo."""
     assert set(raised_names.NOTEBOOK.split()) <= set(roslab.__all__)
 
 
@@ -196,7 +196,7 @@ NO_NAME = "TypeError: Node.__init__() missing 1 required positional argument: 'n
     ],
 )
 def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
-    """Who has handed the name to the parent class is not told to do so."""
+    """A learner who has passed the name to the parent class is not told to pass it."""
     kind = '' if error == NO_NAME else 'TypeError: ' if 'takes' in error else 'AttributeError: '
     found = at('T(1)', kind + error, above)
 
@@ -215,12 +215,12 @@ def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
     ],
 )
 def test_lines_of_notebooks_are_told_from_slips(line, cause_id):
-    """A percent sign may begin a line that has lost the bracket above it."""
+    """A line may begin with a percent sign because the bracket above it is missing."""
     assert at(line, 'SyntaxError: invalid syntax').cause_id == cause_id
 
 
 def test_module_of_the_notebook_is_not_said_to_be_misspelled():
-    """It is not there for a node, under no spelling."""
+    """A node cannot import this module, however it is spelled."""
     found = at('from roslab import start', "ModuleNotFoundError: No module named 'roslab'")
 
     assert 'works only in the notebook' in found.text
@@ -229,7 +229,7 @@ def test_module_of_the_notebook_is_not_said_to_be_misspelled():
 
 @pytest.mark.parametrize(('owner', 'cause_id'), [('Talker', 'spins_no_node'), ('NoneType', 'no_')])
 def test_node_that_is_to_spin_itself_is_told_the_function(owner, cause_id):
-    """``spin()`` called on None is a different mistake."""
+    """Calling ``spin()`` on None is a different mistake."""
     found = at('node.spin()', f"AttributeError: '{owner}' object has no attribute 'spin'")
 
     assert found.cause_id.startswith(cause_id)

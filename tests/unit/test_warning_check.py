@@ -1,4 +1,4 @@
-"""The exam of lesson 11: made runs, and what is said about checks that judge them wrongly."""
+"""The exam of lesson 11: prepared runs, and causes for checks that misjudge them."""
 
 from dataclasses import replace
 import json
@@ -23,7 +23,7 @@ SENTENCES = [check.name for check in EXAM.checks]
 
 
 def results(answers, exam=EXAM, stderr=''):
-    """Return what the exam says of these answers, by check."""
+    """Return the exam's results for these answers, by check."""
     events = []
     for place, answer in enumerate(answers):
         events.append({'event': 'input', 'index': place, 'data': {}, 'clock_ns': place})
@@ -36,12 +36,12 @@ def results(answers, exam=EXAM, stderr=''):
 
 
 def of_rule(rule, exam=EXAM):
-    """Return what the exam says of a check that answers by a rule."""
+    """Return the exam's results for a check that answers by a rule."""
     return results(rule(exam.asks['answers'].inputs), exam)
 
 
 def test_right_answers_get_all_points():
-    """True for the runs without a slip."""
+    """The correct answer is True for the runs without a slip."""
     found = of_rule(lambda runs: [one.slip is None for one in runs])
 
     assert {one.verdict for one in found.values()} == {Verdict.PASSED}
@@ -50,7 +50,7 @@ def test_right_answers_get_all_points():
 
 @pytest.mark.parametrize('answer', [True, False, 'NoneType', 'exception', ()])
 def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
-    """A check that says the same of each run has judged none."""
+    """A check with the same answer for every run has judged none of them."""
     found = results([answer] * len(RUNS))
 
     points = {name: one.points for name, one in found.items() if one.points}
@@ -59,7 +59,7 @@ def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
 
 @pytest.mark.parametrize('slip', warning_check.SLIPS, ids=lambda slip: slip.cause_id)
 def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
-    """The graded runs tell all slips apart, so each is named."""
+    """The graded runs distinguish all slips, so each is named."""
     exam = catalog.load('warning_check')
     found = of_rule(slip.rules[0], exam)
 
@@ -69,7 +69,7 @@ def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
 
 
 def test_missed_run_is_explained_by_what_its_node_does():
-    """The learner reads the sentence of the node's slip, and which run it is."""
+    """The learner reads the run's number and the description of the node's slip."""
     missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]
     # Another mistake, so that no slip of a check explains both.
     missed[5] = False
@@ -84,7 +84,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 
 
 def test_warning_that_comes_a_reading_late_is_explained():
-    """The node of this slip keeps its reading too long, and the learner is told so."""
+    """The node with this slip keeps its reading too long, and the learner is told so."""
     missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
     missed[5] = False
     found = results(missed)
@@ -93,7 +93,7 @@ def test_warning_that_comes_a_reading_late_is_explained():
 
 
 def test_warning_some_time_after_its_reading_is_explained():
-    """A check that misses this run and a right one compares something else than times."""
+    """A check that misjudges this run and a correct one does not compare times."""
     exam = catalog.load('warning_check')
     runs = exam.asks['answers'].inputs
     answers = [one.slip is None or one.slip.cause_id == 'warns_later' for one in runs]
@@ -104,7 +104,7 @@ def test_warning_some_time_after_its_reading_is_explained():
 
 
 def test_graded_exam_names_no_place_and_no_value():
-    """Its order is the secret: with it, a list of answers would do."""
+    """The order of the runs is secret: otherwise a list of answers would be enough."""
     exam = catalog.load('warning_check')
     found = of_rule(lambda runs: [True] * len(runs), exam)['refuses_other_warnings']
     slipped = {one.kind for one in exam.asks['answers'].inputs if one.slip}
@@ -113,7 +113,7 @@ def test_graded_exam_names_no_place_and_no_value():
 
 
 def test_two_answers_for_a_run_are_none():
-    """A program may publish what it likes on the topic."""
+    """A program may publish any number of messages on the topic."""
     found = results([('True', 'False')] * len(RUNS))['returns_true_or_false']
 
     assert found.observed == 'True, False for run 1, with readings in Celsius'
@@ -121,7 +121,7 @@ def test_two_answers_for_a_run_are_none():
 
 
 def test_what_is_sent_does_not_tell_right_runs_from_wrong_ones():
-    """No field names the node or its slip, and the words have nothing to do with it."""
+    """No field names the node or its slip, and the texts do not depend on the slip."""
     exam = catalog.load('warning_check')
     sent = [json.loads(one['data']) for one in exam.scenario.steps[0].messages]
     about = {(one['program'], one['reason'], one['mode'], one['printed']) for one in sent}
@@ -146,7 +146,7 @@ def test_graded_exam_asks_about_slips_that_learners_do_not_see():
 
 
 def test_run_survives_the_way_to_the_sandbox():
-    """What simulate() returns is the same object after the journey as JSON."""
+    """The result of simulate() is the same object after a round trip through JSON."""
     run = RUNS[7].simulation
 
     assert Simulation.from_json(json.loads(json.dumps(run.to_json()))).logs == run.logs
@@ -155,7 +155,7 @@ def test_run_survives_the_way_to_the_sandbox():
 
 
 def test_run_that_does_not_show_its_slip_is_refused():
-    """No check could refuse such a run."""
+    """No check could detect the slip in such a run."""
     assert made_run('the limit', celsius(30.0), 'warns_at_threshold').answers == [1]
     with pytest.raises(ExamInvalid, match='No slip warns_at_threshold shows'):
         made_run('cool readings', celsius(20.0), 'warns_at_threshold')

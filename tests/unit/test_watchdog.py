@@ -1,4 +1,4 @@
-"""How long nothing may happen before a run ends."""
+"""The time without progress after which a run ends."""
 
 from types import SimpleNamespace
 
@@ -12,7 +12,7 @@ PROGRAM, PROBE = 1, 2
 
 @pytest.fixture
 def look(monkeypatch):
-    """Return a function that looks a number of times at processes in a state, 0.1 s apart."""
+    """Return a function that polls processes in a state a number of times, 0.1 s apart."""
     clock = SimpleNamespace(now=0.0, jumps=0)
     state = {}
     printed = [0]
@@ -43,21 +43,21 @@ def look(monkeypatch):
 
 
 def test_a_program_that_waits_outside_the_clock_has_a_third_of_a_second(look):
-    """Three looks take less than that, the fourth takes more."""
-    assert look(1, b'S', b'S') == ''  # the first look sees what has happened so far
+    """Three polls take less than that, the fourth takes more."""
+    assert look(1, b'S', b'S') == ''  # the first poll sees all progress so far
     assert look(2, b'S', b'S') == ''
     assert look(2, b'S', b'S') == 'waits_outside'
 
 
 def test_a_probe_that_was_stopped_leaves_the_program_its_own_patience(look):
-    """It goes on, and is not yet seen to run: the second before is not the program's."""
+    """The second before the probe continues is not charged to the program."""
     assert look(20, b'S', b'T') == ''
     assert look(2, b'S', b'S') == ''
     assert look(2, b'S', b'S') == 'waits_outside'
 
 
 def test_a_program_that_waits_for_a_disk_has_three_seconds(look):
-    """So does one that waits for a child of vfork, which looks the same."""
+    """A program that waits for a child of vfork looks the same."""
     assert look(30, b'D', b'S') == ''
     assert look(3, b'D', b'S') == 'waits_outside'
 
@@ -68,6 +68,6 @@ def test_a_program_that_waits_on_a_busy_machine_has_three_seconds(look):
 
 
 def test_a_program_whose_output_is_read_slowly_does_not_wait_outside(look):
-    """More than a pipe holds was read, so it wrote; a few bytes now and then prove nothing."""
+    """More was read than a pipe holds, so the program did write; a few bytes prove nothing."""
     assert look(20, b'S', b'S', prints=100_000) == ''
     assert look(20, b'S', b'S', prints=10) == 'waits_outside'

@@ -1,4 +1,4 @@
-"""The text files of exams have the words of each cause that the code names, and of no other."""
+"""The text files of exams contain the texts of exactly the causes that the code names."""
 
 import ast
 import importlib
@@ -36,7 +36,7 @@ def words_in(module):
 
 @pytest.mark.parametrize('table', TABLES, ids=lambda path: path.stem)
 def test_table_has_the_causes_of_its_module_and_no_other(table):
-    """A name without a row would break a check when a learner makes the mistake."""
+    """A name without a row would break the check as soon as a learner makes the mistake."""
     users = [table.with_suffix('.py'), *USERS.get(table.stem, ())]
     rows = importlib.import_module(_name_of(table)).WHY._rows
     closer = {name for row in rows.values() for name in ' '.join(row[3:]).split()}
@@ -51,7 +51,7 @@ def _name_of(table):
 
 
 def test_row_gives_all_fields_of_a_cause(tmp_path):
-    """Constants are put in first, and the rest where the cause is given."""
+    """Constants are inserted first, the other values when the cause is used."""
     (tmp_path / 'exam.txt').write_text(
         'late\nIt is\n  {how} late.\nRun {TOPIC}.\n'
         'act: reset()\nabout: a {TOPIC}\ncloser: late_too\n\n'

@@ -57,14 +57,14 @@ class TestOpening:
         assert capsys.readouterr().out.endswith(f'{WORDS}\n')
 
     def test_full_points_open_it_at_once(self, copy, monkeypatch):
-        """In JupyterLab the line opens by a click, and shows the text as it is."""
+        """In JupyterLab, a click on the line shows the unchanged text."""
         page = check(monkeypatch, MOST)._repr_html_()
 
         assert '<details><summary>Show me a worked answer</summary>' in page
         assert '&lt;one&gt; of many' in page
 
     def test_closed_answer_is_nowhere(self, copy, monkeypatch):
-        """Neither below the check nor in the error of answer()."""
+        """The answer is neither below the check nor in the error of answer()."""
         report = check(monkeypatch, 0)
         with pytest.raises(RoslabError, match='2 more tries') as refused:
             answer('talker')
@@ -73,21 +73,21 @@ class TestOpening:
         assert 'details' not in report._repr_html_()
 
     def test_check_of_a_stub_is_no_try(self, copy, monkeypatch):
-        """A learner has to write something first."""
+        """A learner has to write an answer first."""
         for _ in range(TRIES):
             report = check(monkeypatch, 0, unfinished=('talker.py',))
 
         assert f'{TRIES} more tries' in str(report)
 
     def test_forgetting_progress_closes_it_again(self, copy, monkeypatch):
-        """Tries are in the same file."""
+        """Tries are stored in the same file as the progress."""
         check(monkeypatch, MOST)
         progress(forget=True)
 
         assert 'opens with full points' in offer('talker')[0]
 
     def test_results_from_before_tries_were_counted_are_kept(self, copy):
-        """An older file has two tables."""
+        """An older file has only two tables."""
         file = copy / '_work' / 'progress.json'
         file.parent.mkdir()
         file.write_text(json.dumps({'checks': {'talker': 1}, 'quizzes': {}}))
@@ -98,7 +98,7 @@ class TestOpening:
 
 class TestCopies:
     def test_copy_without_answers_does_not_mention_them(self, copy, monkeypatch):
-        """The default."""
+        """A copy without answers is the default."""
         (copy / FOLDER / '03_topics.txt').unlink()
         report = check(monkeypatch, MOST)
 
@@ -107,7 +107,7 @@ class TestCopies:
             answer('talker')
 
     def test_damaged_file_is_named_by_answer_and_does_not_stop_a_check(self, copy, monkeypatch):
-        """The check is more important."""
+        """A damaged file must not prevent the check."""
         (copy / FOLDER / '03_topics.txt').write_bytes(b'# x\nnonsense')
 
         assert check(monkeypatch, MOST)
@@ -115,7 +115,7 @@ class TestCopies:
             answer('talker')
 
     def test_bundle_holds_answers_on_request_only(self, tmp_path):
-        """One readable line, then nothing that is read by accident."""
+        """After one readable line, the content cannot be read by accident."""
         for wanted in (False, True):
             pack(COURSE, tmp_path / 'copy.zip', answers=wanted)
             with zipfile.ZipFile(tmp_path / 'copy.zip') as archive:
@@ -128,7 +128,7 @@ class TestCopies:
         assert 'Node' not in text
 
     def test_every_graded_exercise_has_one(self, tmp_path):
-        """It is the whole solution, without marks."""
+        """The worked answer is the whole solution, without solution markers."""
         found = {}
         for data in answer_files(COURSE).values():
             (tmp_path / 'one').write_bytes(data)

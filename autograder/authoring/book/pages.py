@@ -2,7 +2,7 @@
 Execute the solved lessons, and put their outputs below the cells of the students' lessons.
 
 The cell of an exercise keeps its stub and has no output.  The cells after it show the outputs for
-a right answer, because they would fail without an answer.  These outputs contain no code of an
+a correct answer, because they would fail without an answer.  These outputs contain no code of an
 answer.
 """
 
@@ -34,7 +34,7 @@ DIAGRAM = re.compile(r'```mermaid\n.*?accTitle: (.*?)\n *accDescr: (.*?)\n.*?```
 """A Mermaid diagram; drawing it needs a script of 3 MB, so the book shows its description."""
 YOURS = (
     '*You write this cell in JupyterLab. The outputs from here to the next exercise come from a '
-    'right answer.*'
+    'correct answer.*'
 )
 ABOUT = """\
 # The lessons, to read
@@ -82,7 +82,7 @@ def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbfor
             text = DIAGRAM.sub(r'> **\1.** \2', cell.source)
             cell.source = text.replace(START_HERE, INDEX)
         elif marks_of(cell).get('solution'):
-            after = len(cells)  # of several in a row, only the last one has the note
+            after = len(cells)  # only the last of several exercises in a row gets the note
         else:
             cell.outputs = outputs[cell.id]
             if cell.outputs and after:

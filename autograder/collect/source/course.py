@@ -65,7 +65,8 @@ class Course:
         """
         Return the assignment at the beginning of a repository's name, ``ASSIGNMENT-STUDENT``.
 
-        :returns: the beginning as written, with the character after it; empty if there is none
+        :returns: the prefix as written in the name, with the separator; empty if the name begins
+            with no assignment
         """
         forms = (form for one in self.assignments for form in (one, _NUMBER.sub('', one)))
         fitting = (one for one in forms if _plain(name).startswith(_plain(f'{one}-')))

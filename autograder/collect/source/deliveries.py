@@ -1,8 +1,8 @@
 """
-Open the source of a class, and the data types that all platforms share: entries, deliveries.
+Open the source of a class; define entries and deliveries, the data types of all platforms.
 
 The platform chose the names of the entries on one :data:`Level` of a source.  Students chose all
-names below that level, so these names do not decide who handed in a file.
+names below that level, so these names never show who handed in a file.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ BOUNDS = Bounds(
     entries=50_000,
     listed=500_000,
     file_bytes=MAX_BYTES,
-    whole_bytes=2 << 30,  # a class has a few hundred megabytes
+    whole_bytes=2 << 30,  # a class hands in a few hundred megabytes
     name_chars=400,
 )
 
