@@ -17,6 +17,7 @@ import json
 import os
 from pathlib import Path
 import random
+import statistics
 import sys
 import time
 from typing import Any
@@ -37,7 +38,7 @@ from autograder.submission.submission import open_submission
 from benchmarks import report
 from tests.attacks.corpus import files_of, programs
 
-FULL_REPEATS, FEW_REPEATS = 200, 3
+FULL_REPEATS, FEW_REPEATS = 200, 12
 CORES = os.cpu_count() or 1
 PANEL = Path(__file__).with_name('panel.yaml')
 ENDED = ('limit', 'ended', 'busy')
@@ -76,8 +77,8 @@ WAYS = (
     Way('oversubscribed', 6 * CORES, burners=2 * CORES),
     Way('parallel', 8),
 )
-Found = list[tuple[str, str, str]]
-"""For each run: the task's name, the outcome and the pictures, as JSON."""
+Found = list[tuple[str, str, str, float]]
+"""For each run: the task's name, the outcome and the pictures, as JSON, and the duration [s]."""
 
 
 def main() -> int:
@@ -104,7 +105,7 @@ def main() -> int:
         while len(done) < repeats and time.monotonic() < until:
             repeat, found = _repeat(tasks, sandbox, len(done), until)
             done.append(repeat)
-            for name, outcome, shown in found:
+            for name, outcome, shown, _ in found:
                 outcomes[name][outcome] += 1
                 pictures[name][shown] += 1
             several = len(report.differing(outcomes))
@@ -214,13 +215,27 @@ def _repeat(
     order = random.Random(number).sample(tasks, len(tasks))
     began = time.monotonic()
 
-    def run(task: Task) -> tuple[str, str, str] | None:
-        return (task.name, *_outcome(task, sandbox)) if time.monotonic() < until else None
+    def run(task: Task) -> tuple[str, str, str, float] | None:
+        began = time.monotonic()
+        if began > until:
+            return None
+        outcome, shown = _outcome(task, sandbox)
+        return task.name, outcome, shown, time.monotonic() - began
 
     with report.busy(way.burners), ThreadPoolExecutor(way.jobs) as pool:
         found = [one for one in pool.map(run, order) if one is not None]
     wall_s = round(time.monotonic() - began, 1)
-    return {'way': way.name, 'runs': len(found), 'wall_s': wall_s, 'load': report.load()}, found
+    repeat: dict[str, Any] = {
+        'way': way.name,
+        'runs': len(found),
+        'wall_s': wall_s,
+        'load': report.load(),
+    }
+    if len(found) > 1:
+        each_s = [seconds for *_, seconds in found]
+        p95 = round(statistics.quantiles(each_s, n=20)[-1], 4)
+        repeat['run_s'] = {**report.spread(each_s), 'p95': p95}
+    return repeat, found
 
 
 def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
@@ -255,6 +270,7 @@ def _figures(
             'runs': sum(repeat['runs'] for repeat in mine),
             'wall_s': round(sum(repeat['wall_s'] for repeat in mine), 1),
             'load': report.spread([repeat['load'] for repeat in mine]),
+            'run_s': [repeat['run_s'] for repeat in mine if 'run_s' in repeat],
         }
         for way in WAYS
         if (mine := [repeat for repeat in done if repeat['way'] == way.name])
