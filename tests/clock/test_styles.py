@@ -1,5 +1,5 @@
 """
-Programs keep time in forty ways: each message comes at its exact nanosecond.
+Programs keep time in forty-one ways: each message comes at its exact nanosecond.
 
 The programs of ``time_styles.py`` run in the grader's real sandbox, with its probe beside them.
 """

@@ -1,5 +1,5 @@
 """
-Forty ways in which ROS programs keep time.
+Forty-one ways in which ROS programs keep time.
 
 ``STYLES`` has the body of each program and the seconds at which its numbers come if its period
 ``P`` is one second.  The node's ``tick`` publishes the next number.  ``ANSWERING`` programs double
@@ -228,6 +228,16 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'def both(): node.tick(); publisher.publish(Int32(data=node.number))\n'
         'node.create_timer(P, both)\nrclpy.spin(node)',
         EVERY_SECOND,
+    ),
+    # While the callback sleeps, messages older than half a second expire in the queue.
+    'lifespan': (
+        'qos = QoSProfile(depth=10, lifespan=Duration(seconds=0.5))\n'
+        'publisher = node.create_publisher(Int32, "d", qos)\n'
+        'def slow(_): time.sleep(2.2); node.tick()\n'
+        'node.create_subscription(Int32, "d", slow, qos)\n'
+        'node.create_timer(P, lambda: publisher.publish(Int32()), '
+        'callback_group=ReentrantCallbackGroup())\nspin(MultiThreadedExecutor())',
+        [3.2, 5.4, 7.6, 10.2, 12.4, 14.6, 17.2, 19.4],
     ),
 }
 

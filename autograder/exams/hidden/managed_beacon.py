@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 06, part 2: a secret namespace and secret durations."""
+"""Hidden exam of lesson 06, part 2: longer active phases in a secret namespace."""
 
 from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.managed_beacon import build
@@ -6,5 +6,5 @@ from autograder.exams.visible.managed_beacon import build
 _draw = generator('managed_beacon', 'place and time')
 exam = build(
     namespace='/' + ''.join(_draw.choices('bdghjklmnprstvz', k=6)),
-    seconds=float(WATCH_S + _draw.randint(0, 2)),
+    seconds=float(WATCH_S),
 )
