@@ -13,14 +13,18 @@ UNKNOWN, UNIT = 'a reading in an unknown unit', 'Fahrenheit'
 
 
 def edges(draw: random.Random) -> list[Reading]:
-    """Return readings in Celsius at, near and far below the threshold, in a secret order."""
+    """
+    Return readings in Celsius at, near and far below the threshold, in a secret order.
+
+    One is below absolute zero: the node must not judge whether a reading is plausible.
+    """
     readings = [
         Reading(THRESHOLD_C, f'a reading of exactly {THRESHOLD_C} °C'),
         Reading(THRESHOLD_C + 0.01, f'a reading just above {THRESHOLD_C:g} °C'),
         Reading(THRESHOLD_C + 0.004, f'a reading of {THRESHOLD_C + 0.004:.3f} °C'),
         Reading(THRESHOLD_C - 0.01, f'a reading just below {THRESHOLD_C:g} °C'),
         Reading(0.0, 'a reading of 0 °C'),
-        Reading(round(draw.uniform(-60.0, -31.0), 2), 'a reading far below zero'),
+        Reading(round(draw.uniform(-400.0, -300.0), 2), 'a reading far below zero'),
     ]
     draw.shuffle(readings)
     return readings

@@ -139,6 +139,14 @@ def lines_are_numbered(run: Run) -> None:
                 why=_why_shifted(run) or why_not_numbered(texts, place),
                 shown_by=[found[place]],
             )
+    first = [entry for entry in own_logs(run, run.facts['node']) if entry['text'] == texts[0]]
+    if len(first) > 1:
+        raise Failed(
+            expected='one line for watch 1',
+            observed=f'{len(first)} lines',
+            why=WHY.of('first_twice', line=first[0]['line']),
+            shown_by=first,
+        )
 
 
 def _why_shifted(run: Run) -> Cause | None:
