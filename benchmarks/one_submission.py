@@ -1,5 +1,5 @@
 """
-Time one submission over 60 virtual seconds with all checks, and compare it with a lower bound.
+Time the talker over 60 virtual seconds with all checks, and compare it with a lower bound.
 
 The lower bound (the *floor*) is the least that any grader with this design must do: start the
 sandbox, the probe and the student's node, and wait until the probe receives the first message.  It
@@ -17,17 +17,20 @@ import statistics
 import time
 from typing import Any
 
-from autograder.exam import catalog
 from autograder.exam.exam import Advance, Exam
+from autograder.exams.visible.talker import build
 from autograder.grading.examine import examine
+from autograder.layout import Layout
 from autograder.runs import observe as observing
 from autograder.sandboxes.choose import strongest
+from autograder.sandboxes.processes import used_ns
 from autograder.sandboxes.sandbox import Sandbox
+from autograder.submission.extract import answer_files
+from autograder.submission.notebook import read_release
 from benchmarks import report
-from benchmarks.reduced_course import EXAM, publishers, REFERENCE
 
-FILE = 'temp_publisher.py'
-FULL_RUNS = 15
+SECONDS = 60.0
+FULL_RUNS = 30
 Marks = dict[str, float]
 
 STEPS = (
@@ -43,7 +46,7 @@ STEPS = (
     ('closed', 'tear-down'),
     ('judged', 'judging'),
 )
-MARKERS = {'@python': 'import math', '@imported': 'rclpy.init(', '@node': 'rclpy.spin('}
+MARKERS = {'@python': 'import rclpy', '@imported': 'rclpy.init(', '@node': 'rclpy.spin('}
 """Marks that the program prints, with the beginning of the line before which it prints them."""
 
 
@@ -57,7 +60,7 @@ def marked(text: str) -> str:
     for marker, place in MARKERS.items():
         found = [number for number, line in enumerate(lines) if line.strip().startswith(place)]
         if len(found) != 1:
-            raise RuntimeError(f'{FILE}: expected {place!r} once; adapt this benchmark.')
+            raise RuntimeError(f'talker.py: expected {place!r} once; adapt this benchmark.')
         line = lines[found[0]]
         indent = line[: len(line) - len(line.lstrip())]
         lines.insert(found[0], f"{indent}print('{marker}', flush=True)")
@@ -68,6 +71,7 @@ class _Clocked(observing._Watched):
     """The grader's own loop, which also stores the arrival times of the marks."""
 
     marks: Marks = {}  # noqa: RUF012 - one run at a time, so one table is enough
+    cpu_s = 0.0
 
     def __init__(self, *parts: Any) -> None:
         self.marks['sandbox'] = time.monotonic()
@@ -82,6 +86,11 @@ class _Clocked(observing._Watched):
         for event in self.events[before:]:
             self.marks.setdefault(event['event'], now)
 
+    def _look_around(self) -> None:
+        pids = self.student.pid, self.probe.pid, self.clock.driver.pid
+        _Clocked.cpu_s = sum(map(used_ns, pids)) / 1e9
+        super()._look_around()
+
     def _read(self, pipes: Any, key: Any) -> None:
         super()._read(pipes, key)
         for marker in MARKERS:
@@ -89,23 +98,25 @@ class _Clocked(observing._Watched):
                 self.marks.setdefault(marker, time.monotonic())
 
 
-def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
+def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> tuple[Marks, float]:
     """
     Run and judge the submission without keeping a recording.
 
-    :returns: seconds from the start to each mark
+    :returns: seconds from the start to each mark, and the processor time of the program, the
+        probe, the clock's driver and the grader [s]
     :raises RuntimeError: if the submission does not get full points, because then the time is
         meaningless
     """
     _Clocked.marks.clear()
-    began = time.monotonic()
+    began, cpu_began = time.monotonic(), time.process_time()
     result = examine(exam, files, sandbox=sandbox)
     ended = time.monotonic()
     if result.points != result.max_points:
         failed = ', '.join(check.check for check in result.failed)
         raise RuntimeError(f'The reference solution failed in {failed}.')
     closed = ended - result.timing['judge_s']
-    return _since(began, {**_Clocked.marks, 'closed': closed, 'judged': ended})
+    cpu_s = _Clocked.cpu_s + time.process_time() - cpu_began
+    return _since(began, {**_Clocked.marks, 'closed': closed, 'judged': ended}), cpu_s
 
 
 def floor_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> Marks:
@@ -137,23 +148,25 @@ def main() -> None:
     count = parser.parse_args().runs
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
-    exam = catalog.load(EXAM)
-    files = {FILE: marked(publishers([REFERENCE])[REFERENCE])}
+    exam = build('/lab', SECONDS)
+    release = read_release(Layout.here().solutions / exam.assignment / 'topics.ipynb')
+    files = {exam.scenario.file: marked(answer_files(release)[exam.name].body)}
     sandbox = strongest()
     observing._Watched = _Clocked  # type: ignore[misc, assignment]
     whole_run(exam, files, sandbox)  # read everything from disk once before measuring
     runs = [
         (floor_run(exam, files, sandbox), whole_run(exam, files, sandbox)) for _ in range(count)
     ]
-    floor, whole = zip(*runs)
+    floor, complete = zip(*runs)
+    whole, cpu_s = zip(*complete)
     whole_s = report.spread([marks['judged'] for marks in whole])
     first_s = report.spread([marks['message'] for marks in floor])
     closed_s = report.spread([marks['closed'] for marks in floor])
-    seconds = sum(step.seconds for step in exam.scenario.steps if isinstance(step, Advance))
     figures = {
         'isolation': sandbox.mode,
-        'exam': f'{seconds:g} virtual seconds, {len(exam.checks)} checks',
+        'exam': f'{SECONDS:g} virtual seconds, 2 messages a second, {len(exam.checks)} checks',
         'whole_s': whole_s,
+        'whole_cpu_s': report.spread(cpu_s),
         'floor_s': first_s,
         'floor_with_tear_down_s': closed_s,
         'ratio': round(whole_s['median'] / first_s['median'], 2),
