@@ -223,7 +223,11 @@ def _repeat(
         return task.name, outcome, shown, time.monotonic() - began
 
     with report.busy(way.burners), ThreadPoolExecutor(way.jobs) as pool:
-        found = [one for one in pool.map(run, order) if one is not None]
+        try:
+            found = [one for one in pool.map(run, order) if one is not None]
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)
+            raise
     wall_s = round(time.monotonic() - began, 1)
     repeat: dict[str, Any] = {
         'way': way.name,

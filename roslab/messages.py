@@ -117,7 +117,7 @@ def build_messages(package_dir: str | Path | None = None) -> BuildReport:
     """
     package = _package(package_dir)
     report = _unfinished(package)
-    if report is None:  # a report of a failure is false
+    if report is None:  # the report of a failed build is falsy, so do not test its truth
         report = _built(package)
     show(str(report), report._repr_html_())
     return report

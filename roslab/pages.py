@@ -115,7 +115,7 @@ class Pages:
         if threading.current_thread() is self._watcher:
             mark = self._console.marks
             text = self._console.feed(text)
-            # `print` writes a line and its line end separately.  If no line end follows, wait only
+            # `print` writes a line and its newline separately.  If no newline follows, wait only
             # once.
             if text and not self._whole.wait(_LINE_S):
                 self._whole.set()

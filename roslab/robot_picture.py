@@ -1,4 +1,4 @@
-"""Draw a robot in its room, its track and its commands, as a picture and as text."""
+"""Draw a robot in its room, with its track and commands, as a picture and as text."""
 
 from __future__ import annotations
 

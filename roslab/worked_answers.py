@@ -72,4 +72,4 @@ def still_closed(exam: str) -> str:
     if left <= 0 or results['checks'].get(exam, 0) >= most:
         return ''
     tries = 'one more try' if left == 1 else f'{left} more tries'
-    return f'A worked answer opens with full points, or after {tries} of check({exam!r}).'
+    return f'The worked answer opens when check({exam!r}) gives full points, or after {tries}.'

@@ -196,7 +196,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
 def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
     known = layout.assignments()
     if not known:
-        raise UsageError('notebooks/: there is no assignment. Try: make release')
+        raise UsageError('notebooks/ contains no assignments. Try: make release')
     return known if chosen is None else (layout.assignment_named(chosen),)
 
 

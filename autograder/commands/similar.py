@@ -53,7 +53,7 @@ def similar_text(found: Similar) -> str:
     for pair in found.pairs:
         lines += ['', *_pair_lines(pair)]
     if not found.pairs:
-        lines.append(f'No two submissions are {found.at_least:.0%} alike or more.')
+        lines.append(f'No two submissions are {found.at_least:.0%} or more alike.')
     if found.more:
         lines.append(f'\n... and {found.more} more pairs. Try: a higher --at-least')
     if found.short:

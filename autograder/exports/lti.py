@@ -80,7 +80,9 @@ def read_platform(path: Path) -> Platform:
 
 def line_item(platform: Platform, where: Path, assignment: str) -> str:
     """
-    Return the URL of the column for an assignment, which the settings may name without its number.
+    Return the line item's URL of an assignment.
+
+    The settings may leave out the number: ``topics`` for ``03_topics``.
 
     :raises GraderError: if the settings have none
     """

@@ -83,7 +83,7 @@ def _read(data: bytes, where: str) -> Table:
     try:
         table = parse_table(data)
         if len(table.rows) < 2 or not all(PARTICIPANT.fullmatch(row[0]) for row in table.rows[1:]):
-            raise ValueError('the first column has no numbers of participants')
+            raise ValueError('the first column does not contain participant numbers')
     except ValueError as error:
         raise GraderError(
             f'{where}: this is not a grading worksheet from Moodle: {error}.', FIX

@@ -304,7 +304,7 @@ def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
 
 
 def how_to_dump(layout: Layout) -> str:
-    """Return how to dump a gradebook on a server; empty for a file, which the grader copies."""
+    """Return instructions for dumping a gradebook on a server; empty for a gradebook file."""
     if gradebook_file(layout) is not None:
         return ''
     url = make_url(address(layout))

@@ -39,7 +39,7 @@ def names(attack: Attack) -> str:
 def graded(tmp_path_factory):
     """Run every attack; return what came of each."""
     kept = tmp_path_factory.mktemp('recordings')
-    # A grader with a secret in its environment and in an open file, to be looked for.
+    # Put a secret into the grader's environment and into an open file; the attacks search for it.
     secret = tmp_path_factory.mktemp('hidden') / 'gradebook.json'
     secret.write_text(f'{{"{CANARY}": 1}}', encoding='utf-8')
     os.environ['COURSE_SECRET_CANARY'] = CANARY

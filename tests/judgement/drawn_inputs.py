@@ -33,7 +33,7 @@ def told_of(exam: Exam, text: str) -> list[str]:
     values, moments = list(_secret_numbers(exam)), list(_moments_s(exam))
     for number, token in numbers:
         decimals = len(token.partition('.')[2])
-        # Rounded to 0.1 s, almost any number is a time in a long run.
+        # With one decimal, almost any number equals some moment of a long run.
         secrets = [*values, *moments] if decimals > 1 else values
         if any(round(abs(secret), decimals) == number for secret in secrets):
             found.append(token)

@@ -84,7 +84,7 @@ class TestOpening:
         check(monkeypatch, MOST)
         progress(forget=True)
 
-        assert 'opens with full points' in offer('talker')[0]
+        assert 'gives full points' in offer('talker')[0]
 
     def test_results_from_before_tries_were_counted_are_kept(self, copy):
         """An older file has only two tables."""

@@ -68,8 +68,8 @@ def guarding(
     Return the rule of a safety stop; with the default values, the correct one.
 
     :param pair: returns the speed and turn to publish for a command, None for nothing
-    :param stops: returns what to publish in a silence, given the last command and the number of
-        silences so far
+    :param stops: returns what to publish during a silence, given the last command and the number
+        of silences so far
     :param after_s: length of a pause that counts as a silence [s]
     :param for_good: published for each command after the first silence; None for no change
     """

@@ -79,7 +79,7 @@ def counts_its_greetings(run: Run) -> None:
     found, least = greetings(run), int(run.facts['seconds'] - UNHEARD_S) // 2
     if len(found) < least:
         raise Failed(
-            expected=f'at least {least} messages, to see how it counts',
+            expected=f'at least {least} messages, enough to check the count',
             observed=f'{len(found)}',
             why=why_silent(run) or WHY['wrong_rate'],
         )
