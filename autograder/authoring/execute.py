@@ -8,6 +8,7 @@ the release copies them into the lesson's contents.
 from __future__ import annotations
 
 import argparse
+import asyncio
 from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
@@ -38,13 +39,14 @@ def executed(path: Path, **more: Any) -> NotebookNode:
     """
     notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory(prefix='lesson_') as folder:  # for the cells' ROS workspace
-        NotebookClient(
+        client = NotebookClient(
             notebook,
             kernel_name=KERNEL_NAME,
             timeout=CELL_TIMEOUT_S,
             resources={'metadata': {'path': folder}},
             **more,
-        ).execute()
+        )
+        asyncio.run(client.async_execute())  # execute() leaves the event loop of a thread open
     return notebook
 
 

@@ -138,8 +138,8 @@ def test_mouse_answers_at_once_in_a_dark_theme(page: Any, shots: Path, question:
     page.screenshot(path=shots / 'dark.png')
 
     assert page.locator('.roslab-quiz legend code').all_inner_texts() == [
-        'msg/Temperature.msg',
         'ament_python',
+        'msg/Temperature.msg',
         'colcon build',
         'from temp_monitor_pkg.msg import Temperature',
     ]

@@ -113,7 +113,7 @@ def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
         def __init__(self, notebook, **options):
             self.notebook, self.folder = notebook, options['resources']['metadata']['path']
 
-        def execute(self):
+        async def async_execute(self):
             assert Path(self.folder).is_dir()
             if 'Title b' in self.notebook.cells[0].source:
                 raise execute.CellExecutionError('Traceback', 'NameError', 'x')
