@@ -183,8 +183,7 @@ def _worlds(settings: Settings) -> None:
     reason = worlds.refused(settings.students[0] if settings.students else settings.instructor)
     if reason:
         print(worlds.FALLBACK.format(reason=reason))
-        return
-    worlds.install(settings.copy / '.venv')
     clone = settings.course_of(home_of(settings.instructor)) / '.venv'
-    worlds.install(clone)
+    for venv in (settings.copy / '.venv', clone):
+        worlds.install(venv, separate=not reason)
     run('chown', '-R', f'{settings.instructor}:', clone / 'etc', clone / 'share', clone / 'bin')
