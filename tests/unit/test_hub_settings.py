@@ -88,3 +88,15 @@ def test_a_kernel_starts_in_its_own_world_while_the_system_allows_it(tmp_path: P
     worlds.install(tmp_path, separate=False)
     assert json.loads(kernel.read_text())['argv'] == ['python', '-m', 'kernel']
     assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': KERNEL_MESSAGES}
+
+
+def test_a_kernel_reached_by_tcp_keeps_the_network_of_the_machine(tmp_path: Path) -> None:
+    """A command that starts its own kernel could not reach it in a separate network."""
+    connection = tmp_path / 'kernel.json'
+    connection.write_text(json.dumps({'transport': 'tcp'}, indent=2))
+    look = ['sh', '-c', 'readlink /proc/self/ns/net', 'sh', str(connection)]
+    direct, through = (
+        subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        for command in (look, ['sh', str(HERE / worlds.SCRIPT), *look])
+    )
+    assert direct == through
