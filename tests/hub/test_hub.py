@@ -1,20 +1,26 @@
 """A class on one machine: nbgrader's loop by its buttons, and what a student is refused."""
 
 import os
+from pathlib import Path
+import shutil
 import subprocess
 import sys
 
+import nbformat
+from nbformat.v4 import new_code_cell, new_notebook
 import pytest
 
 from autograder.authoring.sample_class import compose
 from autograder.layout import Layout
 from deploy.hub.memory import group_of
+from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 from tests.hub.running_hub import (
     ANN,
     as_user,
     BOB,
     home_of,
     Hub,
+    PREPARED_S,
     ROOT,
     take_picture,
     TEACHER,
@@ -27,6 +33,28 @@ SAMPLE, WRITTEN, MARK = 'fail__two_hertz', 'explain_threshold', '4'
 VALIDATED, EXERCISE = '01_node_life/node_life.ipynb', 'harbour'
 VALIDATED_MS = 900_000
 """Maximum time in which the whole lesson runs; about a minute if nothing else runs [ms]."""
+
+LIVE = (
+    """\
+from std_msgs.msg import String
+from rclpy.node import Node
+from roslab import *
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__('talker')
+        self.publisher = self.create_publisher(String, 'chatter', 10)
+        self.create_timer(0.1, lambda: self.publisher.publish(String(data='on')))
+
+talker = start(Talker)
+print('speaks')""",
+    """\
+import sys
+from sensor_msgs.msg import LaserScan
+listen('chatter', String).wait(5, timeout=60)
+print('heard in', sys.prefix)""",
+)
+"""Cells of a student: the second one loads files of the environment for the first time."""
 
 
 def answer(page) -> str:
@@ -62,10 +90,11 @@ def mark(hub: Hub, page) -> None:
     page.goto(f'{hub.address}user/{TEACHER}/formgrader/gradebook')
     for name in (LESSON, NOTEBOOK, 'Submission #1'):
         page.get_by_role('link', name=name).click()
-    points = page.locator(f'input.score#{WRITTEN}')
+    # The page saves what is typed only when it has loaded the marks and sets this class.
+    points = page.locator(f'input.score.needs_manual_grade#{WRITTEN}')
     with page.expect_response(lambda response: response.request.method == 'PUT') as saved:
         points.fill(MARK)
-        points.press('Tab')
+        page.keyboard.press('Tab')
     assert saved.value.ok
 
 
@@ -165,7 +194,9 @@ def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
     secrets += hub.settings.exchange.glob('*/inbound')
     for place in secrets:
         assert as_user(BOB, 'ls', place).stderr.endswith('Permission denied\n'), place
-    assert as_user(BOB, 'find', hub.settings.copy, '-path', '*exams/hidden*').stdout == ''
+    assert (
+        as_user(BOB, 'find', hub.settings.copy.resolve(), '-path', '*exams/hidden*').stdout == ''
+    )
     refused = as_user(BOB, 'touch', hub.settings.copy / 'notebooks' / 'mine')
     assert 'Permission denied' in refused.stderr
 
@@ -228,3 +259,43 @@ def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
     ).stdout.split()
     assert servers
     assert set(servers) <= inside
+
+
+def run_cell(page, number: int, expected: str) -> None:
+    """Run a cell of the open notebook, and wait for its output."""
+    cell = page.locator('.jp-CodeCell').nth(number)
+    cell.locator('.cm-content').click()
+    page.keyboard.press('Shift+Enter')
+    cell.locator('.jp-OutputArea-output', has_text=expected).wait_for()
+
+
+def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> None:
+    """It keeps the environment in which it was started; the next server gets the new one."""
+    work = home_of(ANN) / 'course' / 'live.ipynb'
+    kernel = {'kernelspec': {'name': KERNEL_NAME, 'display_name': KERNEL_TITLE}}
+    cells = [new_code_cell(one) for one in LIVE]
+    work.write_text(nbformat.writes(new_notebook(cells=cells, metadata=kernel)))
+    shutil.chown(work, ANN, ANN)
+    ann, bob = lab_with_kernel(hub, ANN), hub.lab_of(BOB)
+    ann.goto(f'{hub.address}user/{ANN}/lab/tree/live.ipynb?reset')
+    run_cell(ann, 0, 'speaks')
+    before = hub.settings.copy.resolve()
+
+    newer = tmp_path / 'course'
+    subprocess.run(['git', 'clone', '--quiet', '--no-hardlinks', ROOT, newer], check=True)
+    with (newer / 'environment' / 'requirements.lock').open('a') as lock:
+        lock.write('# newer\n')
+    environ = {**os.environ, 'HUB': str(hub.settings.folder / 'hub.toml')}
+    update = [sys.executable, '-m', 'deploy.hub', 'update']
+    subprocess.run(update, cwd=newer, env=environ, check=True, timeout=PREPARED_S)
+    after = hub.settings.copy.resolve()
+    assert before != after
+
+    run_cell(ann, 1, f'heard in {before}')
+    bob.goto(f'{hub.address}hub/home')
+    bob.click('#stop')
+    bob.locator('#start', has_text='Start').click()
+    bob.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    servers = as_user(BOB, 'pgrep', '--euid', BOB, '--list-full').stdout
+    assert f'{after}/.venv' in servers
+    assert f'{before}/.venv' not in servers
