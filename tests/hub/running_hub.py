@@ -107,6 +107,7 @@ def _remove_work(folder: Path) -> None:
     places = [folder / 'exchange']
     with suppress(KeyError):  # a new folder has no accounts yet
         places += [home_of(user) / 'course' for user in (ANN, BOB)]
+        places += [home_of(ANN) / '.local' / 'share' / 'jupyter' / 'nbgrader_cache']
         places += [home_of(TEACHER) / 'course' / 'autograder' / '_work']
     for place in places:
         shutil.rmtree(place, ignore_errors=True)

@@ -144,12 +144,17 @@ def test_the_whole_loop(hub: Hub) -> None:
     assert f'{MARK} of 5' in read_feedback(ann)
 
 
+def open_notebook(hub: Hub, page, user: str, path: str) -> None:
+    """Open a notebook in a workspace without the notebook of the page before."""
+    page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
+    page.locator('.jp-NotebookPanel').wait_for()
+
+
 def test_the_instructor_validates_a_lesson(hub: Hub) -> None:
     """The button runs the whole notebook; students have check() in its place."""
     page = hub.lab_of(TEACHER)
-    page.goto(f'{hub.address}user/{TEACHER}/lab/tree/notebooks/{VALIDATED}?reset')
-    page.locator('.jp-NotebookPanel').first.wait_for()
-    page.get_by_text('Validate', exact=True).first.click()
+    open_notebook(hub, page, TEACHER, f'notebooks/{VALIDATED}')
+    page.get_by_text('Validate', exact=True).click()
     dialogue = page.locator('.jp-Dialog-content')
     dialogue.get_by_text('The following cell').first.wait_for(timeout=VALIDATED_MS)
     assert f'{EXERCISE}: 0 of 8 points in the visible checks' in dialogue.inner_text()
@@ -277,7 +282,7 @@ def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> No
     work.write_text(nbformat.writes(new_notebook(cells=cells, metadata=kernel)))
     shutil.chown(work, ANN, ANN)
     ann, bob = lab_with_kernel(hub, ANN), hub.lab_of(BOB)
-    ann.goto(f'{hub.address}user/{ANN}/lab/tree/live.ipynb?reset')
+    open_notebook(hub, ann, ANN, 'live.ipynb')
     run_cell(ann, 0, 'speaks')
     before = hub.settings.copy.resolve()
 
