@@ -54,7 +54,7 @@ class Hub:
     def lab_of(self, user: str) -> Any:
         """Log a user in, and return the page with this user's JupyterLab."""
         page = self.log_in(user)
-        page.locator('.jp-NotebookPanel').first.wait_for()
+        page.locator('.jp-NotebookPanel:visible').wait_for()
         return page
 
 
@@ -103,12 +103,13 @@ def running(folder: Path) -> Iterator[Settings]:
 
 
 def _remove_work(folder: Path) -> None:
-    """Remove what an earlier run in a kept folder left: deliveries, grades, students' files."""
+    """Remove what an earlier run in a kept folder left: deliveries, grades, open notebooks."""
     places = [folder / 'exchange']
     with suppress(KeyError):  # a new folder has no accounts yet
         places += [home_of(user) / 'course' for user in (ANN, BOB)]
         places += [home_of(ANN) / '.local' / 'share' / 'jupyter' / 'nbgrader_cache']
         places += [home_of(TEACHER) / 'course' / 'autograder' / '_work']
+        places += [home_of(user) / '.jupyter' for user in (ANN, BOB, TEACHER)]
     for place in places:
         shutil.rmtree(place, ignore_errors=True)
 
