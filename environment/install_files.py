@@ -13,6 +13,8 @@ from environment.ros2_command import discovery_variables, installed_ros2
 
 KERNEL_NAME = 'ros2_jazzy'
 KERNEL_TITLE = 'ROS 2 Jazzy'
+KERNEL_MESSAGES = {'transport_encryption': 'auto'}
+"""Settings for the messages between the server and its kernels."""
 GUIDE = 'roslab.guide'
 """IPython extension that every kernel loads; if it is missing, a kernel starts anyway."""
 INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader', 'validate-assignment')
@@ -78,7 +80,7 @@ def write_jupyter_settings(places: Places) -> None:
     page_settings.setdefault('disabledExtensions', {}).update(dict.fromkeys(disabled, True))
     for name, settings in {
         'etc/jupyter/jupyter_server_config.json': {
-            'KernelManager': {'transport_encryption': 'auto'},
+            'KernelManager': KERNEL_MESSAGES,
             'ServerApp': {
                 'terminado_settings': {'shell_command': shell},
                 'jpserver_extensions': servers,

@@ -3,6 +3,7 @@
 
     python -m deploy.hub           prepare and run
     python -m deploy.hub prepare   prepare only
+    python -m deploy.hub update    update the students' copy while the hub runs
     python -m deploy.hub remove    remove the hub's folder; accounts and home folders are kept
 
 The environment variable HUB names the settings file.
@@ -21,7 +22,7 @@ import subprocess
 import sys
 from urllib.request import urlopen
 
-from deploy.hub.prepare import HubError, prepare
+from deploy.hub.prepare import HubError, prepare, remove_old_copies, update
 from deploy.hub.settings import HERE, read, SETTING, Settings, SettingsError
 from environment.places import PROJECT
 
@@ -33,7 +34,7 @@ STOP_S = 60.0
 def main(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code: 0, or 2 if something is wrong."""
     command = arguments[0] if arguments else 'run'
-    if command not in ('run', 'prepare', 'remove'):
+    if command not in ('run', 'prepare', 'update', 'remove'):
         print(__doc__.strip(), file=sys.stderr)
         return 2
     path = Path(os.environ.get(SETTING) or HERE / 'hub.toml').resolve()
@@ -42,10 +43,14 @@ def main(arguments: Sequence[str]) -> int:
         if command == 'remove':
             shutil.rmtree(settings.folder, ignore_errors=True)
             return 0
+        if command == 'update':
+            update(settings)
+            return 0
         prepare(settings)
         if command == 'prepare':
             return 0
         with _alone(settings):
+            remove_old_copies(settings)
             return _run(settings, path)
     except (SettingsError, HubError) as error:
         print(f'hub: {error}', file=sys.stderr)

@@ -19,7 +19,6 @@ from deploy.hub.settings import LOGINS, read, SETTING
 c = get_config()  # defined by JupyterHub
 
 settings = read(Path(os.environ[SETTING]))
-GRADED = set(settings.graded.read_text(encoding='utf-8').split())
 idle_s = int(60 * settings.idle_minutes)
 
 
@@ -40,7 +39,8 @@ def prepare_server(spawner: CourseSpawner) -> None:
     home = Path(pwd.getpwnam(name).pw_dir)
     course = settings.course_of(home)
     mine = name == settings.instructor
-    venv = (course if mine else settings.copy) / '.venv'
+    # Without the link: an update changes it while this server runs.
+    venv = (course if mine else settings.copy.resolve()) / '.venv'
     spawner.environment = {
         'COURSE_EXCHANGE': str(settings.exchange),
         'LANG': 'C.UTF-8',
@@ -56,8 +56,8 @@ def prepare_server(spawner: CourseSpawner) -> None:
 
 def _copy_lessons(name: str, course: Path) -> None:
     """Copy the lessons not fetched through nbgrader, as the student and without overwriting."""
-    source = settings.copy / 'notebooks'
-    wanted = [path for path in sorted(source.iterdir()) if path.name not in GRADED]
+    source, graded = settings.copy / 'notebooks', settings.graded.read_text(encoding='utf-8')
+    wanted = [path for path in sorted(source.iterdir()) if path.name not in graded.split()]
     copy = 'mkdir -p "$0" && cp -r --no-clobber "$@" "$0/"'
     command = ['runuser', '-u', name, '--', 'sh', '-c', copy, str(course), *map(str, wanted)]
     subprocess.run(command, check=True, cwd='/')

@@ -18,8 +18,10 @@ from autograder.layout import Layout, lesson_files
 from deploy.hub import worlds
 from deploy.hub.settings import HERE, Settings
 from environment.exchange import ROOT_MODE
-from environment.places import PROJECT, write_atomically
+from environment.places import PROJECT, stated, write_atomically
+from environment.stamps import digest_of, digest_of_files, files_below
 
+COPY = 'students-'
 COURSE_SETTINGS = """\
 # Written by the hub's set-up, for the students' servers.
 c = get_config()
@@ -45,12 +47,31 @@ def prepare(settings: Settings) -> None:
         ("students' copy", _students_copy),
         ("instructor's clone", _instructors_clone),
         ('exchange', _exchange),
-        ('a separate network for each kernel', _worlds),
     )
     os.umask(0o022)  # all users must be able to read the installed files
     for number, (title, step) in enumerate(steps, 1):
         print(f'[{number}/{len(steps)}] {title} ...', flush=True)
         step(settings)
+
+
+def update(settings: Settings) -> None:
+    """
+    Update the students' copy while the hub runs; servers that start afterwards use it.
+
+    :raises HubError: if a step fails
+    """
+    _require_system()
+    if not settings.graded.is_file():
+        raise HubError(f'{settings.folder}: no hub is installed here. Try: make hub')
+    os.umask(0o022)
+    _students_copy(settings)
+
+
+def remove_old_copies(settings: Settings) -> None:
+    """Remove students' copies that no server uses, because no server is running."""
+    for path in settings.folder.glob(f'{COPY}*'):
+        if path != settings.copy.resolve():
+            shutil.rmtree(path)
 
 
 def home_of(user: str) -> Path:
@@ -120,7 +141,14 @@ def _hub(settings: Settings) -> None:
 
 
 def _students_copy(settings: Settings) -> None:
-    """Unpack the bundle over the students' copy; running kernels keep files they have opened."""
+    """
+    Unpack the bundle, prepare it, and make it the copy of all servers that start afterwards.
+
+    Running kernels are not disturbed: if an input of the set-up has changed, the environment is
+    prepared in a new folder; otherwise each file is replaced atomically.
+    """
+    if settings.copy.is_dir() and not settings.copy.is_symlink():
+        raise HubError(f'{settings.copy}: from an earlier version. Try: stop its hub, remove it')
     layout = Layout(PROJECT)
     with tempfile.TemporaryDirectory(dir=settings.folder) as scratch:
         bundle = Path(scratch) / 'bundle.zip'
@@ -128,19 +156,38 @@ def _students_copy(settings: Settings) -> None:
         with zipfile.ZipFile(bundle) as archive:
             archive.extractall(scratch)
         unpacked = Path(scratch) / TOP
-        settings.copy.mkdir(exist_ok=True)
-        for source in sorted(unpacked.rglob('*')):
-            target = settings.copy / source.relative_to(unpacked)
-            if source.is_dir():
-                target.mkdir(parents=True, exist_ok=True)
-            elif not target.is_file() or target.read_bytes() != source.read_bytes():
-                source.replace(target)  # atomically, because a kernel may be reading the file
-    run('make', 'prepare', cwd=settings.copy)
-    _add_server(settings.copy / '.venv')
+        copy = settings.folder / (COPY + _version_of(unpacked))
+        _replace_files(unpacked, copy)
+    run('make', 'prepare', cwd=copy)
+    _add_server(copy / '.venv')
     course = COURSE_SETTINGS.format(course=layout.facts.name, exchange=str(settings.exchange))
-    write_atomically(settings.copy / '.venv' / 'etc' / 'jupyter' / 'nbgrader_config.py', course)
+    write_atomically(copy / '.venv' / 'etc' / 'jupyter' / 'nbgrader_config.py', course)
+    if reason := _separate_networks(settings, copy / '.venv'):
+        print(worlds.FALLBACK.format(reason=reason))
     graded = [path.parent.name for path in lesson_files(layout.notebooks) if _is_graded(path)]
     write_atomically(settings.graded, '\n'.join(graded) + '\n')
+    link = settings.folder / 'students.new'
+    link.unlink(missing_ok=True)
+    link.symlink_to(copy.name)
+    link.replace(settings.copy)
+
+
+def _version_of(unpacked: Path) -> str:
+    """Return a digest of what the set-up of a students' copy installs and builds."""
+    parts = ('environment', 'autograder/clock', stated(PROJECT, 'package'))
+    files = [path for part in parts if part for path in files_below(unpacked / part)]
+    server = (HERE / 'requirements-server.txt').read_text(encoding='utf-8')
+    return digest_of(server, digest_of_files(files, unpacked))[:12]
+
+
+def _replace_files(unpacked: Path, copy: Path) -> None:
+    copy.mkdir(exist_ok=True)
+    for source in sorted(unpacked.rglob('*')):
+        target = copy / source.relative_to(unpacked)
+        if source.is_dir():
+            target.mkdir(parents=True, exist_ok=True)
+        elif not target.is_file() or target.read_bytes() != source.read_bytes():
+            source.replace(target)  # atomically, because a kernel may be reading the file
 
 
 def _is_graded(notebook: Path) -> bool:
@@ -156,6 +203,8 @@ def _instructors_clone(settings: Settings) -> None:
         run('chown', '-R', f'{user}:', clone)
     run('make', 'prepare', cwd=clone, user=user)
     _add_server(clone / '.venv', user)
+    _separate_networks(settings, clone / '.venv')
+    run('chown', '-R', f'{user}:', *(clone / '.venv' / name for name in ('etc', 'share', 'bin')))
 
 
 def _pull_from_where_this_copy_came(clone: Path) -> None:
@@ -179,12 +228,8 @@ def _exchange(settings: Settings) -> None:
     shutil.chown(settings.exchange, settings.instructor)
 
 
-def _worlds(settings: Settings) -> None:
+def _separate_networks(settings: Settings, venv: Path) -> str:
+    """Give each kernel of an environment its own network, or return why that is impossible."""
     reason = worlds.refused(settings.students[0] if settings.students else settings.instructor)
-    if reason:
-        print(worlds.FALLBACK.format(reason=reason))
-        return
-    worlds.install(settings.copy / '.venv')
-    clone = settings.course_of(home_of(settings.instructor)) / '.venv'
-    worlds.install(clone)
-    run('chown', '-R', f'{settings.instructor}:', clone / 'etc', clone / 'share', clone / 'bin')
+    worlds.install(venv, separate=not reason)
+    return reason

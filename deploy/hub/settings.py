@@ -50,7 +50,7 @@ class Settings:
     proxy = Below('folder', 'proxy')
     """The folder of the proxy's npm packages."""
     copy = Below('folder', 'students')
-    """The students' copy of the course; all students run its environment."""
+    """A link to the students' copy of the course, whose environment all students use."""
     exchange = Below('folder', 'exchange')
     """The root folder of nbgrader's exchange."""
     graded = Below('folder', 'graded_lessons.txt')

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 from deploy.hub.settings import HERE
-from environment.install_files import KERNEL_NAME
+from environment.install_files import KERNEL_MESSAGES, KERNEL_NAME
 from environment.places import write_atomically
 
 SCRIPT, JOIN = 'own_world.sh', 'ros_world'
@@ -36,25 +36,26 @@ def refused(user: str) -> str:
     return '' if done.returncode == 0 else (lines or [f'code {done.returncode}'])[-1]
 
 
-def install(venv: Path) -> None:
+def install(venv: Path, *, separate: bool) -> None:
     """
-    Make an environment start each kernel in a separate network namespace.
+    Make an environment start each kernel in a separate network namespace, or no longer.
 
-    The server reaches the kernel over Unix sockets, because no network address leads into the
+    The server reaches such a kernel over Unix sockets, because no network address leads into the
     namespace.
 
     :param venv: a prepared environment of the course
+    :param separate: whether this system allows it; an earlier start of the hub may differ
     """
     for source, name in ((SCRIPT, SCRIPT), ('join_world.sh', JOIN)):
         shutil.copyfile(HERE / source, venv / 'bin' / name)
         (venv / 'bin' / name).chmod(0o755)
+    script = str(venv / 'bin' / SCRIPT)
     kernel = venv / 'share' / 'jupyter' / 'kernels' / KERNEL_NAME / 'kernel.json'
     spec = json.loads(kernel.read_text(encoding='utf-8'))
-    script = str(venv / 'bin' / SCRIPT)
-    if spec['argv'][0] != script:
-        spec['argv'].insert(0, script)
+    command = [word for word in spec['argv'] if word != script]
+    spec['argv'] = [script, *command] if separate else command
     write_atomically(kernel, json.dumps(spec, indent=1) + '\n')
     config = venv / 'etc' / 'jupyter' / 'jupyter_server_config.json'
     settings = json.loads(config.read_text(encoding='utf-8'))
-    settings['KernelManager'] = {'transport': 'ipc'}
+    settings['KernelManager'] = {'transport': 'ipc'} if separate else KERNEL_MESSAGES
     write_atomically(config, json.dumps(settings, indent=1) + '\n')

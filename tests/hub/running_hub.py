@@ -1,11 +1,11 @@
 """A real hub with one instructor and two students, prepared and run as ``make hub`` does."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 import os
 from pathlib import Path
-import pwd
+import shutil
 import signal
 import socket
 import subprocess
@@ -14,9 +14,12 @@ from typing import Any
 
 import psutil
 
+from deploy.hub.prepare import home_of
 from deploy.hub.settings import read, Settings
 
 ROOT = Path(__file__).resolve().parents[2]
+PICTURES = ROOT / 'docs' / 'pictures'
+WINDOW = {'width': 1360, 'height': 900}
 TEACHER, ANN, BOB = 'hubtest_teacher', 'hubtest_ann', 'hubtest_bob'
 PREPARED_S, STOPPED_S, PAGE_MS = 1200.0, 90.0, 120_000
 
@@ -40,7 +43,7 @@ class Hub:
 
     def log_in(self, user: str, password: str = '') -> Any:
         """Type a name and a password, and return the page that follows."""
-        page = self.browser.new_context(viewport={'width': 1360, 'height': 900}).new_page()
+        page = self.browser.new_context(viewport=WINDOW).new_page()
         page.set_default_timeout(PAGE_MS)
         page.goto(self.address)
         page.fill('#username_input', user)
@@ -51,25 +54,29 @@ class Hub:
     def lab_of(self, user: str) -> Any:
         """Log a user in, and return the page with this user's JupyterLab."""
         page = self.log_in(user)
-        page.locator('.jp-NotebookPanel').first.wait_for()
+        page.locator('.jp-NotebookPanel:visible').wait_for()
         return page
 
 
-def home_of(user: str) -> Path:
-    """Return a user's home."""
-    return Path(pwd.getpwnam(user).pw_dir)
+def take_picture(page: Any, name: str, height: int) -> None:
+    """Write a screenshot of the top of a page [pixels], which the documentation shows."""
+    clip = {'x': 0, 'y': 0, 'width': WINDOW['width'], 'height': height}
+    page.screenshot(path=PICTURES / f'{name}.png', clip=clip)
 
 
-def as_user(user: str, *command: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run a command as one of the users, at home."""
+def as_user(user: str, *command: str | Path, typed: str = '') -> subprocess.CompletedProcess[str]:
+    """Run a command as one of the users, at home, with what the user types."""
     home = home_of(user)
     words = ['runuser', '-u', user, '--', 'env', f'HOME={home}', *map(str, command)]
-    return subprocess.run(words, capture_output=True, text=True, cwd=home, timeout=120)
+    return subprocess.run(
+        words, input=typed, capture_output=True, text=True, cwd=home, timeout=120
+    )
 
 
 @contextmanager
 def running(folder: Path) -> Iterator[Settings]:
     """Prepare a hub in a folder, run it, stop it as Ctrl-C does, and see that nothing is left."""
+    _remove_work(folder)
     file = folder / 'hub.toml'
     file.write_text(
         f"folder = '{folder}'\nport = {_port_before_two_free()}\ninstructor = '{TEACHER}'\n"
@@ -93,6 +100,18 @@ def running(folder: Path) -> Iterator[Settings]:
     assert psutil.wait_procs(left, timeout=STOPPED_S)[1] == []
     with socket.socket() as probe:
         assert probe.connect_ex(('127.0.0.1', settings.port)) != 0, 'the proxy is left'
+
+
+def _remove_work(folder: Path) -> None:
+    """Remove what an earlier run in a kept folder left: deliveries, grades, open notebooks."""
+    places = [folder / 'exchange']
+    with suppress(KeyError):  # a new folder has no accounts yet
+        places += [home_of(user) / 'course' for user in (ANN, BOB)]
+        places += [home_of(ANN) / '.local' / 'share' / 'jupyter' / 'nbgrader_cache']
+        places += [home_of(TEACHER) / 'course' / 'autograder' / '_work']
+        places += [home_of(user) / '.jupyter' for user in (ANN, BOB, TEACHER)]
+    for place in places:
+        shutil.rmtree(place, ignore_errors=True)
 
 
 def _wait_until_it_answers(settings: Settings, hub: subprocess.Popen[str]) -> None:

@@ -6,28 +6,96 @@ import shutil
 import subprocess
 import sys
 
+import nbformat
+from nbformat.v4 import new_code_cell, new_notebook
 import pytest
 
 from autograder.authoring.sample_class import compose
 from autograder.layout import Layout
 from deploy.hub.memory import group_of
-from tests.hub.running_hub import ANN, as_user, BOB, home_of, Hub, PAGE_MS, ROOT, TEACHER
+from environment.install_files import KERNEL_NAME, KERNEL_TITLE
+from tests.hub.running_hub import (
+    ANN,
+    as_user,
+    BOB,
+    home_of,
+    Hub,
+    PREPARED_S,
+    ROOT,
+    take_picture,
+    TEACHER,
+)
 
 pytestmark = [pytest.mark.hub, pytest.mark.timeout(3000)]
 
-LESSON = '03_topics'
-SAMPLE = 'fail__best_effort'
-MANAGE = 'user/{}/formgrader/manage_assignments'
+LESSON, NOTEBOOK = '07_temperature_monitor', 'temperature_monitor'
+SAMPLE, WRITTEN, MARK = 'fail__two_hertz', 'explain_threshold', '4'
+VALIDATED, EXERCISE = '01_node_life/node_life.ipynb', 'harbour'
+VALIDATED_MS = 900_000
+"""Maximum time in which the whole lesson runs; about a minute if nothing else runs [ms]."""
+
+LIVE = (
+    """\
+from std_msgs.msg import String
+from rclpy.node import Node
+from roslab import *
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__('talker')
+        self.publisher = self.create_publisher(String, 'chatter', 10)
+        self.create_timer(0.1, lambda: self.publisher.publish(String(data='on')))
+
+talker = start(Talker)
+print('speaks')""",
+    """\
+import sys
+from sensor_msgs.msg import LaserScan
+listen('chatter', String).wait(5, timeout=60)
+print('heard in', sys.prefix)""",
+)
+"""Cells of a student: the second one loads files of the environment for the first time."""
+
+
+def answer(page) -> str:
+    """Return what formgrader says in a dialogue, and close the dialogue."""
+    dialogue = page.locator('.modal-dialog:visible')
+    dialogue.wait_for()
+    said = dialogue.inner_text()
+    dialogue.get_by_role('button', name='OK').click()
+    dialogue.wait_for(state='hidden')
+    return said
 
 
 def press(hub: Hub, page, kind: str) -> str:
     """Press a button of the lesson's row in formgrader, and return what it says then."""
-    page.goto(hub.address + MANAGE.format(TEACHER))
-    row = page.locator(f'tr:has-text("{LESSON}")').first
-    row.locator(f'td.{kind} a').click()
-    answer = page.locator('.modal-dialog:visible')
-    answer.wait_for()
-    return answer.inner_text()
+    page.goto(f'{hub.address}user/{TEACHER}/formgrader/manage_assignments')
+    page.locator(f'tr:has-text("{LESSON}")').first.locator(f'td.{kind} a').click()
+    return answer(page)
+
+
+def autograde(hub: Hub, page) -> str:
+    """Press the button that grades the student's submission, and return what formgrader says."""
+    page.goto(f'{hub.address}user/{TEACHER}/formgrader/manage_submissions/{LESSON}')
+    row = page.locator('tr', has=page.get_by_text(ANN, exact=True)).first
+    row.locator('td.autograde a').click()
+    said = answer(page)
+    row.get_by_text('needs manual grading').wait_for()
+    take_picture(page, 'formgrader', 370)
+    return said
+
+
+def mark(hub: Hub, page) -> None:
+    """Type the points of the written answer, on the pages of the menu entry Manual Grading."""
+    page.goto(f'{hub.address}user/{TEACHER}/formgrader/gradebook')
+    for name in (LESSON, NOTEBOOK, 'Submission #1'):
+        page.get_by_role('link', name=name).click()
+    # The page saves what is typed only when it has loaded the marks and sets this class.
+    points = page.locator(f'input.score.needs_manual_grade#{WRITTEN}')
+    with page.expect_response(lambda response: response.request.method == 'PUT') as saved:
+        points.fill(MARK)
+        page.keyboard.press('Tab')
+    assert saved.value.ok
 
 
 def assignments(page, kind: str):
@@ -38,7 +106,20 @@ def assignments(page, kind: str):
     return page.locator(f'#{kind}_assignments_list > .list_item', has_text=LESSON)
 
 
-def test_the_whole_loop(hub: Hub, tmp_path: Path) -> None:
+def read_feedback(page) -> str:
+    """Fetch the feedback, open it by clicking as a student does, and return its text."""
+    row = assignments(page, 'submitted')
+    row.get_by_role('button', name='Fetch Feedback').click()
+    row.get_by_text('view feedback').click()
+    page.locator('.jp-DirListing-item', has_text=f'{NOTEBOOK}.html').dblclick()
+    feedback = page.frame_locator('.jp-HTMLViewer iframe')
+    checks = feedback.locator('#graded-check_temperature_publisher')
+    checks.evaluate('element => element.scrollIntoView()')
+    take_picture(page, 'feedback', 650)
+    return feedback.locator('body').inner_text()
+
+
+def test_the_whole_loop(hub: Hub) -> None:
     """From the lesson's source to the feedback on a student's screen, by clicking."""
     teacher, ann = hub.lab_of(TEACHER), hub.lab_of(ANN)
     assert 'Success' in press(hub, teacher, 'assign')
@@ -47,32 +128,36 @@ def test_the_whole_loop(hub: Hub, tmp_path: Path) -> None:
     assignments(ann, 'released').get_by_role('button', name='Fetch').click()
     fetched = ann.locator('#fetched_assignments_list > .list_item', has_text=LESSON)
     fetched.wait_for()
-    work = home_of(ANN) / 'course' / LESSON / 'topics.ipynb'
+    work = home_of(ANN) / 'course' / LESSON / f'{NOTEBOOK}.ipynb'
     assert work.is_file()
     sample = ROOT / 'tests' / 'submissions' / LESSON / SAMPLE
     work.write_bytes(compose(Layout(ROOT), LESSON, sample))
     fetched.get_by_role('button', name='Submit').click()
     ann.locator('#submitted_assignments_list > .list_item', has_text=LESSON).wait_for()
+    take_picture(ann, 'assignment_list', 370)
 
     assert 'Success' in press(hub, teacher, 'collect')
-    teacher.goto(hub.address + f'user/{TEACHER}/formgrader/manage_submissions/{LESSON}')
-    row = teacher.locator('tr', has=teacher.get_by_text(ANN, exact=True)).first
-    row.locator('td.autograde a').click()
-    answer = teacher.locator('.modal-dialog:visible')
-    answer.wait_for()
-    assert 'Success' in answer.inner_text(), answer.inner_text()
-    teacher.screenshot(path=tmp_path / 'autograded.png')
-
+    assert 'Success' in autograde(hub, teacher)
+    mark(hub, teacher)
     assert 'Success' in press(hub, teacher, 'generate-feedback')
     assert 'Success' in press(hub, teacher, 'release-feedback')
-    handed_in = assignments(ann, 'submitted')
-    handed_in.get_by_role('button', name='Fetch Feedback').click()
-    handed_in.get_by_text('view feedback').wait_for()
-    pages = list((home_of(ANN) / 'course' / LESSON / 'feedback').rglob('*.html'))
-    assert pages
-    ann.screenshot(path=tmp_path / 'feedback.png')
-    assert 'of' in pages[0].read_text(encoding='utf-8')
-    shutil.copy(pages[0], tmp_path / 'feedback.html')
+    assert f'{MARK} of 5' in read_feedback(ann)
+
+
+def open_notebook(hub: Hub, page, user: str, path: str) -> None:
+    """Open a notebook in a workspace without the notebook of the page before."""
+    page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
+    page.locator('.jp-NotebookPanel').wait_for()
+
+
+def test_the_instructor_validates_a_lesson(hub: Hub) -> None:
+    """The button runs the whole notebook; students have check() in its place."""
+    page = hub.lab_of(TEACHER)
+    open_notebook(hub, page, TEACHER, f'notebooks/{VALIDATED}')
+    page.get_by_text('Validate', exact=True).click()
+    dialogue = page.locator('.jp-Dialog-content')
+    dialogue.get_by_text('The following cell').first.wait_for(timeout=VALIDATED_MS)
+    assert f'{EXERCISE}: 0 of 8 points in the visible checks' in dialogue.inner_text()
 
 
 def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
@@ -83,22 +168,25 @@ def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
     assert {'START_HERE.ipynb', '00_quick_tour', '08_what_went_wrong'} <= found
 
 
-@pytest.mark.parametrize(
-    'path',
-    [
-        'user/{other}/lab',
-        'user/{other}/api/contents',
-        'hub/api/users',
-        'hub/api/users/{other}',
-        'hub/api/proxy',
-    ],
-)
-def test_a_student_is_refused_by_the_hub(hub: Hub, path: str) -> None:
-    """Neither another's server nor the hub's interface answers to a student."""
-    hub.lab_of(ANN)
-    bob = hub.lab_of(BOB)
-    answer = bob.request.get(hub.address + path.format(other=ANN))
-    assert answer.status in (403, 404), answer.text()[:300]
+def lab_with_kernel(hub: Hub, user: str):
+    """Log a user in, and return the page when the kernel of its notebook has started."""
+    page = hub.lab_of(user)
+    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    return page
+
+
+def test_a_student_is_refused_by_the_hub(hub: Hub) -> None:
+    """Another's server, its kernels and the hub's interface do not answer to a student."""
+    ann, bob = lab_with_kernel(hub, ANN), lab_with_kernel(hub, BOB)
+    server = f'{hub.address}user/{ANN}'
+    kernel = ann.request.get(f'{server}/api/kernels').json()[0]['id']
+    paths = ('/lab', '/api/contents', '/api/kernels', f'/api/kernels/{kernel}/channels')
+    others = [server + path for path in paths]
+    others += [f'{hub.address}hub/api/{path}' for path in ('users', f'users/{ANN}', 'proxy')]
+    answers = {address: bob.request.get(address).status for address in others}
+    assert set(answers.values()) <= {403, 404}, answers
+    assert bob.request.post(f'{server}/api/kernels').status == 403
+    assert bob.request.get(f'{hub.address}user/{BOB}/api/kernels').ok
 
 
 def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
@@ -106,10 +194,14 @@ def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
     clone = home_of(TEACHER) / 'course'
     hidden = clone / 'autograder' / 'exams' / 'hidden'
     assert hidden.is_dir()
-    secrets = [home_of(ANN), clone, hidden, hub.settings.run, hub.settings.run / 'cookie_secret']
+    secrets = [home_of(ANN), clone, hidden, clone / 'autograder' / '_work' / 'gradebook.db']
+    secrets += [hub.settings.run, hub.settings.run / 'cookie_secret']
+    secrets += hub.settings.exchange.glob('*/inbound')
     for place in secrets:
         assert as_user(BOB, 'ls', place).stderr.endswith('Permission denied\n'), place
-    assert as_user(BOB, 'find', hub.settings.copy, '-path', '*exams/hidden*').stdout == ''
+    assert (
+        as_user(BOB, 'find', hub.settings.copy.resolve(), '-path', '*exams/hidden*').stdout == ''
+    )
     refused = as_user(BOB, 'touch', hub.settings.copy / 'notebooks' / 'mine')
     assert 'Permission denied' in refused.stderr
 
@@ -134,18 +226,29 @@ def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
     hub.lab_of(ANN)
 
 
-def test_no_message_leaves_a_kernel(hub: Hub) -> None:
-    """Each kernel has a network of its own, and a terminal of its user can join it."""
-    networks = {}
-    for user in (ANN, BOB):
-        page = hub.lab_of(user)
-        page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for(timeout=PAGE_MS)
-        pid = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher').stdout.split()
-        networks[user] = {as_user(user, 'readlink', f'/proc/{one}/ns/net').stdout for one in pid}
-    own = as_user(ANN, 'readlink', '/proc/self/ns/net').stdout
-    assert all(networks.values())
-    assert not networks[ANN] & networks[BOB]
-    assert own not in networks[ANN] | networks[BOB]
+def networks_of(hub: Hub, user: str) -> dict[str, str]:
+    """Return the process ids of a user's kernels, with their networks."""
+    lab_with_kernel(hub, user)
+    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher').stdout.split()
+    return {one: as_user(user, 'readlink', f'/proc/{one}/ns/net').stdout for one in found}
+
+
+def test_only_its_user_enters_the_network_of_a_kernel(hub: Hub) -> None:
+    """Each kernel has a separate network, which a terminal of its user can join."""
+    ann, bob = networks_of(hub, ANN), networks_of(hub, BOB)
+    look = ('readlink', '/proc/self/ns/net')
+    networks = [as_user(ANN, *look).stdout, *ann.values(), *bob.values()]
+    assert ann
+    assert bob
+    assert len(set(networks)) == len(networks)
+
+    kernel = next(iter(ann))
+    join = hub.settings.copy / '.venv' / 'bin' / 'ros_world'
+    assert as_user(ANN, join, kernel, typed=' '.join(look)).stdout == ann[kernel]
+    enter = ('nsenter', '--preserve-credentials', '--user', '--net', '--target', kernel, 'true')
+    for attempt in ((join, kernel), enter, ('cat', f'/proc/{kernel}/environ')):
+        refused = as_user(BOB, *attempt)
+        assert 'Permission denied' in refused.stderr, refused
 
 
 def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
@@ -161,3 +264,43 @@ def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
     ).stdout.split()
     assert servers
     assert set(servers) <= inside
+
+
+def run_cell(page, number: int, expected: str) -> None:
+    """Run a cell of the open notebook, and wait for its output."""
+    cell = page.locator('.jp-CodeCell').nth(number)
+    cell.locator('.cm-content').click()
+    page.keyboard.press('Shift+Enter')
+    cell.locator('.jp-OutputArea-output', has_text=expected).wait_for()
+
+
+def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> None:
+    """It keeps the environment in which it was started; the next server gets the new one."""
+    work = home_of(ANN) / 'course' / 'live.ipynb'
+    kernel = {'kernelspec': {'name': KERNEL_NAME, 'display_name': KERNEL_TITLE}}
+    cells = [new_code_cell(one) for one in LIVE]
+    work.write_text(nbformat.writes(new_notebook(cells=cells, metadata=kernel)))
+    shutil.chown(work, ANN, ANN)
+    ann, bob = lab_with_kernel(hub, ANN), hub.lab_of(BOB)
+    open_notebook(hub, ann, ANN, 'live.ipynb')
+    run_cell(ann, 0, 'speaks')
+    before = hub.settings.copy.resolve()
+
+    newer = tmp_path / 'course'
+    subprocess.run(['git', 'clone', '--quiet', '--no-hardlinks', ROOT, newer], check=True)
+    with (newer / 'environment' / 'requirements.lock').open('a') as lock:
+        lock.write('# newer\n')
+    environ = {**os.environ, 'HUB': str(hub.settings.folder / 'hub.toml')}
+    update = [sys.executable, '-m', 'deploy.hub', 'update']
+    subprocess.run(update, cwd=newer, env=environ, check=True, timeout=PREPARED_S)
+    after = hub.settings.copy.resolve()
+    assert before != after
+
+    run_cell(ann, 1, f'heard in {before}')
+    bob.goto(f'{hub.address}hub/home')
+    bob.click('#stop')
+    bob.locator('#start', has_text='Start').click()
+    bob.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    servers = as_user(BOB, 'pgrep', '--euid', BOB, '--list-full').stdout
+    assert f'{after}/.venv' in servers
+    assert f'{before}/.venv' not in servers

@@ -8,6 +8,7 @@ import pytest
 
 from deploy.hub import worlds
 from deploy.hub.settings import HERE, read, SettingsError
+from environment.install_files import KERNEL_MESSAGES
 
 GOOD = {
     'folder': "'/srv/hub'",
@@ -69,7 +70,7 @@ def test_the_trial_of_a_world_reads_no_file_of_the_project(
     assert not any(str(HERE) in word for word in commands[0])
 
 
-def test_a_kernel_starts_in_its_own_world_and_the_server_reaches_it(tmp_path: Path) -> None:
+def test_a_kernel_starts_in_its_own_world_while_the_system_allows_it(tmp_path: Path) -> None:
     """The script comes once before the kernel's command, and the server uses Unix sockets."""
     kernel = tmp_path / 'share' / 'jupyter' / 'kernels' / 'ros2_jazzy' / 'kernel.json'
     config = tmp_path / 'etc' / 'jupyter' / 'jupyter_server_config.json'
@@ -78,8 +79,24 @@ def test_a_kernel_starts_in_its_own_world_and_the_server_reaches_it(tmp_path: Pa
         path.write_text(json.dumps(content))
     (tmp_path / 'bin').mkdir()
     for _ in range(2):  # a second start of the hub changes nothing
-        worlds.install(tmp_path)
+        worlds.install(tmp_path, separate=True)
     script = tmp_path / 'bin' / worlds.SCRIPT
     assert json.loads(kernel.read_text())['argv'] == [str(script), 'python', '-m', 'kernel']
     assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': {'transport': 'ipc'}}
     assert script.stat().st_mode & 0o111
+
+    worlds.install(tmp_path, separate=False)
+    assert json.loads(kernel.read_text())['argv'] == ['python', '-m', 'kernel']
+    assert json.loads(config.read_text()) == {'A': 1, 'KernelManager': KERNEL_MESSAGES}
+
+
+def test_a_kernel_reached_by_tcp_keeps_the_network_of_the_machine(tmp_path: Path) -> None:
+    """A command that starts its own kernel could not reach it in a separate network."""
+    connection = tmp_path / 'kernel.json'
+    connection.write_text(json.dumps({'transport': 'tcp'}, indent=2))
+    look = ['sh', '-c', 'readlink /proc/self/ns/net', 'sh', str(connection)]
+    direct, through = (
+        subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        for command in (look, ['sh', str(HERE / worlds.SCRIPT), *look])
+    )
+    assert direct == through
