@@ -133,7 +133,7 @@ def test_first_argument_is_the_name_of_the_project(tmp_path):
     assert 'liblab__rosidl_typesupport' in tried.stderr
 
 
-@claim('M3')
+@claim('C25')
 def test_module_of_the_same_name_cannot_be_installed_twice(tmp_path):
     """Messages add a Python module with the package's name; a second such module collides."""
     said = configure(tmp_path, f'{GENERATE}\nament_python_install_package(${{PROJECT_NAME}})')

@@ -370,7 +370,7 @@ def test_timer_that_each_message_resets_ticks_once_in_a_silence(simulated):
     assert stops == [2_700_000_000]
 
 
-@claim('X18')
+@claim('X11')
 def test_rate_in_a_callback_never_wakes(world):
     """The rate waits for a timer that only the blocked thread could serve."""
     node = world.node()

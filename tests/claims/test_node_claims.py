@@ -11,7 +11,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle, InvalidNodeNameException, NotInitializedException
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
+from rclpy.signals import get_current_signal_handlers_options, SignalHandlerOptions
 from std_msgs.msg import String
 
 claim = pytest.mark.claim
@@ -150,7 +150,7 @@ def test_second_init_is_refused():
         context.shutdown()
 
 
-@claim('E5', 'E6', 'E13')
+@claim('E5', 'E6')
 def test_default_context_can_be_initialised_again():
     """rclpy.ok shows whether it is needed; without rclpy's signal handlers, a notebook's stay."""
     for _ in range(2):
@@ -158,6 +158,18 @@ def test_default_context_can_be_initialised_again():
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         assert rclpy.ok()
         rclpy.shutdown()
+
+
+@claim('E13')
+def test_signal_handlers_are_chosen_at_init():
+    """By default, only the default context handles signals."""
+    chosen = []
+    for context, options in ((Context(), None), (None, None), (None, SignalHandlerOptions.NO)):
+        rclpy.init(args=[], context=context, signal_handler_options=options)
+        chosen.append(get_current_signal_handlers_options().name)
+        rclpy.shutdown(context=context)
+
+    assert chosen == ['NO', 'ALL', 'NO']
 
 
 @claim('E7')

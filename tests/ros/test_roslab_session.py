@@ -98,6 +98,15 @@ def test_node_started_again_replaces_the_older_one_without_a_warning(session, ca
     assert err == ''
 
 
+@pytest.mark.claim('J6')
+def test_running_node_keeps_its_class_until_it_is_started_again(session):
+    classes = [type('Greeter', (Node,), {'word': word}) for word in ('hello', 'bye')]
+    old, new = (session.start(lambda made=made: made('greeter')) for made in classes)
+
+    assert (old.word, new.word) == ('hello', 'bye')
+    assert session.nodes() == {'greeter': new}
+
+
 @pytest.mark.parametrize(
     ('rules', 'full'),
     [
