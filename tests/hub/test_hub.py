@@ -134,6 +134,7 @@ def test_the_whole_loop(hub: Hub) -> None:
     work.write_bytes(compose(Layout(ROOT), LESSON, sample))
     fetched.get_by_role('button', name='Submit').click()
     ann.locator('#submitted_assignments_list > .list_item', has_text=LESSON).wait_for()
+    ann.locator('.jp-DirListing-item', has_text=LESSON).wait_for()
     take_picture(ann, 'assignment_list', 370)
 
     assert 'Success' in press(hub, teacher, 'collect')
@@ -144,10 +145,16 @@ def test_the_whole_loop(hub: Hub) -> None:
     assert f'{MARK} of 5' in read_feedback(ann)
 
 
+def wait_for_kernel(page) -> None:
+    """Wait until the kernel of the open notebook has started."""
+    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+
+
 def open_notebook(hub: Hub, page, user: str, path: str) -> None:
     """Open a notebook in a workspace without the notebook of the page before."""
     page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
     page.locator('.jp-NotebookPanel').wait_for()
+    wait_for_kernel(page)
 
 
 def test_the_instructor_validates_a_lesson(hub: Hub) -> None:
@@ -171,7 +178,7 @@ def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
 def lab_with_kernel(hub: Hub, user: str):
     """Log a user in, and return the page when the kernel of its notebook has started."""
     page = hub.lab_of(user)
-    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    wait_for_kernel(page)
     return page
 
 
@@ -281,7 +288,7 @@ def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> No
     cells = [new_code_cell(one) for one in LIVE]
     work.write_text(nbformat.writes(new_notebook(cells=cells, metadata=kernel)))
     shutil.chown(work, ANN, ANN)
-    ann, bob = lab_with_kernel(hub, ANN), hub.lab_of(BOB)
+    ann, bob = hub.lab_of(ANN), hub.lab_of(BOB)
     open_notebook(hub, ann, ANN, 'live.ipynb')
     run_cell(ann, 0, 'speaks')
     before = hub.settings.copy.resolve()
@@ -300,7 +307,7 @@ def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> No
     bob.goto(f'{hub.address}hub/home')
     bob.click('#stop')
     bob.locator('#start', has_text='Start').click()
-    bob.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    wait_for_kernel(bob)
     servers = as_user(BOB, 'pgrep', '--euid', BOB, '--list-full').stdout
     assert f'{after}/.venv' in servers
     assert f'{before}/.venv' not in servers
