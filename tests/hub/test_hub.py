@@ -233,11 +233,18 @@ def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
     hub.lab_of(ANN)
 
 
+def kernels_of(user: str) -> list[str]:
+    """Return the process ids of a user's kernels."""
+    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher')
+    return found.stdout.split()
+
+
 def networks_of(hub: Hub, user: str) -> dict[str, str]:
     """Return the process ids of a user's kernels, with their networks."""
     lab_with_kernel(hub, user)
-    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher').stdout.split()
-    return {one: as_user(user, 'readlink', f'/proc/{one}/ns/net').stdout for one in found}
+    return {
+        one: as_user(user, 'readlink', f'/proc/{one}/ns/net').stdout for one in kernels_of(user)
+    }
 
 
 def test_only_its_user_enters_the_network_of_a_kernel(hub: Hub) -> None:
@@ -304,6 +311,10 @@ def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> No
     assert before != after
 
     run_cell(ann, 1, f'heard in {before}')
+    join, ros2 = (before / '.venv' / 'bin' / name for name in ('ros_world', 'ros2'))
+    typed = f'{ros2} node list'
+    seen = [as_user(ANN, join, kernel, typed=typed).stdout for kernel in kernels_of(ANN)]
+    assert '/talker\n' in seen
     bob.goto(f'{hub.address}hub/home')
     bob.click('#stop')
     bob.locator('#start', has_text='Start').click()
