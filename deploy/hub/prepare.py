@@ -71,7 +71,7 @@ def remove_old_copies(settings: Settings) -> None:
     """Remove students' copies that no server uses, because no server is running."""
     for path in settings.folder.glob(f'{COPY}*'):
         if path != settings.copy.resolve():
-            shutil.rmtree(path)
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def home_of(user: str) -> Path:

@@ -134,6 +134,7 @@ def test_the_whole_loop(hub: Hub) -> None:
     work.write_bytes(compose(Layout(ROOT), LESSON, sample))
     fetched.get_by_role('button', name='Submit').click()
     ann.locator('#submitted_assignments_list > .list_item', has_text=LESSON).wait_for()
+    ann.locator('.jp-DirListing-item', has_text=LESSON).wait_for()
     take_picture(ann, 'assignment_list', 370)
 
     assert 'Success' in press(hub, teacher, 'collect')
@@ -144,10 +145,16 @@ def test_the_whole_loop(hub: Hub) -> None:
     assert f'{MARK} of 5' in read_feedback(ann)
 
 
+def wait_for_kernel(page) -> None:
+    """Wait until the kernel of the open notebook has started."""
+    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+
+
 def open_notebook(hub: Hub, page, user: str, path: str) -> None:
     """Open a notebook in a workspace without the notebook of the page before."""
     page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
     page.locator('.jp-NotebookPanel').wait_for()
+    wait_for_kernel(page)
 
 
 def test_the_instructor_validates_a_lesson(hub: Hub) -> None:
@@ -171,7 +178,7 @@ def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
 def lab_with_kernel(hub: Hub, user: str):
     """Log a user in, and return the page when the kernel of its notebook has started."""
     page = hub.lab_of(user)
-    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    wait_for_kernel(page)
     return page
 
 
@@ -226,11 +233,18 @@ def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
     hub.lab_of(ANN)
 
 
+def kernels_of(user: str) -> list[str]:
+    """Return the process ids of a user's kernels."""
+    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher')
+    return found.stdout.split()
+
+
 def networks_of(hub: Hub, user: str) -> dict[str, str]:
     """Return the process ids of a user's kernels, with their networks."""
     lab_with_kernel(hub, user)
-    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher').stdout.split()
-    return {one: as_user(user, 'readlink', f'/proc/{one}/ns/net').stdout for one in found}
+    return {
+        one: as_user(user, 'readlink', f'/proc/{one}/ns/net').stdout for one in kernels_of(user)
+    }
 
 
 def test_only_its_user_enters_the_network_of_a_kernel(hub: Hub) -> None:
@@ -281,7 +295,7 @@ def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> No
     cells = [new_code_cell(one) for one in LIVE]
     work.write_text(nbformat.writes(new_notebook(cells=cells, metadata=kernel)))
     shutil.chown(work, ANN, ANN)
-    ann, bob = lab_with_kernel(hub, ANN), hub.lab_of(BOB)
+    ann, bob = hub.lab_of(ANN), hub.lab_of(BOB)
     open_notebook(hub, ann, ANN, 'live.ipynb')
     run_cell(ann, 0, 'speaks')
     before = hub.settings.copy.resolve()
@@ -297,10 +311,14 @@ def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> No
     assert before != after
 
     run_cell(ann, 1, f'heard in {before}')
+    join, ros2 = (before / '.venv' / 'bin' / name for name in ('ros_world', 'ros2'))
+    typed = f'{ros2} node list'
+    seen = [as_user(ANN, join, kernel, typed=typed).stdout for kernel in kernels_of(ANN)]
+    assert '/talker\n' in seen
     bob.goto(f'{hub.address}hub/home')
     bob.click('#stop')
     bob.locator('#start', has_text='Start').click()
-    bob.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+    wait_for_kernel(bob)
     servers = as_user(BOB, 'pgrep', '--euid', BOB, '--list-full').stdout
     assert f'{after}/.venv' in servers
     assert f'{before}/.venv' not in servers
