@@ -32,6 +32,7 @@ CHECKS = (
     ('temperature_message', 10),
     ('temperature_publisher', 15),
     ('temperature_subscriber', 15),
+    ('limit_keeper', 10),
 )
 WRAPPING = """() => [...new Set([...document.querySelectorAll('.jp-OutputArea-output pre')]
     .map(output => getComputedStyle(output).wordBreak))]"""
@@ -119,7 +120,7 @@ def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, sho
     answer.get_by_role('button', name='OK').click()
     expect(answer).to_be_hidden()
     expect(row.locator('.status')).to_have_text('graded', timeout=OPEN_MS)
-    expect(row.locator('.score')).to_have_text('37 / 45')
+    expect(row.locator('.score')).to_have_text('47 / 55')
     page.screenshot(path=shots / 'scores.png')
     assert page.errors == []
 
