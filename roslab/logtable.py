@@ -17,11 +17,13 @@ from typing import Any, NamedTuple
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
+from drawing.svg import ORANGE, RED
 from roslab.output import text_table
 
 _MOST_LINES = 5000
 _LEVELS = {10: 'DEBUG', 20: 'INFO', 30: 'WARN', 40: 'ERROR', 50: 'FATAL'}
-_COLOURS = {'WARN': '#b8860b', 'ERROR': '#c0392b', 'FATAL': '#c0392b', 'DEBUG': '#888888'}
+_TINTS = {'WARN': f'{ORANGE}29', 'ERROR': f'{RED}29', 'FATAL': f'{RED}29'}
+"""Transparent, because no colour of letters is readable on both a light and a dark page."""
 _HOOK = 'rclpy_logging_rcutils_log'
 
 
@@ -59,7 +61,7 @@ class LogTable(tuple[LogLine, ...]):
 
     def _repr_html_(self) -> str:
         rows = ''.join(
-            f'<tr style="color: {_COLOURS.get(line.level, "inherit")}">'
+            f'<tr style="background: {_TINTS.get(line.level, "none")}">'
             + ''.join(
                 f'<td style="text-align: left">{html.escape(cell)}</td>' for cell in _cells(line)
             )

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import time
 from typing import Any
-from urllib.request import urlopen
+from urllib.request import Request, urlopen
 
 import pytest
 
@@ -107,6 +107,18 @@ def lab(course: Path) -> Iterator[Lab]:
     """Return a JupyterLab without the user's own settings and open files."""
     with _running(course, course.parent) as running:
         yield running
+
+
+@pytest.fixture
+def own_kernels(lab: Lab) -> Iterator[None]:
+    """End the kernels after each test, so that later pictures do not show their nodes."""
+    yield
+    token = {'Authorization': f'token {lab.token}'}
+    with urlopen(Request(f'{lab.address}api/sessions', headers=token)) as answer:
+        sessions = json.load(answer)
+    for session in sessions:
+        address = f'{lab.address}api/sessions/{session["id"]}'
+        urlopen(Request(address, headers=token, method='DELETE')).close()
 
 
 @pytest.fixture

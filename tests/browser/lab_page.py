@@ -10,6 +10,8 @@ from conftest import Lab
 OPEN_MS = 60_000
 CELL_MS = 120_000
 """The longest wait for one thing to happen: the first build on a busy machine."""
+LESSON_MS = 600_000
+"""The longest wait for all cells of a lesson."""
 
 TROUBLE = '[data-mime-type$="jupyter.error"], [data-mime-type$="jupyter.stderr"]'
 """Pink boxes."""
@@ -28,7 +30,9 @@ WITHOUT_WORDS = """() => {
 """Pictures without a name, headers without words or direction, in what the cells show."""
 LAST_OR_TROUBLE = r"""trouble => document.querySelector(trouble) !== null
     || /^\[\d+\]:$/.test(
-        [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].at(-1).textContent)"""
+        [...document.querySelectorAll('.jp-NotebookPanel:not(.lm-mod-hidden) .jp-CodeCell')]
+            .at(-1).querySelector('.jp-InputPrompt').textContent)"""
+"""In the notebook in front: JupyterLab may have opened those of earlier tests again."""
 HAS_RUN = re.compile(r'^\[\d+\]:$')
 
 
@@ -69,14 +73,14 @@ def cell_with(page: Any, *words: str) -> Any:
     return found
 
 
-def wait_until_run(cell: Any) -> None:
+def wait_until_run(cell: Any, timeout: int = CELL_MS) -> None:
     from playwright.sync_api import expect
 
-    expect(cell.locator('.jp-InputPrompt')).to_have_text(HAS_RUN, timeout=CELL_MS)
+    expect(cell.locator('.jp-InputPrompt')).to_have_text(HAS_RUN, timeout=timeout)
 
 
 def run_all(page: Any) -> None:
     """Run all cells, and assert that none of them fails or writes to stderr."""
     choose(page, 'Run', 'Run All Cells')
-    page.wait_for_function(LAST_OR_TROUBLE, arg=TROUBLE, timeout=CELL_MS)
+    page.wait_for_function(LAST_OR_TROUBLE, arg=TROUBLE, timeout=LESSON_MS)
     assert page.locator(TROUBLE).all_inner_texts() == []

@@ -4,12 +4,9 @@ Work through lessons as a student does, in JupyterLab in a headless Chromium.
     make test-browser ARGS='-k lessons_live'
 """
 
-from collections.abc import Iterator
-import json
 from pathlib import Path
 import re
 from typing import Any
-from urllib.request import Request, urlopen
 
 from conftest import Lab
 from lab_page import (
@@ -26,7 +23,10 @@ import pytest
 
 from roslab.quiz import find
 
-pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
+pytestmark = [
+    *(pytest.mark.browser, pytest.mark.ros, pytest.mark.slow),
+    pytest.mark.usefixtures('own_kernels'),
+]
 
 MOST_KEYS = 60
 SHORT_MS = 10_000
@@ -41,18 +41,6 @@ NUMBER_OF_FOCUS = """() => {
     const one = document.activeElement;
     return one.type === 'radio' ? Number(one.value) : -1;
 }"""
-
-
-@pytest.fixture(autouse=True)
-def own_kernel(lab: Lab) -> Iterator[None]:
-    """End the kernels after each test, so that later pictures do not show their nodes."""
-    yield
-    token = {'Authorization': f'token {lab.token}'}
-    with urlopen(Request(f'{lab.address}api/sessions', headers=token)) as answer:
-        sessions = json.load(answer)
-    for session in sessions:
-        address = f'{lab.address}api/sessions/{session["id"]}'
-        urlopen(Request(address, headers=token, method='DELETE')).close()
 
 
 def picture(inside: Any, words: str) -> Any:

@@ -21,6 +21,9 @@ def test_lab_opens_start_here_and_its_links_lead_to_lessons(
     from playwright.sync_api import expect
 
     page.goto(f'{lab.address}?token={lab.token}')
+    # JupyterLab may first show a notebook of an earlier test.
+    tab = page.locator('#jp-main-dock-panel .lm-TabBar-tab.lm-mod-current', has_text='START_HERE')
+    expect(tab).to_be_visible(timeout=OPEN_MS)
     ready = page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle')
     expect(ready).to_be_visible(timeout=OPEN_MS)
     run_all(page)
