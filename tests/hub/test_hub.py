@@ -63,7 +63,7 @@ def answer(page) -> str:
     dialogue.wait_for()
     said = dialogue.inner_text()
     dialogue.get_by_role('button', name='OK').click()
-    dialogue.wait_for(state='hidden')
+    page.locator('.modal-backdrop').wait_for(state='detached')
     return said
 
 
