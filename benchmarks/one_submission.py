@@ -149,8 +149,10 @@ def main() -> None:
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
     exam = build('/lab', SECONDS)
-    release = read_release(Layout.here().solutions / exam.assignment / 'topics.ipynb')
-    files = {exam.scenario.file: marked(answer_files(release)[exam.name].body)}
+    layout = Layout.here()
+    name = layout.release(exam.assignment).name
+    solved = read_release(layout.solutions / exam.assignment / name)
+    files = {exam.scenario.file: marked(answer_files(solved)[exam.name].body)}
     sandbox = strongest()
     observing._Watched = _Clocked  # type: ignore[misc, assignment]
     whole_run(exam, files, sandbox)  # read everything from disk once before measuring

@@ -1,4 +1,4 @@
-"""A recording is complete or missing, and only a missing one causes a run."""
+"""A recording is complete or missing, and the grader runs a program only if it is missing."""
 
 from dataclasses import replace
 from types import SimpleNamespace
