@@ -6,7 +6,7 @@ The module contains the rules of an exam, and the text file the sentences that l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 import re
 from typing import Any
@@ -14,8 +14,13 @@ from typing import Any
 from autograder.errors import ExamInvalid
 from autograder.exam.specification import Cause, Rule, Slip
 
-ABOUT = ('near', 'seen', 'topic', 'base', 'name')
+_ABOUT = ('near', 'seen', 'topic', 'base', 'name')
 """Names in braces whose values help to find the faulty line."""
+
+
+def about_of(words: Mapping[str, object]) -> list[str]:
+    """Return the values, among those for the names in braces, that help to find the line."""
+    return [str(words[name]) for name in _ABOUT if name in words]
 
 
 def rows(text: str) -> list[list[str]]:
@@ -85,8 +90,7 @@ class Causes:
         cause_id, *lines = self._rows[name]
         text, try_this, *more = (one.format(**self._words, **words) for one in lines)
         fields = dict(one.split(': ', 1) for one in more)
-        named = [str(words[one]) for one in ABOUT if one in words]
-        about = about or fields.get('about', '').split() or named
+        about = about or fields.get('about', '').split() or about_of(words)
         closer = closer or [self[one] for one in fields.get('closer', '').split()]
         act = act or fields.get('act', '')
         return Cause(cause_id.format(**words), text, try_this, about, act, line, closer)

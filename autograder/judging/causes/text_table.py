@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
-from autograder.exam.words import ABOUT, Causes, rows
+from autograder.exam.words import about_of, Causes, rows
 from autograder.submission.code.acts import find
 from autograder.submission.code.learners_code import Code
 
@@ -22,7 +22,7 @@ class Row(NamedTuple):
 
     :param cause_id: short stable name of the cause; may contain names in braces
     :param more: the other words of the first line, which ``|`` separates
-    :param when: the evidence: a pattern, or conditions on the code; empty in ``by_evidence.txt``
+    :param when: the evidence: a pattern, or conditions on the code; empty in ``by_limit.txt``
     :param text: what is wrong, with names in braces
     :param try_this: the repair, with names in braces
     """
@@ -35,9 +35,8 @@ class Row(NamedTuple):
 
     def cause(self, **words: object) -> Cause:
         """Return the cause, with values for the names in braces."""
-        about = [str(words[name]) for name in ABOUT if name in words]
         text, try_this = self.text.format(**words), self.try_this.format(**words)
-        return Cause(self.cause_id.format(**words), text, try_this, about)
+        return Cause(self.cause_id.format(**words), text, try_this, about_of(words))
 
 
 @cache
