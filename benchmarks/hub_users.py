@@ -44,6 +44,12 @@ class Caller(Node):
 
 caller = start(Caller)
 """
+HEAR_ITSELF = """
+import time
+
+while {name!r} not in caller.heard:
+    time.sleep(0.05)
+"""
 HEARD = "print('heard', *sorted(caller.heard))"
 CALLING_S = 5.0
 LIMIT_S = 900.0
@@ -150,9 +156,12 @@ def work(user: User, together: threading.Barrier) -> User:
     run(kernel, plot, until_svg=True)
     user.plot_s = time.monotonic() - begin
     run(kernel, CALLER.format(name=user.name))
-    together.wait(LIMIT_S)
+    run(kernel, HEAR_ITSELF.format(name=user.name))
+    together.wait(LIMIT_S)  # from now on, every kernel publishes
     time.sleep(CALLING_S)  # counts the names that arrive in this time
-    user.heard = tuple(run(kernel, HEARD).split()[1:])
+    # Log lines of the node can be among the output.
+    lines = run(kernel, HEARD).splitlines()
+    user.heard = next(tuple(line.split()[1:]) for line in lines if line.startswith('heard '))
     user.memory_mib = memory_of(user.name)
     together.wait(LIMIT_S)
     kernel.close()
@@ -178,12 +187,12 @@ def measure(hub: str, names: Sequence[str]) -> dict[str, Any]:
     together = threading.Barrier(len(names))
     with ThreadPoolExecutor(len(names)) as pool:
         users = list(pool.map(lambda name: _work_or_abort(User(hub, name), together), names))
-    crossed = [user.name for user in users if user.heard != (user.name,)]
+    crossed = {user.name: user.heard for user in users if user.heard != (user.name,)}
     return {
         'ready_s': report.spread([user.ready_s for user in users]),
         'first_plot_s': report.spread([user.plot_s for user in users]),
         'memory_mib': report.spread([user.memory_mib for user in users]),
-        'kernels_that_received_another_name_or_not_their_own': crossed,
+        'received_from_others': crossed,
     }
 
 
