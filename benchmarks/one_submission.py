@@ -87,8 +87,8 @@ class _Clocked(observing._Watched):
             self.marks.setdefault(event['event'], now)
 
     def _look_around(self) -> None:
-        pids = self.student.pid, self.probe.pid, self.clock.driver.pid
-        _Clocked.cpu_s = sum(map(used_ns, pids)) / 1e9
+        pids = *self.student.pids, self.probe.pid, self.clock.driver.pid
+        _Clocked.cpu_s = used_ns(*pids) / 1e9
         super()._look_around()
 
     def _read(self, pipes: Any, key: Any) -> None:

@@ -33,6 +33,9 @@ from typing import Any, NoReturn
 
 # From linux/prctl.h and linux/seccomp.h.
 PR_SET_PDEATHSIG, PR_SET_SECCOMP, SECCOMP_MODE_FILTER = 1, 22, 2
+PR_SET_DUMPABLE = 4
+PR_CAPBSET_DROP, MOST_CAPABILITIES = 24, 64
+CAPABILITY_VERSION = 0x20080522  # _LINUX_CAPABILITY_VERSION_3 of linux/capability.h
 PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 36, 38
 # Numbers of Landlock's system calls, the same on all architectures.
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
@@ -112,26 +115,36 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     by_number(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
 
 
-def give_up(rules: dict[str, Any]) -> None:
+def filter_of(rules: dict[str, Any]) -> bytes:
+    """Return the system-call filter: sock_filter records, eight bytes per instruction."""
+    with open(rules['filter'], 'rb') as file:
+        return file.read()
+
+
+def give_up(rules: dict[str, Any], code: bytes) -> None:
     """
     Give up all rights of this process except those in the rules, and close other descriptors.
 
     :param rules: described in the docstring of this module; without ``read``, Landlock is not
         used; a uid of 0 keeps the current one
+    :param code: the filter that :func:`filter_of` returns; see seccomp(2)
     :raises OSError: if the kernel refuses
     """
     descriptors = {}
     for path in (*rules.get('read', ()), *rules.get('list', ()), *rules.get('write', ())):
         if os.path.exists(path):
             descriptors[path] = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    with open(rules['filter'], 'rb') as file:
-        code = file.read()  # sock_filter records, eight bytes per instruction: seccomp(2)
     held = ctypes.create_string_buffer(code, len(code))
     filter_calls = struct.pack('HxxxxxxP', len(code) // 8, ctypes.addressof(held))
+    with suppress(OSError):  # there is no further capability, or none can be gained anyway
+        for capability in range(MOST_CAPABILITIES):
+            prctl(PR_CAPBSET_DROP, capability)
     if rules['uid']:
         os.setgroups([])
         os.setresgid(rules['uid'], rules['uid'], rules['uid'])
         os.setresuid(rules['uid'], rules['uid'], rules['uid'])
+    if _libc.capset(struct.pack('=Ii', CAPABILITY_VERSION, 0), bytes(24)) != 0:
+        raise OSError(ctypes.get_errno(), 'capset failed')
     prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
     prctl(PR_SET_NO_NEW_PRIVS, 1)
     if 'read' in rules:
@@ -145,7 +158,7 @@ def give_up(rules: dict[str, Any]) -> None:
 def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
     """Confine this process and replace it by the program."""
     os.setsid()
-    give_up(rules)
+    give_up(rules, filter_of(rules))
     os.execvp(command[0], command)
 
 

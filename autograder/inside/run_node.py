@@ -2,7 +2,9 @@
 Start a node file inside the sandbox as ``ros2 run`` would.
 
 Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it defines
-``main`` but leaves the call to an entry point, this program calls ``main()`` afterwards.
+``main`` but leaves the call to an entry point, this program calls ``main()`` afterwards.  Without
+arguments, this program serves forks (:mod:`autograder.inside.forks`), which get theirs from the
+grader.
 
 The file can import a folder of modules next to it as a package, even if the folder has the name of
 the course's message package: in an installed package, modules and messages share one folder.  If
@@ -27,6 +29,7 @@ import gate  # type: ignore[import-not-found]  # next to this file, inside the s
 from lean_start import lean  # type: ignore[import-not-found]
 from steady_rclpy import steady  # type: ignore[import-not-found]
 
+INSIDE = Path('/grader/inside')
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
 OF_EVERY_NODE = ('rcl_interfaces', 'type_description_interfaces', 'rosgraph_msgs')
 """Message packages that every node loads."""
@@ -85,6 +88,18 @@ def load_what_nodes_need() -> None:
     inspect.getmodule(inspect.currentframe())
 
 
+def arguments_of_fork() -> list[str]:
+    """Serve forks, and return the arguments of the program in each of them."""
+    import forks  # type: ignore[import-not-found]
+
+    arguments: list[str] = forks.serve()
+    # The student's files can have modules with the names of the grader's.
+    sys.path[0] = str(INSIDE)
+    for module in [one for one in sys.modules if one in ('forks', 'confine')]:
+        del sys.modules[module]
+    return arguments
+
+
 def main() -> None:
     """Run the file that the command line names."""
     gc.disable()  # imported modules are never garbage
@@ -92,6 +107,8 @@ def main() -> None:
     steady()
     load_what_nodes_need()
     gc.freeze()
+    if len(sys.argv) == 1:
+        sys.argv += arguments_of_fork()
     gc.enable()
     gate.wait()
     path, sys.argv = sys.argv[1], sys.argv[1:]

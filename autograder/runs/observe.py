@@ -28,7 +28,9 @@ from autograder.recording import header, Recording
 from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.probes import compile_code, start_probe
+from autograder.sandboxes.fork_server import load_together
+from autograder.sandboxes.forked import loaded_program, start_fork
+from autograder.sandboxes.probes import compile_code, loaded_probe, start_probe
 from autograder.sandboxes.processes import family, oom_kills, other_domains, ports, running
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from environment.ros import RosEnvironment
@@ -140,11 +142,16 @@ def observe(
         virtual_clock(2) as clock,
     ):
         program, limits = program_for(scenario, submission, sandbox.ros)
-        # Packages are built in real time. After the build, run_package.py and build_package.py
-        # load the library of the virtual clock into the program that replaces them.
-        placed = clock.command(STUDENT, later=builds)
-        program = replace(program, argv=(*placed, *program.argv))
-        student = sandbox.start(program, limits, home, (clock.places[STUDENT].fileno(),))
+        place = clock.places[STUDENT].fileno()
+        if sandbox.isolated and not builds:
+            load_together(sandbox, loaded_probe(sandbox), loaded_program(program))
+            student = start_fork(sandbox, program, limits, home, place)
+        else:
+            # Packages are built in real time. After the build, run_package.py and build_package.py
+            # load the library of the virtual clock into the program that replaces them.
+            placed = clock.command(STUDENT, later=builds)
+            program = replace(program, argv=(*placed, *program.argv))
+            student = sandbox.start(program, limits, home, (place,))
         try:
             watched = _Watched(student, limits, scenario, sandbox, clock)
             watched.exam, watched.told, watched.processors = exam_name, told, processors
@@ -308,7 +315,7 @@ class _Watched:
             if event['event'] == 'ready':
                 # Virtual time stands still until the probe has received the byte that starts it.
                 self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
-                together = self.probe.pid, self.clock.driver.pid, *family(self.student.pid)
+                together = self.probe.pid, self.clock.driver.pid, *family(*self.student.pids)
                 keep_on(self.processors, together)
                 self.student.release()
                 self._tell_probe(b'g')
@@ -352,9 +359,10 @@ class _Watched:
         """Record what the probe cannot see: other ROS domains, and processes left running."""
         if self.student.home is None:  # otherwise, the program shares the machine's network
             self.domains = other_domains(ports(self.student.pid))
-        launcher = bool(self.student.namespaces) or self.student.supervised
-        program = self.exit is None
-        self.left = len(running(self.student.pid)) > launcher + program
+        expected = bool(self.student.namespaces) + self.student.supervised
+        if self.exit is None:  # the program runs, and its launcher if it is a fork
+            expected += 1 + bool(self.student.fork)
+        self.left = len(running(*self.student.pids)) > expected
 
     def _process_event(self) -> dict[str, Any]:
         ends = {name: data.decode(errors='replace') for name, data in self.output.items()}

@@ -26,8 +26,8 @@ RUNS_PROGRAMS = (
     *('clock/*.[ch]', 'clock/virtual_clock.py', 'fastdds.xml', 'sandboxes/seccomp/*.bpf'),
     *('inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
     *('runs/kept.py', 'runs/observe.py', 'runs/watchdog.py', 'sandboxes/confined.py'),
-    *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
-    'sandboxes/sandbox.py',
+    *('sandboxes/forked.py', 'sandboxes/fork_server.py', 'sandboxes/landlock.py'),
+    *('sandboxes/probes.py', 'sandboxes/processes.py', 'sandboxes/sandbox.py'),
     'simulated.py',
 )
 """Files of the grader that can affect a recording."""

@@ -83,9 +83,9 @@ class Watchdog:
         if self.looked - self.began > MOST_WALL_S:
             raise TooBusy(f'The machine was too busy: a run took {MOST_WALL_S:.0f} s.')
         runs = self.student.process.poll() is None
-        resident, seconds = usage(self.student.pid) if runs else (0, self.cpu_s)
+        resident, seconds = usage(*self.student.pids) if runs else (0, self.cpu_s)
         self.cpu_s = max(self.cpu_s, seconds)
-        student_ns, others_ns = used_ns(self.student.pid), sum(map(used_ns, self.others))
+        student_ns, others_ns = used_ns(*self.student.pids), sum(map(used_ns, self.others))
         used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
         self.used_ns = student_ns + others_ns
         stands_still = self._stands_still(recorded, printed, begun, self.looked - before, used_s)
@@ -107,7 +107,7 @@ class Watchdog:
         return ''
 
     def _too_large(self, resident: int) -> str:
-        if resident > self.limits.memory and proportional(self.student.pid) > self.limits.memory:
+        if resident > self.limits.memory and proportional(*self.student.pids) > self.limits.memory:
             return 'memory_limit'
         count, size = self.student.files()
         if count > self.limits.inodes:
@@ -130,7 +130,7 @@ class Watchdog:
         :param passed_s: real time since the last check
         :param used_s: processor time since the last check, of program, probe and driver
         """
-        everyone = (self.student.pid, *self.others)
+        everyone = (*self.student.pids, *self.others)
         progress = (self.clock.jumps, recorded, printed // PIPE)
         if progress != self.progress:
             self.progress, self.still_s = progress, {}
@@ -147,7 +147,7 @@ class Watchdog:
         if not self.student.released or (self.builds and not begun):
             return BUILD_S
         busy = ready_to_run() > (os.cpu_count() or 1)
-        held = b'D' in states(self.student.pid) or any(
+        held = b'D' in states(*self.student.pids) or any(
             set(states(pid)) & set(b'DT') for pid in self.others
         )
         return HELD_S if busy or held else OUTSIDE_S

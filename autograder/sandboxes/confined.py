@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 import errno
@@ -87,7 +87,11 @@ class Confined:
     :param gate: the grader's end of the program's standard input
     :param pid: host pid of the sandbox's first process; without namespaces, of ``process``
     :param pidfd: descriptor of the process with that pid, safe against pid reuse
-    :param namespaces: open descriptors ``net`` and, for a plain user, ``user``
+    :param namespaces: open descriptors of the sandbox's namespaces, by their names in ``/proc``;
+        ``user`` only for a plain user
+    :param fork: host pid of a program that is a fork, else 0; then ``process`` is a launcher that
+        ends with the program's exit code
+    :param on_end: called when all processes have ended
     :param supervised: whether :mod:`autograder.inside.confine` ends the program's descendants
     :param home: the folder that the program may write to, None if it has its own file system
     :param claimed: its ROS domain, None if it has its own network
@@ -101,6 +105,8 @@ class Confined:
     pid: int
     pidfd: int
     namespaces: dict[str, int] = field(default_factory=dict)
+    fork: int = 0
+    on_end: Callable[[], object] | None = None
     supervised: bool = False
     home: Path | None = None
     claimed: Claim | None = None
@@ -147,12 +153,19 @@ class Confined:
         for descriptor in (self.pidfd, *self.namespaces.values()):
             os.close(descriptor)
         self.namespaces = {}
+        if self.on_end:
+            self.on_end()
         for stream in (self.process.stdout, self.process.stderr):
             if stream is not None:
                 stream.close()
         self.gate.close()
         if self.claimed is not None:
             self.claimed.holder.close()
+
+    @property
+    def pids(self) -> tuple[int, ...]:
+        """Return the host pids from which all processes of the sandbox descend."""
+        return (self.pid, self.fork) if self.fork else (self.pid,)
 
     @property
     def domain(self) -> int:

@@ -19,15 +19,15 @@ CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 
 
-def states(pid: int) -> bytes:
+def states(*pids: int) -> bytes:
     """
-    Return the state of each thread of a process and its descendants, as one letter each.
+    Return the state of each thread of processes and their descendants, as one letter each.
 
     R means running or waiting for a processor, D waiting for a disk, T stopped: proc(5).
 
-    :param pid: host pid of the first process
+    :param pids: host pids
     """
-    return b''.join(map(_states, family(pid)))
+    return b''.join(map(_states, family(*pids)))
 
 
 def _states(process: int) -> bytes:
@@ -39,21 +39,21 @@ def _states(process: int) -> bytes:
     return found
 
 
-def running(pid: int) -> list[int]:
+def running(*pids: int) -> list[int]:
     """
-    Return the pids of a process and its descendants that have not ended.
+    Return the pids of processes and their descendants that have not ended.
 
     A process that has ended keeps its pid, as a zombie, until its parent asks for its exit code.
 
-    :param pid: host pid of the first process
+    :param pids: host pids
     """
-    return [one for one in family(pid) if _states(one).strip(b'ZX')]
+    return [one for one in family(*pids) if _states(one).strip(b'ZX')]
 
 
-def used_ns(pid: int) -> int:
-    """Return the processor time that a process and its descendants have used [ns]."""
+def used_ns(*pids: int) -> int:
+    """Return the processor time that processes and their descendants have used [ns]."""
     total = 0
-    for process in family(pid):
+    for process in family(*pids):
         with suppress(OSError):  # the process has ended
             # Linux's clock id for the processor time of another process: clock_getcpuclockid(3).
             total += time.clock_gettime_ns((~process << 3) | 2)
@@ -120,14 +120,14 @@ def _count(path: str, wanted: bytes) -> int:
     return 0
 
 
-def proportional(pid: int) -> int:
+def proportional(*pids: int) -> int:
     """
-    Return the memory of a process and its descendants, with shared pages counted once [bytes].
+    Return the memory of processes and their descendants; shared pages count once [bytes].
 
     This is slower than :func:`usage`, so call it only if the sum of :func:`usage` is over a limit.
     """
     total = 0
-    for current in family(pid):
+    for current in family(*pids):
         try:
             text = Path(f'/proc/{current}/smaps_rollup').read_text('ascii', 'replace')
             total += int(text.partition('\nPss:')[2].split()[0]) * 1024
@@ -136,11 +136,11 @@ def proportional(pid: int) -> int:
     return total
 
 
-def family(pid: int) -> Iterator[int]:
-    """Yield the pids of a process and its descendants; nothing if the process has ended."""
-    pids = [pid]
-    while pids:
-        current = pids.pop()
+def family(*pids: int) -> Iterator[int]:
+    """Yield the pids of processes and their descendants, without those that have ended."""
+    waiting = list(pids)
+    while waiting:
+        current = waiting.pop()
         try:
             tasks = os.listdir(f'/proc/{current}/task')
         except OSError:
@@ -148,7 +148,7 @@ def family(pid: int) -> Iterator[int]:
         yield current
         for task in tasks:
             with suppress(OSError):
-                pids += map(int, _read(f'/proc/{current}/task/{task}/children').split())
+                waiting += map(int, _read(f'/proc/{current}/task/{task}/children').split())
 
 
 def _read(path: str) -> bytes:
@@ -160,16 +160,14 @@ def _read(path: str) -> bytes:
         os.close(file)
 
 
-def usage(pid: int) -> tuple[int, float]:
+def usage(*pids: int) -> tuple[int, float]:
     """
-    Return the resident memory [bytes] and processor time [s] of a process and its descendants.
+    Return resident memory [bytes] and processor time [s] of processes and their descendants.
 
-    In a sandbox, every process descends from the first one, including daemons.
-
-    :param pid: host pid of the first process
+    :param pids: host pids
     """
     resident, ticks = 0, 0
-    for current in family(pid):
+    for current in family(*pids):
         try:
             stat = _read(f'/proc/{current}/stat')
         except OSError:

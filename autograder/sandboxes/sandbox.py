@@ -33,6 +33,7 @@ from environment.ros import ros_environment, RosEnvironment
 
 HERE = Path(__file__).parents[1]
 NS_GET_USERNS = 0xB701  # ioctl_ns(2)
+HOME = '/tmp/home'
 FIRST_UID, UIDS = 1_000_000_000, 1_000_000_000
 
 
@@ -112,7 +113,7 @@ class Sandbox:
             argv += ['--unshare-user', '--disable-userns']
         argv += ['--die-with-parent', '--new-session', '--hostname', 'box', '--clearenv']
         argv += self._mounts(program, limits)
-        for name, value in self.variables(program, '/tmp/home', 0).items():
+        for name, value in self.variables(program, HOME, 0).items():
             argv += ['--setenv', name, value]
         argv += [*descriptors, '--chdir', '/tmp', '--remount-ro', '/dev', '--remount-ro', '/']
         return argv
@@ -145,7 +146,7 @@ class Sandbox:
             argv += [*_parents(inside), '--ro-bind', host, inside]
         argv += self._masks(program)
         argv += ['--proc', '/proc', '--dev', '/dev', *size, '/dev/shm']
-        return [*argv, '--perms', '1777', '--dir', '/tmp/home']
+        return [*argv, '--perms', '1777', '--dir', HOME]
 
     def _masks(self, program: Program) -> list[str]:
         """Return the options that hide the course's own nodes behind empty folders and files."""
@@ -200,7 +201,7 @@ class Sandbox:
         try:
             pid = json.loads(text)['child-pid']
             pidfd = os.pidfd_open(pid)
-            net = os.open(f'/proc/{pid}/ns/net', os.O_RDONLY)
+            net = open_namespace(pid, 'net')
         except (ValueError, OSError) as error:
             gate.close()
             end_group(process)
@@ -281,6 +282,11 @@ def throw_away_uid() -> int:
     the same pid and share a kernel, which counts the processes of both.
     """
     return FIRST_UID + secrets.randbelow(UIDS)
+
+
+def open_namespace(pid: int, kind: str) -> int:
+    """Return an open descriptor of a process's namespace."""
+    return os.open(f'/proc/{pid}/ns/{kind}', os.O_RDONLY)
 
 
 BARE = {'PATH': '/usr/bin:/bin'}

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+import os
 from pathlib import Path
 import threading
 from typing import Any
@@ -15,6 +16,7 @@ from autograder.grading.examine import examine
 from autograder.recording import Event
 from autograder.results import ExamResult
 from autograder.runs import observe
+from autograder.sandboxes import forked
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.probes import Probe, start_probe
 
@@ -42,11 +44,11 @@ class Killer:
     """
     Ends processes at the first message.
 
-    :param wanted: whether to end a process, by its command line
+    :param wanted: whether to end a process
     :param times: number of runs in which to end it
     """
 
-    def __init__(self, wanted: Callable[[list[str]], bool], times: int = 1) -> None:
+    def __init__(self, wanted: Callable[[psutil.Process], bool], times: int = 1) -> None:
         self.wanted = wanted
         self.left = times
         self.runs = 0
@@ -59,22 +61,22 @@ class Killer:
             self.armed = False
             self.left -= 1
             for one in psutil.Process().children(recursive=True):
-                with suppress(psutil.NoSuchProcess):
-                    words = one.cmdline()
-                    if words and self.wanted(words):
+                with suppress(psutil.NoSuchProcess, FileNotFoundError):
+                    if self.wanted(one):
                         one.kill()
                         self.runs += 1
                         break
 
 
-def program(words: list[str]) -> bool:
-    """Return whether a command line belongs to the student's program itself."""
-    return 'bwrap' not in words[0] and any('run_node.py' in word for word in words)
+def program(one: psutil.Process) -> bool:
+    """Return whether a process is the student's program itself."""
+    separate = os.readlink(f'/proc/{one.pid}/ns/pid') != os.readlink('/proc/self/ns/pid')
+    return separate and any('run_node.py' in word for word in one.cmdline())
 
 
-def launcher(words: list[str]) -> bool:
-    """Return whether a command line belongs to the launcher of the student's sandbox."""
-    return 'bwrap' in words[0] and any('run_node.py' in word for word in words)
+def launcher(one: psutil.Process) -> bool:
+    """Return whether a process is the bubblewrap that started the student's sandbox."""
+    return one.name() == 'bwrap' and forked.LAUNCHER[-1] in one.cmdline()
 
 
 @pytest.mark.parametrize('wanted', [program, launcher])

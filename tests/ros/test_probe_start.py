@@ -15,8 +15,9 @@ from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.runs import observe
 from autograder.runs.observe import HERE
+from autograder.sandboxes import forked
 from autograder.sandboxes.choose import strongest, try_out
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confined import Confined
 from autograder.sandboxes.probes import Probe, start_probe
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -81,7 +82,9 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
 
 def switch(student: Confined, to: str) -> None:
     """Switch the network of a sandbox on or off."""
-    files = student.namespaces
+    files = {
+        name: student.namespaces[name] for name in ('user', 'net') if name in student.namespaces
+    }
     into = [f'--{name}=/proc/self/fd/{file}' for name, file in files.items()]
     into += ['--preserve-credentials'] if 'user' in files else []
     argv = ['nsenter', *into, sys.executable, '-c', SWITCH, to]
@@ -121,19 +124,9 @@ def test_a_node_is_seen_however_late_its_network_is(monkeypatch):
     assert result.points == exam.max_points
 
 
-def start_instead(monkeypatch, *command: str) -> None:
-    """Start another program in place of the student's, on the same clock."""
-
-    def changed(sandbox: Sandbox, program: Program, limits: Limits) -> list[str]:
-        env, library, place, *_ = program.argv
-        return [env, library, place, *command]
-
-    monkeypatch.setattr(Sandbox, 'command', changed)
-
-
 def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch):
     """The grader stops waiting and reports its own failure; the learner does not get 0 points."""
-    start_instead(monkeypatch, 'sh', '-c', 'echo no loopback >&2; exit 3')
+    monkeypatch.setattr(forked, 'LAUNCHER', ('sh', '-c', 'echo no loopback >&2; exit 3'))
 
     with pytest.raises(
         ProbeFailed, match='ended with code 3 before the program began: no loopback'
@@ -143,7 +136,7 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
 
 def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):
     """A delay before the start of the program says nothing about the student's code."""
-    start_instead(monkeypatch, 'sleep', 'infinity')
+    monkeypatch.setattr(Confined, 'release', lambda self: None)
 
     scenario = catalog.load('talker').scenario.to_json()
     with pytest.raises(ProbeFailed, match='had not begun when the run ended: no_node'):

@@ -1,0 +1,229 @@
+"""
+Keep processes that have rclpy loaded, and fork them to create the probe and the program of a run.
+
+:mod:`autograder.inside.forks` runs in these processes.  They serve one run at a time; further
+runs at the same time start further servers, which later runs use again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, replace
+import json
+import os
+from pathlib import Path
+import select
+import socket
+import struct
+import subprocess
+from typing import Any, BinaryIO
+import weakref
+
+from autograder.clock.virtual_clock import built
+from autograder.errors import ProbeFailed, SandboxUnavailable
+from autograder.sandboxes import sandbox as sandboxes
+from autograder.sandboxes.confined import end_group, Limits, Program
+from autograder.sandboxes.isolation import fix_for
+from autograder.sandboxes.sandbox import Sandbox
+
+BORN = b'born'
+CREDENTIALS = struct.Struct('3i')  # process, user and group id of a sender: unix(7)
+ANSWER_BYTES = 64
+ANSWER_S = 120.0  # timeout, two hundred times the usual duration
+ENTER = 'CAP_SYS_ADMIN'  # capability to enter the network of a run: setns(2)
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """
+    A program that loads rclpy and then serves forks.
+
+    :param program: its command without arguments, and the files that it needs
+    :param boxed: whether it has its own file systems, network and processes; then its forks can
+        only enter the network of a run
+    """
+
+    program: Program
+    boxed: bool
+
+
+@dataclass(frozen=True)
+class Fork:
+    """
+    A process of one run.
+
+    :param server: the process that forked it, and reports its exit code
+    :param pid: host process id
+    """
+
+    server: ForkServer
+    pid: int
+    stdout: BinaryIO
+    stderr: BinaryIO
+
+
+class ForkServer:
+    """
+    A process that forks others, one at a time.
+
+    :param sandbox: confines the forks, and a boxed server itself
+    """
+
+    def __init__(self, sandbox: Sandbox, loaded: Loaded) -> None:
+        """
+        Start the process, and wait until it has imported rclpy.
+
+        :raises SandboxUnavailable: if the process does not start
+        """
+        self.sandbox, self.loaded = sandbox, loaded
+        self.channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with theirs:
+            self.process = self._start(theirs)
+        weakref.finalize(self, _end, self.process, self.channel)
+        self.channel.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
+        self.channel.settimeout(ANSWER_S)
+        try:
+            self._answer()
+        except ProbeFailed as error:
+            end_group(self.process)
+            what = self.process.communicate()[1].decode(errors='replace').strip() or 'no word'
+            raise SandboxUnavailable(
+                f'The fork server did not start: {what}.', fix_for(what)
+            ) from error
+
+    def _start(self, channel: socket.socket) -> subprocess.Popen[bytes]:
+        pipes: dict[str, Any] = {'stdin': channel, 'stdout': subprocess.DEVNULL}
+        variables = {**self.loaded.program.variables, 'LD_PRELOAD': built()[1]}
+        program = replace(self.loaded.program, variables=variables)
+        if self.loaded.boxed:
+            options = self.sandbox.bwrap(program, Limits(), (), [ENTER])
+            options += ['--remount-ro', '/tmp', '--remount-ro', '/dev/shm']
+            return sandboxes.start_bwrap(options, program.argv, (), **pipes)
+        argv, variables = self.sandbox.outside(program, Path(sandboxes.HOME), 0)
+        del variables['TMPDIR']  # a program in namespaces has its own /tmp
+        return subprocess.Popen(argv, env=variables, cwd='/', **{**sandboxes.PIPES, **pipes})
+
+    def usable(self, sandbox: Sandbox) -> bool:
+        """Return whether the process is alive and was started for an equal sandbox."""
+        if (self.sandbox.mode, self.sandbox.ros) != (sandbox.mode, sandbox.ros):
+            return False
+        # An idle server sends nothing, so the channel is readable only if the server has ended.
+        return self.process.poll() is None and not select.select([self.channel], [], [], 0)[0]
+
+    def fork(self, order: Mapping[str, Any], given: int, others: Sequence[int]) -> Fork:
+        """
+        Fork a process, which has not read anything from its standard input.
+
+        :param order: described in :mod:`autograder.inside.forks`
+        :param given: descriptor of the standard input
+        :param others: further descriptors for the order
+        :raises ProbeFailed: if the fork could not confine itself, or the server has ended
+        """
+        pipes = [os.pipe() for _ in range(2)]
+        outputs = [os.fdopen(reading, 'rb') for reading, _ in pipes]
+        theirs = [writing for _, writing in pipes]
+        try:
+            try:
+                files = [given, *theirs, *others]
+                socket.send_fds(self.channel, [json.dumps(order).encode()], files)
+            except OSError as error:
+                raise ProbeFailed(f'The fork server has ended: {error}.') from error
+            finally:
+                for writing in theirs:
+                    os.close(writing)
+            said, pid = self._answer()
+            if said != BORN:
+                why = outputs[1].read().decode(errors='replace').strip() or 'no word'
+                raise ProbeFailed(f'A fork could not be confined: {why}.')
+        except BaseException:
+            for output in outputs:
+                output.close()
+            raise
+        return Fork(self, pid, *outputs)
+
+    def ended(self) -> int | None:
+        """
+        Wait for the exit code of the last fork and return it; None if the server has failed.
+
+        After a known exit code, the server is marked as idle, ready for the next run.
+        """
+        try:
+            code = int(self._answer()[0])
+        except ProbeFailed:
+            return None
+        _idle.append(self)
+        return code
+
+    def _answer(self) -> tuple[bytes, int]:
+        """
+        Receive one message, and return it with the process id of its sender.
+
+        :raises ProbeFailed: if no message arrives within 120 s, or the server has ended
+        """
+        space = socket.CMSG_SPACE(CREDENTIALS.size)
+        try:
+            said, more, _, _ = self.channel.recvmsg(ANSWER_BYTES, space)
+        except OSError as error:
+            raise ProbeFailed(f'The fork server does not answer: {error}.') from error
+        pids = [
+            CREDENTIALS.unpack(data)[0] for _, kind, data in more if kind == socket.SCM_CREDENTIALS
+        ]
+        if not said or not pids:
+            raise ProbeFailed('The fork server has ended.')
+        return said, pids[0]
+
+
+def _end(process: subprocess.Popen[bytes], channel: socket.socket) -> None:
+    channel.close()
+    if process.poll() is None:
+        end_group(process)
+        process.wait()
+    if process.stderr:
+        process.stderr.close()
+
+
+_idle: list[ForkServer] = []
+# The kernel ends a sandbox when the thread that started it ends. These threads never end.
+_starters = ThreadPoolExecutor(thread_name_prefix='fork servers')
+
+
+def free_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer:
+    """
+    Return an idle fork server or a new one.
+
+    :raises SandboxUnavailable: if a new server does not start
+    """
+    return _idle_server(sandbox, loaded) or _starting(sandbox, loaded).result()
+
+
+def load_together(sandbox: Sandbox, *all_loaded: Loaded) -> None:
+    """
+    Start the missing servers at the same time, because each takes a third of a second.
+
+    :raises SandboxUnavailable: if a new server does not start
+    """
+    found = [_idle_server(sandbox, loaded) for loaded in all_loaded]
+    starting = [
+        _starting(sandbox, loaded)
+        for loaded, server in zip(all_loaded, found, strict=True)
+        if server is None
+    ]
+    _idle.extend(filter(None, found))
+    _idle.extend(one.result() for one in starting)
+
+
+def _idle_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer | None:
+    """Take an idle server out of the list; drop those of the same kind that have ended."""
+    for server in tuple(_idle):
+        if server.loaded == loaded:
+            with suppress(ValueError):  # another thread has taken it
+                _idle.remove(server)
+                if server.usable(sandbox):
+                    return server
+    return None
+
+
+def _starting(sandbox: Sandbox, loaded: Loaded) -> Future[ForkServer]:
+    return _starters.submit(ForkServer, sandbox, loaded)

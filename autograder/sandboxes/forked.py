@@ -1,0 +1,100 @@
+"""
+Start a student's program as a fork of a process that has rclpy loaded.
+
+bubblewrap creates the namespaces of the run, in which only a launcher runs.  The fork enters them
+and gives up its rights, so it is confined like a program that bubblewrap starts.  The launcher
+ends with the exit code of the fork, and its end ends the sandbox.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+import socket
+
+from autograder.errors import ProbeFailed
+from autograder.sandboxes import landlock
+from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
+from autograder.sandboxes.fork_server import ANSWER_S, Fork, free_server, Loaded
+from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
+
+LAUNCHER = ('sh', '-c', f'echo >&0; read code; exit "${{code:-{KILLED[1]}}}"')
+"""Reports that the sandbox is ready, waits for the program's exit code, and ends with it."""
+FURTHER = ('mnt', 'pid', 'ipc', 'uts', 'cgroup')
+"""Namespaces of a sandbox that only a program enters, not its probe."""
+INSIDE = {str(HERE / 'inside'): '/grader/inside'}
+FOLDER = '/tmp'
+
+
+def loaded_program(program: Program) -> Loaded:
+    """Return the program whose forks run student's programs: Python and a script."""
+    return Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
+
+
+def start_fork(
+    sandbox: Sandbox, program: Program, limits: Limits, home: Path, place: int
+) -> Confined:
+    """
+    Start a confined program, which waits for :meth:`Confined.release`.
+
+    :param sandbox: with namespaces
+    :param program: Python, a script that serves forks, and their arguments
+    :param home: an existing empty folder
+    :param place: the program's socket for the virtual clock, a descriptor
+    :raises SandboxUnavailable: if bubblewrap or the fork server does not start
+    :raises ProbeFailed: if the sandbox ends, or the fork could not confine itself
+    """
+    server = free_server(sandbox, loaded_program(program))
+    confined = sandbox.start(Program(LAUNCHER, program.binds), limits, home)
+    try:
+        _wait_until_ready(confined)
+        gate, theirs = socket.socketpair()
+        with theirs, confined.gate as launcher:
+            confined.gate = gate
+            for kind in FURTHER:
+                confined.namespaces[kind] = open_namespace(confined.pid, kind)
+            # Enter the user namespace first, which gives the right to enter the others.
+            names = sorted(confined.namespaces, key=lambda kind: kind != 'user')
+            others = [place, launcher.fileno(), *(confined.namespaces[kind] for kind in names)]
+            order = {
+                'argv': program.argv[2:],
+                'folder': FOLDER,
+                'variables': {**program.variables, 'PWD': FOLDER},
+                # The fork's parent, which reports its end, has the same uid.
+                'limits': limits.of_process(1 + sandbox.processes()),
+                'rules': {
+                    'uid': throw_away_uid() if sandbox.facts.root else 0,
+                    'filter': str(landlock.filter_file()),
+                },
+            }
+            _became(confined, server.fork(order, theirs.fileno(), others))
+    except BaseException:
+        confined.kill()
+        raise
+    return confined
+
+
+def _wait_until_ready(confined: Confined) -> None:
+    """
+    Wait until the namespaces contain everything, which the launcher reports.
+
+    :raises ProbeFailed: if bubblewrap ends, or does not answer within 120 s
+    """
+    confined.gate.settimeout(ANSWER_S)
+    try:
+        ready = confined.gate.recv(1)
+    except OSError:
+        ready = b''
+    if not ready:
+        confined.process.kill()
+        what = confined.process.communicate()[1].decode(errors='replace').strip() or 'no word'
+        code = confined.process.returncode
+        raise ProbeFailed(f'The sandbox ended with code {code} before the program began: {what}.')
+
+
+def _became(confined: Confined, fork: Fork) -> None:
+    """Control the fork in place of the launcher."""
+    confined.fork, confined.on_end = fork.pid, fork.server.ended
+    for stream in (confined.process.stdout, confined.process.stderr):
+        if stream is not None:
+            stream.close()
+    confined.process.stdout, confined.process.stderr = fork.stdout, fork.stderr
