@@ -64,11 +64,15 @@ def require_period(
         or why_paced(run)
         or why_other_rhythm(run, found, period_s, during_s, what)
     )
+    ended = why_it_ended(run)
+    observed = _rhythm(what, len(seconds), gaps, during_s / period_s)
+    if ended and seconds:
+        # Another thread may publish once more while an exception ends the program.
+        observed = f'{what}s only until the program ended'
     raise Failed(
         expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
-        observed=_rhythm(what, len(seconds), gaps, during_s / period_s)
-        + (f', the first after {waited_s:.2g} s' if late else ''),
-        why=why_it_ended(run) or explain() or rhythm or why_silent(run),
+        observed=observed + (f', the first after {waited_s:.2g} s' if late else ''),
+        why=ended or explain() or rhythm or why_silent(run),
         at=round(odd[0] * SECOND) if odd else None,
         every_s=period_s,
         shown_by=found,

@@ -87,8 +87,8 @@ class Confined:
     :param gate: the grader's end of the program's standard input
     :param pid: host pid of the sandbox's first process; without namespaces, of ``process``
     :param pidfd: descriptor of the process with that pid, safe against pid reuse
-    :param namespaces: open descriptors of the sandbox's namespaces, by their names in ``/proc``;
-        ``user`` only for a plain user
+    :param namespaces: open descriptors of the sandbox's namespaces that forks enter, by their
+        names in ``/proc``; for a plain user also ``user``, and ``nested``, the one in it
     :param fork: host pid of a program that is a fork, else 0; then ``process`` is a launcher that
         ends with the program's exit code
     :param on_end: called when all processes have ended

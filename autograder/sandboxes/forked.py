@@ -15,12 +15,13 @@ from autograder.errors import ProbeFailed
 from autograder.sandboxes import landlock
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
 from autograder.sandboxes.fork_server import ANSWER_S, Fork, free_server, Loaded
+from autograder.sandboxes.processes import family
 from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
 
 LAUNCHER = ('sh', '-c', f'echo >&0; read code; exit "${{code:-{KILLED[1]}}}"')
 """Reports that the sandbox is ready, waits for the program's exit code, and ends with it."""
 FURTHER = ('mnt', 'pid', 'ipc', 'uts', 'cgroup')
-"""Namespaces of a sandbox that only a program enters, not its probe."""
+"""Namespaces that only a program enters, not its probe."""
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 FOLDER = '/tmp'
 
@@ -50,11 +51,8 @@ def start_fork(
         gate, theirs = socket.socketpair()
         with theirs, confined.gate as launcher:
             confined.gate = gate
-            for kind in FURTHER:
-                confined.namespaces[kind] = open_namespace(confined.pid, kind)
-            # Enter the user namespace first, which gives the right to enter the others.
-            names = sorted(confined.namespaces, key=lambda kind: kind != 'user')
-            others = [place, launcher.fileno(), *(confined.namespaces[kind] for kind in names)]
+            namespaces = _open_namespaces(confined)
+            others = [place, launcher.fileno(), *namespaces]
             order = {
                 'argv': program.argv[2:],
                 'folder': FOLDER,
@@ -89,6 +87,19 @@ def _wait_until_ready(confined: Confined) -> None:
         what = confined.process.communicate()[1].decode(errors='replace').strip() or 'no word'
         code = confined.process.returncode
         raise ProbeFailed(f'The sandbox ended with code {code} before the program began: {what}.')
+
+
+def _open_namespaces(confined: Confined) -> list[int]:
+    """Return descriptors of all namespaces of a sandbox, in the order in which to enter them."""
+    for kind in FURTHER:
+        confined.namespaces[kind] = open_namespace(confined.pid, kind)
+    if 'user' in confined.namespaces:
+        # The first one gives the right to enter the others. The launcher is in a nested one, in
+        # which it has its own uid and can create no further namespace.
+        launcher = list(family(confined.pid))[-1]
+        confined.namespaces['nested'] = open_namespace(launcher, 'user')
+    order = ('user', 'net', *FURTHER, 'nested')
+    return [confined.namespaces[kind] for kind in order if kind in confined.namespaces]
 
 
 def _became(confined: Confined, fork: Fork) -> None:
