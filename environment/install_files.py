@@ -89,7 +89,12 @@ def write_jupyter_settings(places: Places) -> None:
         'etc/jupyter/labconfig/page_config.json': page_settings,
         'etc/jupyter/jupyter_lab_config.json': {'LabApp': {'custom_css': True}},
         'share/jupyter/lab/settings/overrides.json': {
-            '@jupyterlab/docmanager-extension:plugin': {'autosaveInterval': AUTOSAVE_S}
+            '@jupyterlab/docmanager-extension:plugin': {
+                'autosaveInterval': AUTOSAVE_S,
+                # On a busy machine, a save that overtakes the previous one looks like a change by
+                # another program, and JupyterLab asks whether to overwrite it.
+                'lastModifiedCheckMargin': 1000 * AUTOSAVE_S,
+            }
         },
     }.items():
         write_atomically(places.venv / name, json.dumps(settings, indent=1) + '\n')

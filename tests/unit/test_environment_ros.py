@@ -154,7 +154,8 @@ def test_install_files_adapts_jupyterlab(places):
     page, lab, overrides = settings.values()
     assert page['disabledExtensions']['@jupyterlab/apputils-extension:announcements'] is True
     assert lab['LabApp']['custom_css'] is True
-    assert overrides['@jupyterlab/docmanager-extension:plugin'] == {'autosaveInterval': 10}
+    saving = {'autosaveInterval': 10, 'lastModifiedCheckMargin': 10_000}
+    assert overrides['@jupyterlab/docmanager-extension:plugin'] == saving
 
 
 PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANELS]
