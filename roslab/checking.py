@@ -15,13 +15,14 @@ import os
 from pathlib import Path
 import re
 from typing import Any
+from urllib.parse import quote
 
 from IPython import get_ipython
 
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.layout import Layout
+from autograder.layout import Layout, lesson_files
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import UNSOLVED
 from roslab import child
@@ -85,8 +86,22 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
     report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))
     report.left_over = _left_over(own)
     with suppress(FileNotFoundError):
-        report.lesson = Layout.here().release(about.assignment).name
+        report.lessons = _addresses(about.assignment)
     return report
+
+
+def _addresses(assignment: str) -> dict[str, str]:
+    """
+    Return the addresses of all lessons, relative to one of them, by their numbers.
+
+    :raises FileNotFoundError: if the notebook of this lesson is missing
+    """
+    own = Layout.here().release(assignment)
+    found = {path.parent.name.partition('_')[0]: path for path in lesson_files(own.parents[1])}
+    addresses = {
+        number: quote(os.path.relpath(path, own.parent)) for number, path in found.items()
+    }
+    return {**addresses, '': quote(own.name)}
 
 
 def _not_checked(

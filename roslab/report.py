@@ -7,7 +7,7 @@ import html
 import textwrap
 
 from autograder.explaining.feedback import causes_once, check_lines, number, WIDTH
-from autograder.explaining.feedback_html import checks_html, paragraph
+from autograder.explaining.feedback_html import checks_html, Lessons, NO_LINKS, paragraph
 from autograder.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
@@ -30,7 +30,7 @@ class CheckReport:
     :param judged: one line that names the judged files and the cells that saved them
     :param edited: files whose cell was edited after the file was saved
     :param left_over: files that no cell of the notebook saves now
-    :param lesson: file name of the lesson's notebook, for links to its sections
+    :param lessons: addresses of the lessons' notebooks by their numbers, for links to sections
     :param worked: the line about the worked answer, as text and as HTML
     """
 
@@ -41,7 +41,7 @@ class CheckReport:
     judged: str = ''
     edited: tuple[str, ...] = ()
     left_over: tuple[str, ...] = ()
-    lesson: str | None = None
+    lessons: Lessons = NO_LINKS
     worked: tuple[str, str] = ('', '')
     _shown_in: int | None = field(default=None, repr=False, compare=False)
 
@@ -118,6 +118,6 @@ class CheckReport:
 
     def _repr_html_(self) -> str:
         remarks = ''.join(paragraph(remark) for remark in self._remarks)
-        checks = checks_html(self.result, self.lesson) if self.result else ''
+        checks = checks_html(self.result, self.lessons) if self.result else ''
         head = f'<strong>{html.escape(self._headline)}</strong>'
         return f'<div>{head}{remarks}{checks}{self.worked[1]}</div>'

@@ -8,15 +8,19 @@ the styles of these pages differ.  No information is shown by colour alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 import html
 import re
+from types import MappingProxyType
 from urllib.parse import quote
 
 from autograder.explaining.feedback import causes_once, points_of, printable, remarks, told
 from autograder.explaining.picture_svg import picture_html
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
 
+Lessons = Mapping[str, str]
+"""Addresses of lessons by their numbers, such as ``'08'``; ``''`` is the exercise's own lesson."""
+NO_LINKS: Lessons = MappingProxyType({})
 HEADS = {
     Verdict.PASSED: '\N{CHECK MARK} Passed',
     Verdict.FAILED: '\N{BALLOT X} Failed',
@@ -33,22 +37,22 @@ _TERM = f'{_CELL}; text-align: left; font-weight: 600'
 _TEXT = f'{_CELL}; overflow-wrap: anywhere'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
 _ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
+_ELSEWHERE = re.compile(r'lesson (\d+), (Part \d+: .*)')
 _WHOLE = 'max-width: 800px; line-height: 1.45'
 
 
 def exam_html(
-    result: ExamResult, problems: Iterable[Problem] = (), lesson: str | None = None
+    result: ExamResult, problems: Iterable[Problem] = (), lessons: Lessons = NO_LINKS
 ) -> str:
     """
     Return the result of one exam for a learner, as HTML.
 
     :param problems: problems with the notebook cells of this exam
-    :param lesson: address of the lesson with the sections to read, empty for the page itself; None
-        for text without links
+    :param lessons: for links to the sections to read
     """
     said = [f'<p style="{_PLAIN}"><strong>{points_of(result)} points</strong></p>']
     said += [paragraph(remark) for remark in remarks(result, problems)]
-    return f'<div style="{_WHOLE}">{"".join(said)}{checks_html(result, lesson)}</div>'
+    return f'<div style="{_WHOLE}">{"".join(said)}{checks_html(result, lessons)}</div>'
 
 
 def paragraph(text: str) -> str:
@@ -56,19 +60,19 @@ def paragraph(text: str) -> str:
     return f'<p style="{_PLAIN}">{_escaped(text)}</p>'
 
 
-def checks_html(result: ExamResult, lesson: str | None = None) -> str:
-    """Return all checks of an exam, with pictures; ``lesson`` is as for :func:`exam_html`."""
-    return ''.join(_check(check, result, lesson) for check in causes_once(result))
+def checks_html(result: ExamResult, lessons: Lessons = NO_LINKS) -> str:
+    """Return all checks of an exam, with pictures; ``lessons`` is as for :func:`exam_html`."""
+    return ''.join(_check(check, result, lessons) for check in causes_once(result))
 
 
-def _check(check: CheckResult, result: ExamResult, lesson: str | None) -> str:
+def _check(check: CheckResult, result: ExamResult, lessons: Lessons) -> str:
     points = points_of(check).replace(' ', '\N{NO-BREAK SPACE}')
     head = (
         f'<p style="{_PLAIN}"><strong>{HEADS[check.verdict]}:</strong> '
         f'{_escaped(" ".join(check.title.split()))} ({points})</p>'
     )
     facts = ''.join(
-        f'<dt style="{_TERM}">{name}</dt><dd style="{_TEXT}">{_fact(name, text, check, lesson)}'
+        f'<dt style="{_TERM}">{name}</dt><dd style="{_TEXT}">{_fact(name, text, check, lessons)}'
         '</dd>'
         for name, text in told(check)
     )
@@ -79,11 +83,12 @@ def _check(check: CheckResult, result: ExamResult, lesson: str | None) -> str:
     return f'<div class="check {kind}" style="{style}">{head}{body}{picture}</div>'
 
 
-def _fact(name: str, text: str, check: CheckResult, lesson: str | None) -> str:
-    elsewhere = check.read.startswith('lesson ')  # Only headings of this lesson get a link.
-    if name != 'read' or lesson is None or elsewhere:
+def _fact(name: str, text: str, check: CheckResult, lessons: Lessons) -> str:
+    elsewhere = _ELSEWHERE.fullmatch(check.read)
+    number, heading = elsewhere.groups() if elsewhere else ('', check.read)
+    if name != 'read' or number not in lessons:
         return _escaped(text)
-    address = html.escape(f'{lesson}#{section_id(check.read)}')
+    address = html.escape(f'{lessons[number]}#{section_id(heading)}')
     return f'<a href="{address}">{_escaped(text)}</a>'
 
 

@@ -87,7 +87,7 @@ def _told(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
     """Return a cell output with the feedback, as text and as HTML with pictures."""
     data = {
         'text/plain': exam_text(exam, problems),
-        'text/html': exam_html(exam, problems, lesson=''),
+        'text/html': exam_html(exam, problems, {'': ''}),
     }
     return new_output('display_data', data=data)
 

@@ -127,7 +127,7 @@ def test_html_says_the_same_words(text):
 def test_words_of_a_program_stay_words():
     """Tags and control characters in a program's text have no effect."""
     result = ExamResult('talker', (failing(observed=EVIL, cause=EVIL, read=EVIL),), note=EVIL)
-    page = exam_html(result, lesson='')
+    page = exam_html(result, lessons={'': ''})
 
     assert not BeautifulSoup(page, 'html.parser')('img')
     assert '\x1b' not in page + exam_text(result)
@@ -137,11 +137,16 @@ def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
     """The address is that of the heading, in notebooks and in their HTML."""
     result = ExamResult('talker', (failing(),))
 
-    assert 'href="#Part-2:-Names"' in exam_html(result, lesson='')
-    assert 'href="topics.ipynb#Part-2:-Names"' in exam_html(result, lesson='topics.ipynb')
+    lessons = {'': 'topics.ipynb', '08': '../08_what_went_wrong/what_went_wrong.ipynb'}
+    elsewhere = ExamResult('talker', (failing(read='lesson 08, Part 7: Logging and parameters'),))
+
+    assert 'href="#Part-2:-Names"' in exam_html(result, lessons={'': ''})
+    assert 'href="topics.ipynb#Part-2:-Names"' in exam_html(result, lessons=lessons)
     assert 'href' not in exam_html(result)
-    elsewhere = ExamResult('quiz', (failing(read='lesson 02, on clocks'),))
-    assert 'href' not in exam_html(elsewhere, lesson='')
+    assert f'href="{lessons["08"]}#Part-7:-Logging-and-parameters"' in exam_html(
+        elsewhere, lessons=lessons
+    )
+    assert 'href' not in exam_html(elsewhere, lessons={'': ''})
     assert section_id('A  "b" <c>') == 'A-%22b%22-%3Cc%3E'
 
 
