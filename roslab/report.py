@@ -7,7 +7,7 @@ import html
 import textwrap
 
 from autograder.explaining.feedback import causes_once, check_lines, number, WIDTH
-from autograder.explaining.feedback_html import checks_html, Lessons, NO_LINKS, paragraph
+from autograder.explaining.feedback_html import checks_html, Lessons, paragraph
 from autograder.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
@@ -41,7 +41,7 @@ class CheckReport:
     judged: str = ''
     edited: tuple[str, ...] = ()
     left_over: tuple[str, ...] = ()
-    lessons: Lessons = NO_LINKS
+    lessons: Lessons = field(default_factory=dict)
     worked: tuple[str, str] = ('', '')
     _shown_in: int | None = field(default=None, repr=False, compare=False)
 
