@@ -216,7 +216,7 @@ def load_together(sandbox: Sandbox, *all_loaded: Loaded) -> None:
 
 def _idle_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer | None:
     """Take an idle server out of the list; drop those of the same kind that have ended."""
-    for server in tuple(_idle):
+    for server in reversed(_idle.copy()):  # the pages of the last one are most likely in a cache
         if server.loaded == loaded:
             with suppress(ValueError):  # another thread has taken it
                 _idle.remove(server)
