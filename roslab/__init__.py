@@ -7,6 +7,7 @@ and ``%%answer``.  ROS 2 itself is started by the first call that needs it.
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 from roslab import guide
@@ -27,6 +28,7 @@ from roslab.magics import register
 from roslab.messages import build_messages
 from roslab.output import shell
 from roslab.own_domain import claim_domain, domain
+from roslab.own_kernel import require_variables
 from roslab.package_files import package
 from roslab.pages import lay_out
 from roslab.progress import progress
@@ -85,6 +87,7 @@ def load_ipython_extension(ipython: Any) -> None:
 
 _shell = shell()
 if _shell is not None:
+    require_variables(os.environ)
     claim_domain(_shell)
     register(_shell)
     refuse_programs(_shell)

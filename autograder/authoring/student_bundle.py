@@ -22,6 +22,7 @@ ALLOWED = (
     'environment/',
     'roslab/',
     'roslab/ros2/LICENSE',
+    '.vscode/extensions.json',
     # Files that check(...) needs: the visible exams, the judge and the sandbox.
     'autograder/__init__.py',
     'autograder/clock/',

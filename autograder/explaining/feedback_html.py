@@ -98,7 +98,7 @@ def section_id(heading: str) -> str:
 
     :param heading: text of the heading, such as ``Part 2: The publisher``
     """
-    return quote(' '.join(heading.split()).replace(' ', '-'), safe=":-_.!~*'()")
+    return quote(' '.join(heading.split()).replace(' ', '-'), safe=":-_.!~*'()?,")
 
 
 def with_unique_ids(page: str) -> str:

@@ -24,6 +24,12 @@ LESSONS = lesson_files(Layout.here().notebooks)
 LINK = re.compile(r'\]\(#([^)]+)\)')
 
 
+def vscode_slug(text):
+    """Return the id that VS Code gives to a heading, and into which it converts a link."""
+    slug = re.sub(r'\s+', '-', text.strip().lower())
+    return re.sub(r"""[]\[!/'"#$%&()*+,./:;<=>?@\\^{|}~`]""", '', slug).strip('-')
+
+
 @pytest.fixture
 def solutions(tmp_path):
     """Return the sources of a course of three lessons; the last one needs the first one."""
@@ -97,7 +103,11 @@ def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path
     outline = read_outline(path)
     shown = cells[1].source
 
-    assert LINK.findall(shown) == [section_id(part.heading) for part in outline.parts[1:]]
+    links = LINK.findall(shown)
+    assert links == [section_id(part.heading) for part in outline.parts[1:]]
+    slugs = [vscode_slug(part.heading) for part in outline.parts[1:]]
+    assert [vscode_slug(link) for link in links] == slugs
+    assert len({*slugs}) == len(slugs)
     assert shown.startswith(f'**In this lesson.** {outline.minutes} minutes. ')
     assert 'Last executed with ROS 2 ' in shown, f'Try: make execute ARGS={path.parent.name}'
     assert (cells[1].id, cells[-1].id) == ('lesson-contents', 'lesson-next')
