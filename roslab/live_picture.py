@@ -4,8 +4,9 @@ A picture in the output of one cell that is redrawn while other cells run.
 A separate thread draws, at most five times a second and only if there is something new.  It ends
 when its subject ends, or when another cell shows the same subject.
 
-Pages with widgets draw in place.  The notebook gets the newest picture as HTML at the end of each
-cell; until a page reports that it draws in place, or if none can, it gets every picture.
+Pages with widgets redraw the picture in place.  The notebook gets the newest picture as HTML at
+the end of each cell, or every picture as long as no page has reported that it draws in place.
+The widget has no view, because a saved view without its kernel hides the HTML next to it.
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ class LivePicture:
 
     def __init__(self, key: Hashable) -> None:
         self._key = key
-        self._place = ''
         self._handle: Any = None
         self._widget: Any = None
+        self._place = ''
         self._painting = threading.Lock()
-        self._painted: dict[bool, object] = {}  # in place, and in the notebook
+        self._painted: dict[bool, object] = {}  # the newest picture in the notebook, and in pages
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
         cell = current_cell()
@@ -77,7 +78,7 @@ class LivePicture:
             if self._place:
                 from roslab.picture_widget import PictureWidget  # slow to import
 
-                self._widget = PictureWidget(place=self._place, picture=self._html())
+                self._widget = PictureWidget(self._place)
         self._keep_up()
 
     def stop(self) -> None:
@@ -90,8 +91,8 @@ class LivePicture:
             if _pictures.get(self._key) is self:
                 del _pictures[self._key]
             self._paint()
-            with suppress(Exception):
-                self._widget and self._widget.close()
+            if self._widget:
+                self._widget.close()
 
     def _keep_up(self) -> None:
         """Keep the picture up to date again, even after stop_all() has ended its subject."""
@@ -112,16 +113,16 @@ class LivePicture:
         self._paint()
 
     def _paint(self, in_place: bool = False) -> None:
-        """Redraw if there is something new, in place or in the notebook; never raise."""
+        """Redraw if there is something new, in pages only or in the notebook too; never raise."""
         with HeldInterrupts(), self._painting:
             newest = self._newest()
             if self._handle is None or newest == self._painted.get(in_place):
                 return
             self._painted[in_place] = newest
             with suppress(Exception):  # a closed connection must not end a cell or a thread
-                if in_place:
+                if self._widget:
                     self._widget.picture = self._html()
-                else:
+                if not in_place:
                     self._handle.update(self._bundle(self._place), raw=True)
 
     def _bundle(self, place: str = '') -> dict[str, str]:

@@ -2,7 +2,8 @@
 
 const BOXES = '[role="group"]'; // the drawing and its table, see drawing/svg.py
 
-function redraw(picture, newer) {
+function redraw(picture, html) {
+  const newer = document.createRange().createContextualFragment(html);
   const boxes = picture.querySelectorAll(BOXES);
   for (const [n, box] of newer.querySelectorAll(BOXES).entries()) {
     boxes[n].setAttribute('aria-label', box.getAttribute('aria-label'));
@@ -11,40 +12,30 @@ function redraw(picture, newer) {
 }
 
 function initialize({ model }) {
-  const shown = new Map(); // the picture in each view of its cell, by its parent
-  const outputs = new MutationObserver(find);
-  let focused = null;
-
-  function find() {
-    for (const picture of document.querySelectorAll(`[data-picture="${model.get('place')}"]`)) {
-      const parent = picture.parentElement;
-      const before = shown.get(parent);
-      if (!before) {
-        shown.set(parent, picture);
-        outputs.observe(parent, { childList: true });
-        parent.addEventListener('focusin', (event) => { focused = event.target; });
-      } else if (before !== picture) {
-        // The notebook has received the newest picture, and the page has inserted it.
-        redraw(before, picture);
-        picture.replaceWith(before);
-        const lost = document.activeElement === document.body && before.contains(focused);
-        if (lost) focused.focus({ preventScroll: true });
-      }
-    }
-  }
+  const shown = new WeakMap(); // the picture, by its parent
+  const outputs = new MutationObserver(draw);
+  let focused;
 
   function draw() {
-    find();
-    for (const picture of shown.values()) {
-      const newer = document.createElement('template');
-      newer.innerHTML = model.get('picture');
-      redraw(picture, newer.content);
+    for (const found of document.querySelectorAll(`[data-picture="${model.get('place')}"]`)) {
+      const parent = found.parentElement;
+      if (!shown.has(parent)) {
+        shown.set(parent, found);
+        outputs.observe(parent, { childList: true });
+        model.send('shown');
+      }
+      const kept = shown.get(parent);
+      redraw(kept, model.get('picture'));
+      if (kept === found) continue;
+      found.replaceWith(kept); // the page has inserted what the notebook received
+      const isLost = document.activeElement === document.body && kept.contains(focused);
+      if (isLost) focused.focus({ preventScroll: true });
     }
+    focused = document.activeElement;
   }
 
-  draw();
   model.on('change:picture', draw);
-  if (shown.size > 0) model.send('shown');
+  draw();
 }
 
 export default { initialize };

@@ -1,7 +1,5 @@
 """Redraw a live picture in the pages that show it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import anywidget
@@ -9,20 +7,14 @@ import traitlets
 
 
 class PictureWidget(anywidget.AnyWidget):
-    """
-    The newest picture; a page draws it into the output of its cell, so it needs no view.
-
-    :param place: value of the attribute ``data-picture`` of the element to draw into
-    :param picture: the picture as HTML
-    """
+    """The newest picture as HTML; pages draw it into the elements with ``data-picture=place``."""
 
     _esm = Path(__file__).with_name('picture.js')
     place = traitlets.Unicode().tag(sync=True)
     picture = traitlets.Unicode().tag(sync=True)
     is_shown = False
-    """Whether a page draws it; pages without widgets never do."""
 
-    def __init__(self, place: str, picture: str) -> None:
-        super().__init__(place=place, picture=picture)
-        # A synchronised trait would hold back the other one, which another thread changes.
+    def __init__(self, place: str) -> None:
+        super().__init__(place=place)
+        # To receive a synchronised trait would hold back `picture`, which another thread sets.
         self.on_msg(lambda *_: setattr(self, 'is_shown', True))
