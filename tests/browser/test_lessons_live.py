@@ -110,7 +110,7 @@ def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> No
     page.keyboard.press('Control+Enter')
     wait_until_run(after)
     expect(drawn.locator('table')).to_be_visible()
-    drawn.screenshot(path=shots / 'data.png')
+    page.screenshot(path=shots / 'data.png')
 
     monitor = cell_with(page, 'start(TemperatureSubscriber)')
     warned = re.compile(r'\[WARN\] \[temperature_subscriber\]: .*above the threshold of 30')
