@@ -3,6 +3,10 @@ A picture in the output of one cell that is redrawn while other cells run.
 
 A separate thread draws, at most five times a second and only if there is something new.  It ends
 when its subject ends, or when another cell shows the same subject.
+
+Pages with widgets redraw the picture in place.  The notebook gets the newest picture as HTML at
+the end of each cell, or every picture as long as no page has reported that it draws in place.
+The widget has no view, because a saved view without its kernel hides the HTML next to it.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from collections.abc import Hashable
 from contextlib import suppress
 import threading
 from typing import Any
+from uuid import uuid4
 
 from roslab.interrupts import HeldInterrupts
 from roslab.output import current_cell, has_frontend, shell
@@ -32,8 +37,10 @@ class LivePicture:
     def __init__(self, key: Hashable) -> None:
         self._key = key
         self._handle: Any = None
+        self._widget: Any = None
+        self._place = ''
         self._painting = threading.Lock()
-        self._painted: object = None
+        self._painted: dict[bool, object] = {}  # the newest picture in the notebook, and in pages
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
         cell = current_cell()
@@ -66,7 +73,12 @@ class LivePicture:
                 return
             from IPython.display import display
 
-            self._handle = display(self._bundle(), raw=True, display_id=True)
+            self._place = uuid4().hex if has_frontend() and self._can_change() else ''
+            self._handle = display(self._bundle(self._place), raw=True, display_id=True)
+            if self._place:
+                from roslab.picture_widget import PictureWidget  # slow to import
+
+                self._widget = PictureWidget(self._place)
         self._keep_up()
 
     def stop(self) -> None:
@@ -79,13 +91,14 @@ class LivePicture:
             if _pictures.get(self._key) is self:
                 del _pictures[self._key]
             self._paint()
+            if self._widget:
+                self._widget.close()
 
     def _keep_up(self) -> None:
         """Keep the picture up to date again, even after stop_all() has ended its subject."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():
                 return
-            _pictures.setdefault(self._key, self)
             running = self._thread is not None and self._thread.is_alive()
             if has_frontend() and not running:
                 # Without a frontend, redrawing at the end of each cell is enough.
@@ -96,20 +109,27 @@ class LivePicture:
 
     def _follow(self) -> None:
         while not self._ended.wait(_PERIOD_S) and self._can_change():
-            self._paint()
+            self._paint(in_place=bool(self._widget and self._widget.is_shown))
+        self._paint()
 
-    def _paint(self) -> None:
-        """Redraw if there is something new; never raise."""
+    def _paint(self, in_place: bool = False) -> None:
+        """Redraw if there is something new, in pages only or in the notebook too; never raise."""
         with HeldInterrupts(), self._painting:
             newest = self._newest()
-            if self._handle is None or newest == self._painted:
+            if self._handle is None or newest == self._painted.get(in_place):
                 return
-            self._painted = newest
+            self._painted[in_place] = newest
             with suppress(Exception):  # a closed connection must not end a cell or a thread
-                self._handle.update(self._bundle(), raw=True)
+                if self._widget:
+                    self._widget.picture = self._html()
+                if not in_place:
+                    self._handle.update(self._bundle(self._place), raw=True)
 
-    def _bundle(self) -> dict[str, str]:
-        return {'text/plain': repr(self), 'text/html': self._html()}
+    def _bundle(self, place: str = '') -> dict[str, str]:
+        html = self._html()
+        if place:
+            html = f'<div data-picture="{place}">{html}</div>'
+        return {'text/plain': repr(self), 'text/html': html}
 
     def _ipython_display_(self) -> None:
         """Show a copy if a later cell returns the picture; only the first one is updated."""
@@ -121,11 +141,9 @@ class LivePicture:
 
 
 def paint_all(_: Any = None) -> None:
-    """Update the pictures at the end of a cell, and drop those that have ended."""
-    for key, picture in tuple(_pictures.items()):
+    """Update the pictures in the notebook at the end of a cell."""
+    for picture in tuple(_pictures.values()):
         picture._paint()
-        if not picture._can_change():
-            _pictures.pop(key, None)
 
 
 @atexit.register

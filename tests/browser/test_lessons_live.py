@@ -98,6 +98,19 @@ def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> No
     drawn.screenshot(path=shots / 'plot.png')
     told = 'Plot of /temperature_topic .* above the threshold 30'
     expect(picture(drawn, told)).to_be_visible()
+    # What the reader opens stays open, and keeps the focus, while the picture moves.
+    opener = drawn.locator('summary')
+    opener.press('Enter')
+    for _ in range(3):
+        before = drawn.locator('polyline').first.evaluate(POINTS)
+        page.wait_for_function(MOVED, arg=[drawn.element_handle(), before], timeout=SHORT_MS)
+    expect(opener).to_be_focused()
+    expect(drawn.locator('table')).to_be_visible()
+    after.locator('.jp-InputArea-editor').click()
+    page.keyboard.press('Control+Enter')
+    wait_until_run(after)
+    expect(drawn.locator('table')).to_be_visible()
+    page.screenshot(path=shots / 'data.png')
 
     monitor = cell_with(page, 'start(TemperatureSubscriber)')
     warned = re.compile(r'\[WARN\] \[temperature_subscriber\]: .*above the threshold of 30')

@@ -278,13 +278,13 @@ counter = start(Counter)
 """
 
 
-def pictures(kernel, seconds, until=lambda found: False):
-    """Return the updates of displays that arrive while no cell runs, with their times."""
+def pictures(kernel, seconds, until=lambda found: False, kind='update_display_data'):
+    """Return the messages of one kind that arrive while no cell runs, with their times."""
     found, end = [], time.monotonic() + seconds
     while time.monotonic() < end and not until(found):
         with contextlib.suppress(queue.Empty):
             message = kernel.client.get_iopub_msg(timeout=0.1)
-            if message['msg_type'] == 'update_display_data':
+            if message['msg_type'] == kind:
                 sent_s = message['header']['date'].timestamp()
                 found.append((sent_s, message['content']))
     return found
@@ -304,6 +304,28 @@ def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
     stopped = kernel.run('curve.stop(); print(curve.listener.alive, len(curve.values) > 5)')
     assert stopped.text == 'False True\n'
     assert pictures(kernel, 0.6) == []
+
+
+def test_plot_is_redrawn_in_place_once_a_page_reports_that_it_shows_it(kernel):
+    """From then on, the notebook gets the picture at the end of a cell only."""
+    kernel.run(COUNTER, cell_id='a')
+    shown = kernel.run(
+        'curve = plot("number", "data")\nprint(curve._widget.model_id)', cell_id='b'
+    )
+    comm = shown.text.strip()
+    said = {'comm_id': comm, 'data': {'method': 'custom', 'content': 'shown'}}
+    client = kernel.client
+    client.shell_channel.send(client.session.msg('comm_msg', said))
+    found = pictures(kernel, 60.0, lambda found: len(found) > 5, 'comm_msg')
+    states = [content['data'].get('state', {}) for _, content in found]
+    in_pages = pictures(kernel, 0.6)
+    (saved,) = kernel.run('pass').data
+
+    assert re.search('data-picture="[0-9a-f]{32}"><div role="group"', saved['text/html'])
+    assert {content['comm_id'] for _, content in found} == {comm}
+    assert len({state['picture'] for state in states if 'picture' in state}) > 3
+    assert in_pages == []
+    assert kernel.run('curve.stop()').error is None
 
 
 def test_plot_of_the_same_field_replaces_the_older_one(kernel):
