@@ -25,7 +25,7 @@ def look(monkeypatch):
     monkeypatch.setattr(watchdog.os, 'cpu_count', lambda: 2)
     process = SimpleNamespace(poll=lambda: None)
     student = SimpleNamespace(
-        pid=PROGRAM, process=process, released=True, files=lambda: (0, 0), home=None
+        pids=(PROGRAM,), process=process, released=True, files=lambda: (0, 0), home=None
     )
     dog = watchdog.Watchdog(student, (PROBE,), Limits(), clock, builds=False)
 
