@@ -71,6 +71,7 @@ class NotebookCell:
     :param heading: heading of its section
     :param file: the file that a cell such as ``%%node`` saves
     :param grade_id: nbgrader id of an exercise's cell
+    :param execution: the n of its ``In [n]``, None if the saved notebook has none
     """
 
     identifier: str
@@ -78,6 +79,7 @@ class NotebookCell:
     source: str
     file: CellFile | None
     grade_id: str = ''
+    execution: int | None = None
 
     @property
     def module(self) -> str | None:
@@ -360,7 +362,8 @@ def _code_cells(cells: Sequence[dict[str, Any]]) -> Iterator[NotebookCell]:
             heading = titles[-1] if titles else heading
         elif cell['cell_type'] == 'code':
             grade_id = cell.get('metadata', {}).get('nbgrader', {}).get('grade_id', '')
-            yield NotebookCell(cell.get('id', ''), heading, source, saved_file(source), grade_id)
+            about = heading, source, saved_file(source), grade_id, cell.get('execution_count')
+            yield NotebookCell(cell.get('id', ''), *about)
 
 
 def saved_file(source: str) -> CellFile | None:

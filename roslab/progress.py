@@ -8,6 +8,7 @@ grader never reads it: it is for the learner and is not evidence.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 import fcntl
 import html
 import json
@@ -18,6 +19,7 @@ from typing import Any
 from urllib.parse import quote
 
 from autograder.errors import GraderError
+from autograder.exam import catalog
 from autograder.explaining.feedback import number
 from autograder.explaining.feedback_html import section_id
 from autograder.files import json_bytes, keep
@@ -119,9 +121,17 @@ def _is_ours(found: Any) -> bool:
 def _outlines(paths: Iterable[Path]) -> Iterable[Outline]:
     for path in paths:
         try:
-            yield read_outline(path)
+            outline = read_outline(path)
+            yield outline._replace(parts=tuple(map(_in_visible_checks, outline.parts)))
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             yield Outline(path, f'{path.name} cannot be read', (), 0, {})
+
+
+def _in_visible_checks(part: Part) -> Part:
+    """Return a part with the points that ``check(...)`` gives, which can be fewer in the end."""
+    known = part.checks.keys() & set(catalog.names(hidden=False))
+    most = {name: catalog.load(name, hidden=False).max_points for name in known}
+    return replace(part, checks={**part.checks, **most})
 
 
 def next_part(lessons: Iterable[Outline], results: Results) -> tuple[Outline, Part] | None:

@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from roslab.guide import notebook_path, read_cells
+from roslab.guide import read_cells
 from roslab.output import shell
 
 _MOST_NAMED = 3
@@ -72,20 +72,21 @@ def describe(files: Sequence[SavedFile]) -> str:
 
 
 def edited_since(files: Collection[SavedFile]) -> list[str]:
-    """Return the names of the files whose cell differs in the last saved notebook."""
-    notebook = notebook_path()
-    if notebook is None:
-        return []
-    shown_s = notebook.stat().st_mtime
-    bodies: dict[str, set[str]] = {}
+    """
+    Return the names of the files whose cell was edited after it had saved the file.
+
+    The number of the cell in the saved notebook must be that of the run that saved the file.  In a
+    notebook that was saved before, or while the cell ran, the text may be older than the file.
+    """
+    bodies: dict[tuple[str, int | None], set[str]] = {}
     for cell in read_cells():
         if cell.file is not None:
-            bodies.setdefault(Path(cell.file.path).name, set()).add(cell.file.body)
+            key = Path(cell.file.path).name, cell.execution
+            bodies.setdefault(key, set()).add(cell.file.body)
     return [
         saved.path.name
         for saved in files
-        # Ignore a notebook saved before the cell ran: its text may be older than the file.
-        if saved.path.name in bodies
-        and shown_s > saved.modified_s
-        and saved.path.read_text('utf-8', 'replace') not in bodies[saved.path.name]
+        if saved.execution is not None
+        and (shown := bodies.get((saved.path.name, saved.execution)))
+        and saved.path.read_text('utf-8', 'replace') not in shown
     ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 import re
 
-from autograder.exam.catalog import for_assignment
+from autograder.exam.catalog import for_assignment, load
 from autograder.explaining.worked_answers import encoded, FOLDER
 from autograder.files import keep, packable, zip_bytes
 from autograder.layout import Layout, lesson_files
@@ -98,7 +98,12 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
 
 
 def answer_files(layout: Layout) -> dict[str, bytes]:
-    """Return the worked answers of each lesson with exercises, by their name in the copy."""
+    """
+    Return the worked answers of each lesson with exercises, by their name in the copy.
+
+    Only exercises whose visible checks give all points have one: others, such as the questions of
+    lesson 09, pass with wrong answers, and the worked answer would then be a key.
+    """
     found = {}
     for path in lesson_files(layout.solutions):
         lesson = path.parent.name
@@ -110,6 +115,7 @@ def answer_files(layout: Layout) -> dict[str, bytes]:
         answers = {
             exam.name: '\n\n\n'.join(MARK.sub('', cells[one]).strip() for one in exam.cells)
             for exam in for_assignment(lesson)
+            if exam.max_points == load(exam.name, hidden=False).max_points
         }
         if answers:
             found[f'{FOLDER}/{lesson}.txt'] = encoded(answers)

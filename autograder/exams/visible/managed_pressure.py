@@ -152,7 +152,7 @@ def tells_why(run: Run) -> None:
         raise Failed(
             expected=f'{len(refused)} refusals, each with one ERROR line that shows the limit',
             observed=lines(len(found), ERROR) + '; NaN was accepted' * taken,
-            why=lifecycle.LET_THROUGH if taken else _why_untold(run, found, refused),
+            why=WHY['accepts_nan'] if taken else _why_untold(run, found, refused),
             shown_by=told,
         )
 
