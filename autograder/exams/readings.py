@@ -6,7 +6,7 @@ The exam ``temperature_subscriber`` compares recordings with this specification.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 import math
@@ -20,6 +20,7 @@ from autograder.judging.numbers import shows
 
 THRESHOLD_C = 30.0
 UNITS = ('Celsius', 'Fahrenheit')
+SENSORS = ('temp_sensor_01', 'temp_sensor_02', '')
 
 
 WHY = Causes(__file__, THRESHOLD_C=THRESHOLD_C)
@@ -78,7 +79,8 @@ class Reading:
             'temperature_value': self.value,
             'unit': self.unit,
             'timestamp': {'sec': 100 + (number + 1) // 2, 'nanosec': 250_000_000},
-            'sensor_id': 'temp_sensor_01',
+            # A monitor has no rule about the sensor, which may have no name.
+            'sensor_id': SENSORS[number % len(SENSORS)],
         }
 
 
@@ -113,7 +115,17 @@ def _with_factor(factor: float, reading: Reading) -> float | None:
     return (reading.value - 32.0) * factor if reading.unit == 'Fahrenheit' else reading.celsius
 
 
+def keeps_last(readings: Sequence[Reading]) -> list[int]:
+    """Return the warnings of a monitor that judges the reading before an unknown unit again."""
+    warnings, hot = [], False
+    for one in readings:
+        hot = hot if one.celsius is None else one.hot
+        warnings.append(int(hot))
+    return warnings
+
+
 UNIT_SLIPS = (
+    WHY.slip('keeps_last', keeps_last),
     WHY.slip(
         'ignores_unit',
         warns(celsius=lambda one: None if one.celsius is None else one.value),

@@ -235,6 +235,8 @@ def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[s
         for node in recording.nodes
         if re.search(rf'{re.escape(node)}(?![\w/])', result.expected)
     ]
+    if not named and len(recording.nodes) > 1:
+        named = [node for node in recording.nodes if _names(about, node)]
     levels = list(dict.fromkeys(_LEVEL.findall(about)))
     for level in levels:
         entries = recording.logs(level=_NUMBERS[level])

@@ -83,7 +83,7 @@ def _own_namespace(code: Code) -> str:
         replaced = (ast.List, ast.Tuple, ast.Call)
         if given and any(isinstance(part, replaced) for part in ast.walk(given[0])):
             return 'Write rclpy.init(args=args) in main(args=None).'
-    return 'Give the node a plain name.'
+    return 'Give the node a plain name, and write rclpy.init(args=args) in main(args=None).'
 
 
 def require_endpoint(run: Run, kind: str, topic: str, type_name: str) -> list[Event]:

@@ -242,10 +242,11 @@ class TestTimeline:
             ('WARN lines', [2.0]),
         ]
 
-    def test_lines_are_those_of_the_node_that_is_meant(self):
+    @pytest.mark.parametrize('name', ['/lab/keeper', 'the keeper'])
+    def test_lines_are_those_of_the_node_that_is_meant(self, name):
         """If a program has two nodes, the lines are those of the node in the check."""
         log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
-        failure = Failed(expected='7 INFO lines from /lab/keeper in 14 s', observed='none')
+        failure = Failed(expected=f'7 INFO lines from {name} in 14 s', observed='none')
         picture = drawn(
             recorded({**log, 'name': 'lab.talker'}, nodes=['/lab/keeper', '/lab/talker']), failure
         )

@@ -96,6 +96,8 @@ exam = build(
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
+        # A node that goes on after an unknown unit would judge this reading again.
+        hot(_draw),
         *odd(_draw),
         hot(_draw),
         *(cool(_draw), hot(_draw), *_burst),

@@ -60,7 +60,8 @@ def why_starved(run: Run) -> Cause | None:
     last_s = max((one['clock_ns'] for one in run.recording.of('input')), default=0) / SECOND
     late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
     starved = late and all(last_s < one < results[-1] + BEAT_S for one in late)
-    return WHY['threads_used_up'] if starved else None
+    several = 'MultiThreadedExecutor' in Code(run.files).calls
+    return WHY['threads_used_up' if several else 'starved'] if starved else None
 
 
 def keeps_its_rhythm(run: Run) -> None:

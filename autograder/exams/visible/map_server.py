@@ -118,6 +118,8 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
         return WHY['replaces_empty'] if _replaces_empty(run) else WHY['first_repeats']
     if not before:
         return WHY['no_first_map']
+    if before[0] == FIRST:  # it came after a survey
+        return WHY['first_map_late']
     return WHY['wrong_form' if before[0].strip().lower() == FIRST else 'first_text']
 
 
