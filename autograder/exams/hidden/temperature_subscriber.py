@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import math
 import random
 
@@ -96,8 +97,10 @@ exam = build(
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
-        # A node that goes on after an unknown unit would judge this reading again.
+        # A node that goes on after an unknown unit judges the first of these readings again; one
+        # that compares values in any unit does not warn about the second.
         hot(_draw),
+        replace(cool(_draw), kind=UNKNOWN, unit='Rankine'),
         *odd(_draw),
         hot(_draw),
         *(cool(_draw), hot(_draw), *_burst),
