@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 import json
 import os
 from pathlib import Path
+import random
 import re
 import shutil
 import signal
@@ -270,7 +271,7 @@ def stop_hub(folder: Path, system: subprocess.Popen[str]) -> None:
 
 def first_of_three_free_ports() -> int:
     """Return a port that is free on 127.0.0.1, as are the next two."""
-    for port in range(18000, 19000, 3):
+    for port in random.sample(range(18000, 19000, 3), 100):  # other hubs look for ports too
         with socket.socket() as one, socket.socket() as two, socket.socket() as three:
             try:
                 for offset, probe in enumerate((one, two, three)):
