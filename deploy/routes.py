@@ -161,6 +161,7 @@ def inside(root: Path, cwd: str) -> list[str]:
         binds[authority] = '/run/authority'
         environ |= dict.fromkeys(('PIP_CERT', 'NODE_EXTRA_CA_CERTS'), '/run/authority')
     words = ['bwrap', '--bind', str(root), '/', '--proc', '/proc', '--dev', '/dev']
+    words += ['--perms', '1777', '--tmpfs', '/dev/shm']  # as on a system that boots
     words += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', cwd]
     words += [word for pair in binds.items() for word in ('--ro-bind', *pair)]
     words += ['--clearenv']
