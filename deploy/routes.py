@@ -44,13 +44,17 @@ WIDE = {'COLUMNS': '200'}
 
 
 HUB_SCRIPT = """\
+mount -t proc proc /proc
 exec 3<&0 </dev/null
 {before}
 {start} &
 wait $! || echo "make has ended with code $?"
 read -r _ <&3
 """
-"""The job of the last command is a process group, which Ctrl-C would reach as a whole."""
+"""
+Bubblewrap covers parts of ``/proc``, so its users could not start a sandbox of their own.  The job
+of the last command is a process group, which Ctrl-C reaches as a whole.
+"""
 OPENED = r'^Open (\S+) and log in as (\w+), (\w+)'
 ENDED = 'make has ended with code'
 STOPPED_S = 90.0

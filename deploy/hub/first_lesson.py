@@ -1,16 +1,8 @@
-"""
-Take a lesson from its release to the returned feedback, with the requests that buttons send.
-
-    python -m deploy.hub.first_lesson ADDRESS INSTRUCTOR STUDENT
-
-Needs a running hub with first-use passwords, whose users have not logged in yet or use the
-password of :mod:`deploy.hub.user`.
-"""
+"""Take a lesson from its release to the returned feedback, with the requests that buttons send."""
 
 from __future__ import annotations
 
 import re
-import sys
 from typing import Any
 
 from autograder.layout import Layout
@@ -30,6 +22,8 @@ class LessonFailed(Exception):
 def teach(hub: str, instructor: str, student: str) -> str:
     """
     Release a lesson, solve one exercise as a student, grade it and return the feedback.
+
+    The users have not logged in yet, or use the password of :mod:`deploy.hub.user`.
 
     :param hub: address of the hub, with a slash at its end
     :returns: the points on the student's feedback page
@@ -59,7 +53,7 @@ def press(teacher: User, kind: str, action: str) -> None:
     """Press a button of the lesson in formgrader; ``kind`` is assignment or submission."""
     answer = teacher.ask('POST', f'formgrader/api/{kind}/{LESSON}/{action}')
     if not answer['success']:
-        raise LessonFailed(f'{action}: {answer.get("error") or answer.get("log")}')
+        raise LessonFailed(f'{action}: {answer.get("log")}{answer.get("error")}')
 
 
 def choose(learner: User, action: str, status: str) -> dict[str, Any]:
@@ -111,7 +105,3 @@ def returned(learner: User, submission: dict[str, Any]) -> str:
     if not points:
         raise LessonFailed(f'{page["path"]}: no points on this page')
     return points[1]
-
-
-if __name__ == '__main__':
-    print(teach(*sys.argv[1:]))
