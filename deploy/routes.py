@@ -45,6 +45,7 @@ WIDE = {'COLUMNS': '200'}
 
 HUB_SCRIPT = """\
 mount -t proc proc /proc
+set -m
 exec 3<&0 </dev/null
 {before}
 {start} &
@@ -218,8 +219,9 @@ def new_hub(suite: str, areas: str = 'main') -> Callable[[Path], str]:
         *before, start = commands_of(page.read_text(encoding='utf-8'))
         edit = f"sed -i 's/^port = .*/port = {first_of_three_free_ports()}/' /etc/ros2_hub.toml"
         script = HUB_SCRIPT.format(before='\n'.join([*before, edit]), start=start)
-        command = [*inside(root, '/root'), 'bash', '-exmc', script]
+        command = [*inside(root, '/root'), 'bash', '-exc', script]
         pipe = subprocess.PIPE
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # no program may inherit SIG_IGN
         with subprocess.Popen(
             command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True
         ) as system:
