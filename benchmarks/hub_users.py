@@ -96,7 +96,7 @@ def _work_or_abort(user: Measured, together: threading.Barrier) -> Measured:
 
 def memory_of(name: str) -> float:
     """Return the memory of all processes of a user, shared pages divided [MiB]."""
-    mine = [one for one in psutil.process_iter() if one.username() == name]
+    mine = [one for one in psutil.process_iter(['username']) if one.info['username'] == name]
     return sum(float(one.memory_full_info().pss) for one in mine) / MIB
 
 
