@@ -12,21 +12,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import json
 import threading
 import time
 from typing import Any
-import uuid
 
 import psutil
-import requests
-import websocket
 
 from autograder.layout import Layout
 from benchmarks import report
+from deploy.hub.user import LIMIT_S, run, User
 
-PASSWORD = 'measured with this password'
 LESSON = '00_quick_tour'
 PLOT = 'plot('
 CALLER = """
@@ -52,87 +49,17 @@ while {name!r} not in caller.heard:
 """
 HEARD = "print('heard', *sorted(caller.heard))"
 CALLING_S = 5.0
-LIMIT_S = 900.0
 MIB = 2**20
 
 
 @dataclass
-class User:
-    """
-    One user of the hub, with the times that are measured [s].
+class Measured(User):
+    """One user of the hub, with the times that are measured [s]."""
 
-    :param hub: address of the hub, with a slash at its end
-    """
-
-    hub: str
-    name: str
     ready_s: float = 0.0
     plot_s: float = 0.0
     heard: tuple[str, ...] = ()
     memory_mib: float = 0.0
-    session: requests.Session = field(default_factory=requests.Session)
-
-    @property
-    def server(self) -> str:
-        """The address of the user's server."""
-        return f'{self.hub}user/{self.name}/'
-
-    def token(self, path: str) -> str:
-        """Return the XSRF token for a path."""
-        return str(self.session.cookies.get('_xsrf', path=path))
-
-    def log_in(self) -> None:
-        """Log in and wait until the user's server answers."""
-        self.session.get(f'{self.hub}hub/login').raise_for_status()
-        form = {'username': self.name, 'password': PASSWORD, '_xsrf': self.token('/hub/')}
-        self.session.post(f'{self.hub}hub/login', data=form).raise_for_status()
-        end = time.monotonic() + LIMIT_S
-        while not self.session.get(f'{self.server}lab').url.startswith(self.server):
-            if time.monotonic() > end:
-                raise TimeoutError(f'{self.name}: the server did not start')
-            time.sleep(0.2)
-
-    def kernel(self) -> websocket.WebSocket:
-        """Start a kernel in the folder of the lesson, and connect to it."""
-        headers = {'X-XSRFToken': self.token(f'/user/{self.name}/')}
-        body = {'name': 'ros2_jazzy', 'path': LESSON}
-        answer = self.session.post(f'{self.server}api/kernels', json=body, headers=headers)
-        answer.raise_for_status()
-        address = f'{self.server}api/kernels/{answer.json()["id"]}/channels'
-        request = requests.Request('GET', address)
-        cookies = self.session.prepare_request(request).headers['Cookie']
-        return websocket.create_connection(
-            address.replace('http', 'ws', 1), cookie=cookies, timeout=LIMIT_S
-        )
-
-
-def run(kernel: websocket.WebSocket, code: str, until_svg: bool = False) -> str:
-    """
-    Run a cell and return what it printed.
-
-    :param until_svg: return as soon as the cell shows a picture
-    :raises RuntimeError: if the cell fails, or shows no picture
-    """
-    number, printed = uuid.uuid4().hex, ''
-    header = {'msg_id': number, 'msg_type': 'execute_request', 'session': number, 'username': ''}
-    header |= {'version': '5.3', 'date': ''}
-    message = {'header': header, 'parent_header': {}, 'metadata': {}, 'channel': 'shell'}
-    kernel.send(json.dumps({**message, 'content': {'code': code, 'silent': False}}))
-    while True:
-        found: Any = json.loads(kernel.recv())
-        if found['parent_header'].get('msg_id') != number:
-            continue
-        kind, content = found['msg_type'], found['content']
-        if kind == 'error':
-            raise RuntimeError(f'{content["ename"]}: {content["evalue"]}')
-        if kind == 'stream':
-            printed += content['text']
-        if until_svg and '<svg' in json.dumps(content.get('data', '')):
-            return printed
-        if kind == 'status' and content['execution_state'] == 'idle':
-            if until_svg:
-                raise RuntimeError(f'no picture after: {code}')
-            return printed
 
 
 def first_cells() -> list[str]:
@@ -144,12 +71,12 @@ def first_cells() -> list[str]:
     return codes[: last + 1]
 
 
-def work(user: User, together: threading.Barrier) -> User:
+def work(user: Measured, together: threading.Barrier) -> Measured:
     """Do everything that one user does, and measure it."""
     begin = time.monotonic()
     user.log_in()
     user.ready_s = time.monotonic() - begin
-    kernel = user.kernel()
+    kernel = user.kernel(LESSON)
     *before, plot = first_cells()
     for code in before:
         run(kernel, code)
@@ -168,7 +95,7 @@ def work(user: User, together: threading.Barrier) -> User:
     return user
 
 
-def _work_or_abort(user: User, together: threading.Barrier) -> User:
+def _work_or_abort(user: Measured, together: threading.Barrier) -> Measured:
     try:
         return work(user, together)
     except Exception:
@@ -178,7 +105,7 @@ def _work_or_abort(user: User, together: threading.Barrier) -> User:
 
 def memory_of(name: str) -> float:
     """Return the memory of all processes of a user, shared pages divided [MiB]."""
-    mine = [one for one in psutil.process_iter() if one.username() == name]
+    mine = [one for one in psutil.process_iter(['username']) if one.info['username'] == name]
     return sum(float(one.memory_full_info().pss) for one in mine) / MIB
 
 
@@ -186,7 +113,7 @@ def measure(hub: str, names: Sequence[str]) -> dict[str, Any]:
     """Let users work at the same time, and return the figures."""
     together = threading.Barrier(len(names))
     with ThreadPoolExecutor(len(names)) as pool:
-        users = list(pool.map(lambda name: _work_or_abort(User(hub, name), together), names))
+        users = list(pool.map(lambda name: _work_or_abort(Measured(hub, name), together), names))
     crossed = {user.name: user.heard for user in users if user.heard != (user.name,)}
     return {
         'ready_s': report.spread([user.ready_s for user in users]),

@@ -14,15 +14,21 @@ from collections.abc import Callable, Mapping, Sequence
 import json
 import os
 from pathlib import Path
+import random
 import re
 import shutil
+import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 from typing import Any
 
+import psutil
+
 from autograder.files import json_bytes, keep
+from deploy.hub.first_lesson import LessonFailed, teach
 from environment.places import PROJECT
 
 ROWS = Path(__file__).with_suffix('.json')
@@ -32,8 +38,27 @@ HEAD = '| NAME | route | system | you type | executed | result |\n|---|---|---|-
 
 NOBODY = 65534
 SYSTEM = {'PATH': '/usr/sbin:/usr/bin:/sbin:/bin', 'HOME': '/root', 'LANG': 'C.UTF-8'}
+SYSTEM['DEBIAN_FRONTEND'] = 'noninteractive'
 WIDE = {'COLUMNS': '200'}
 """Keeps each line of a report on one line."""
+
+
+HUB_SCRIPT = """\
+mount -t proc proc /proc
+set -m
+exec 3<&0 </dev/null
+{before}
+{start} &
+wait $! || echo "make has ended with code $?"
+read -r _ <&3
+"""
+"""
+Bubblewrap covers parts of ``/proc``, so its users could not start a sandbox of their own.  The job
+of the last command is a process group, which Ctrl-C reaches as a whole.
+"""
+OPENED = r'^Open (\S+) and log in as (\w+), (\w+)'
+ENDED = 'make has ended with code'
+STOPPED_S = 90.0
 
 
 class RouteFailed(Exception):
@@ -127,18 +152,25 @@ def new_system(suite: str, areas: str = 'main') -> Callable[[Path], str]:
     def execute(folder: Path) -> str:
         root = debootstrap(folder, suite, f'--components={areas}', '--include=make')
         copy_of_project(folder, 'root')
-        environ, binds = {**SYSTEM, **WIDE}, {'/etc/resolv.conf': '/etc/resolv.conf'}
-        # Behind a proxy, pip needs the proxy's certificate authority.
-        if authority := os.environ.get('PIP_CERT'):
-            environ['PIP_CERT'] = binds[authority] = '/run/authority'
-        inside = ['bwrap', '--bind', str(root), '/', '--proc', '/proc', '--dev', '/dev']
-        inside += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', '/course']
-        inside += [word for pair in binds.items() for word in ('--ro-bind', *pair)]
-        inside += ['--clearenv']
-        inside += [word for pair in environ.items() for word in ('--setenv', *pair)]
-        return make_grade(folder, *inside)
+        return make_grade(folder, *inside(root, '/course'))
 
     return execute
+
+
+def inside(root: Path, cwd: str) -> list[str]:
+    """Return the words before a command that runs in a new system, on this machine's network."""
+    environ, names = {**SYSTEM, **WIDE}, ('/etc/resolv.conf', '/etc/hosts')
+    binds = dict(zip(names, names, strict=True))
+    # Behind a proxy, pip and npm need the proxy's certificate authority.
+    if authority := os.environ.get('PIP_CERT'):
+        binds[authority] = '/run/authority'
+        environ |= dict.fromkeys(('PIP_CERT', 'NODE_EXTRA_CA_CERTS'), '/run/authority')
+    words = ['bwrap', '--bind', str(root), '/', '--proc', '/proc', '--dev', '/dev']
+    words += ['--perms', '1777', '--tmpfs', '/dev/shm']  # as on a system that boots
+    words += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', cwd]
+    words += [word for pair in binds.items() for word in ('--ro-bind', *pair)]
+    words += ['--clearenv']
+    return words + [word for pair in environ.items() for word in ('--setenv', *pair)]
 
 
 def debootstrap(folder: Path, suite: str, *options: str) -> Path:
@@ -173,6 +205,90 @@ def hub(folder: Path) -> str:
     return last_match(r'(\d+ passed)', folder)
 
 
+def new_hub(suite: str, areas: str = 'main') -> Callable[[Path], str]:
+    """
+    Return a route that types the commands of ``docs/hub.md`` on a new system and teaches a lesson.
+
+    :param suite: name of the release, which debootstrap knows
+    :param areas: parts of its archive, separated by commas
+    """
+
+    def execute(folder: Path) -> str:
+        root = debootstrap(folder, suite, f'--components={areas}')
+        page = copy_of_project(folder, 'root') / 'docs' / 'hub.md'
+        *before, start = commands_of(page.read_text(encoding='utf-8'))
+        edit = f"sed -i 's/^port = .*/port = {first_of_three_free_ports()}/' /etc/ros2_hub.toml"
+        script = HUB_SCRIPT.format(before='\n'.join([*before, edit]), start=start)
+        command = [*inside(root, '/root'), 'bash', '-exc', script]
+        pipe = subprocess.PIPE
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # no program may inherit SIG_IGN
+        with subprocess.Popen(
+            command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True
+        ) as system:
+            try:
+                address, instructor, student = printed(folder, system, OPENED)
+                points = teach(address, instructor, student)
+                stop_hub(folder, system)
+            finally:
+                system.kill()  # with it, all processes of the new system
+        return f'feedback returned: {points}'
+
+    return execute
+
+
+def commands_of(page: str) -> list[str]:
+    """Return the commands of the first block of ``docs/hub.md``, for a project in ``/course``."""
+    block = page.partition('```console\n')[2].partition('```')[0]
+    typed = re.findall(r'^# (.+?)(?:  +#.*)?$', block, re.M)
+    return [command.replace('PROJECT', '/course') for command in typed]
+
+
+def printed(folder: Path, system: subprocess.Popen[str], pattern: str) -> tuple[str, ...]:
+    """Copy output to the log up to a line that matches, and return the groups of the pattern."""
+    last: list[str] = []
+    with Path(folder, 'log').open('a', encoding='utf-8') as log:
+        for line in system.stdout or ():
+            log.write(line)
+            log.flush()
+            last = [*last[-4:], line]
+            if found := re.search(pattern, line):
+                return found.groups()
+            if ENDED in line:
+                break
+    raise RouteFailed(f'expected {pattern!r} in the output:\n{"".join(last)}')
+
+
+def stop_hub(folder: Path, system: subprocess.Popen[str]) -> None:
+    """
+    Stop a hub as Ctrl-C does.
+
+    :raises RouteFailed: if a process is left
+    """
+    inner = psutil.Process(system.pid).children(recursive=True)
+    make = next(one for one in inner if one.name() == 'make')
+    os.killpg(os.getpgid(make.pid), signal.SIGINT)
+    printed(folder, system, ENDED)
+    inner = psutil.Process(system.pid).children(recursive=True)
+    _, left = psutil.wait_procs(
+        [one for one in inner if one.name() not in ('bwrap', 'bash')], timeout=STOPPED_S
+    )
+    if left:
+        raise RouteFailed(f'the hub has ended, but not {left[0]}')
+
+
+def first_of_three_free_ports() -> int:
+    """Return a port that is free on 127.0.0.1, as are the next two."""
+    for port in random.sample(range(18000, 19000, 3), 100):  # other hubs look for ports too
+        with socket.socket() as one, socket.socket() as two, socket.socket() as three:
+            try:
+                for offset, probe in enumerate((one, two, three)):
+                    probe.bind(('127.0.0.1', port + offset))
+            except OSError:
+                continue
+            return port
+    raise RouteFailed('no three free ports from 18000 to 18999')
+
+
 def see_it(folder: Path) -> str:
     """Run the program that needs only uv, with an empty cache."""
     cache = str(folder / 'cache')
@@ -196,6 +312,8 @@ ROUTES: dict[str, Callable[[Path], str]] = {
     'ubuntu-24.04': new_system('noble', 'main,universe'),
     'container': container,
     'hub': hub,
+    'hub-debian-12': new_hub('bookworm'),
+    'hub-ubuntu-24.04': new_hub('noble', 'main,universe'),
     'see-it': see_it,
 }
 
@@ -249,7 +367,7 @@ def main(names: Sequence[str]) -> int:
     for name in names:
         try:
             write(name, **execute(name))
-        except (RouteFailed, OSError) as error:
+        except (RouteFailed, LessonFailed, OSError) as error:
             print(f'{name}: {error}', file=sys.stderr)
             return 1
     return 0

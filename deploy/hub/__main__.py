@@ -51,6 +51,7 @@ def main(arguments: Sequence[str]) -> int:
             return 0
         with _alone(settings):
             remove_old_copies(settings)
+            forget_ended_proxy(settings.run / 'proxy.pid')
             return _run(settings, path)
     except (SettingsError, HubError) as error:
         print(f'hub: {error}', file=sys.stderr)
@@ -72,6 +73,19 @@ def _alone(settings: Settings) -> Iterator[None]:
                 f'{settings.folder}: this hub is already running. Try: stop it'
             ) from error
         yield
+
+
+def forget_ended_proxy(pid_file: Path) -> None:
+    """
+    Remove the pid file of a proxy that no longer runs, for example after a power failure.
+
+    JupyterHub ends the process with this number, even if it is a different program by now.
+    """
+    with suppress(OSError):
+        command = Path('/proc', pid_file.read_text().strip(), 'cmdline').read_bytes()
+        if b'configurable-http-proxy' in command:
+            return
+    pid_file.unlink(missing_ok=True)
 
 
 def _run(settings: Settings, path: Path) -> int:

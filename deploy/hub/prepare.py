@@ -22,6 +22,8 @@ from environment.places import PROJECT, stated, write_atomically
 from environment.stamps import digest_of, digest_of_files, files_below
 
 COPY = 'students-'
+PASSED_ON = ('PIP_', 'NODE_EXTRA_CA_CERTS')
+"""Beginnings of the variables that set up pip and npm, such as the certificates of a proxy."""
 COURSE_SETTINGS = """\
 # Written by the hub's set-up, for the students' servers.
 c = get_config()
@@ -90,7 +92,7 @@ def run(*command: str | Path, cwd: Path = Path('/'), user: str = '') -> None:
         'LANG': 'C.UTF-8',
         'HOME': str(home_of(user)) if user else str(Path.home()),
         'CI': 'true',  # do not update a progress line in place
-        **{name: value for name, value in os.environ.items() if name.startswith('PIP_')},
+        **{name: value for name, value in os.environ.items() if name.startswith(PASSED_ON)},
     }
     words = [*(('runuser', '-u', user, '--') if user else ()), *map(str, command)]
     done = subprocess.run(

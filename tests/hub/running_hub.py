@@ -16,6 +16,7 @@ import psutil
 
 from deploy.hub.prepare import home_of
 from deploy.hub.settings import read, Settings
+from deploy.routes import first_of_three_free_ports
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / 'docs' / 'pictures'
@@ -79,7 +80,7 @@ def running(folder: Path) -> Iterator[Settings]:
     _remove_work(folder)
     file = folder / 'hub.toml'
     file.write_text(
-        f"folder = '{folder}'\nport = {_port_before_two_free()}\ninstructor = '{TEACHER}'\n"
+        f"folder = '{folder}'\nport = {first_of_three_free_ports()}\ninstructor = '{TEACHER}'\n"
         f"students = ['{ANN}', '{BOB}']\nmemory_mib = 3000\nidle_minutes = 60\n"
     )
     environ = {**os.environ, 'HUB': str(file)}
@@ -117,16 +118,3 @@ def _remove_work(folder: Path) -> None:
 def _wait_until_it_answers(settings: Settings, hub: subprocess.Popen[str]) -> None:
     if not any('Ctrl-C' in line for line in hub.stdout or ()):
         raise AssertionError((settings.run / 'hub.log').read_text()[-3000:])
-
-
-def _port_before_two_free() -> int:
-    """Return a port that is free, as are the next two."""
-    for port in range(18000, 19000, 3):
-        with socket.socket() as one, socket.socket() as two, socket.socket() as three:
-            try:
-                for offset, probe in enumerate((one, two, three)):
-                    probe.bind(('127.0.0.1', port + offset))
-            except OSError:
-                continue
-            return port
-    raise AssertionError('no three free ports')

@@ -3,10 +3,12 @@
 import json
 from pathlib import Path
 import subprocess
+import sys
 
 import pytest
 
 from deploy.hub import worlds
+from deploy.hub.__main__ import forget_ended_proxy
 from deploy.hub.settings import HERE, read, SettingsError
 from environment.install_files import KERNEL_MESSAGES
 
@@ -100,3 +102,19 @@ def test_a_kernel_reached_by_tcp_keeps_the_network_of_the_machine(tmp_path: Path
         for command in (look, ['sh', str(HERE / worlds.SCRIPT), *look])
     )
     assert direct == through
+
+
+def test_only_the_pid_file_of_a_running_proxy_is_kept(tmp_path: Path) -> None:
+    """After a power failure, its number may be that of a different process."""
+    file = tmp_path / 'proxy.pid'
+    waits = [sys.executable, '-c', 'print(flush=True); input()']
+    pipe = subprocess.PIPE
+    for command, kept in ((waits, False), ([*waits, 'configurable-http-proxy'], True)):
+        with subprocess.Popen(command, stdin=pipe, stdout=pipe) as process:
+            process.stdout.readline()  # its command line can be read once it runs
+            file.write_text(str(process.pid))
+            forget_ended_proxy(file)
+            assert file.exists() is kept
+            process.communicate(b'\n')
+    forget_ended_proxy(file)
+    assert not file.exists()

@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 
 import pytest
 
@@ -39,12 +40,12 @@ def test_the_table_of_environment_md_agrees_with_its_data():
 
 
 def test_each_route_has_one_row_and_each_date_a_route():
-    """A row without a command has no date."""
+    """A row without a command has no date, and a route that was never executed has none yet."""
     rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
     assert sorted(row['name'] for row in rows if row['name'] != '-') == sorted(routes.ROUTES)
     for row in rows:
         assert row['result']
-        assert re.fullmatch(r'20\d\d-\d\d-\d\d' if row['name'] != '-' else '', row['date'])
+        assert re.fullmatch(r'(20\d\d-\d\d-\d\d)?' if row['name'] != '-' else '', row['date'])
 
 
 def test_a_route_that_works_sets_date_and_result(files, monkeypatch):
@@ -96,3 +97,32 @@ def test_of_sample_class_refuses_less(old, new, words):
     """With missing submissions, lost points or weak isolation, a route does not count."""
     with pytest.raises(routes.RouteFailed, match=words):
         routes.of_sample_class(REPORT.replace(old, new))
+
+
+def test_commands_of_the_hubs_page_end_with_its_start():
+    """The route types what the page says, without comments and without the output."""
+    page = (routes.PROJECT / 'docs' / 'hub.md').read_text(encoding='utf-8')
+    commands = routes.commands_of(page)
+    assert 'git clone /course course && cd course' in commands
+    assert 'cp deploy/hub/hub.toml /etc/ros2_hub.toml' in commands
+    assert commands[-1] == 'make hub HUB=/etc/ros2_hub.toml'
+
+
+def printed_by(command, folder):
+    """Return what a route reads from the output of a shell's command."""
+    pipe = subprocess.PIPE
+    with subprocess.Popen(['sh', '-c', command], stdin=pipe, stdout=pipe, text=True) as system:
+        return routes.printed(folder, system, routes.OPENED)
+
+
+def test_printed_finds_the_address_and_the_users_of_a_hub(tmp_path):
+    opened = 'echo starts; echo Open http://127.0.0.1:1/ and log in as ann, bob, eve.; echo more'
+    assert printed_by(opened, tmp_path) == ('http://127.0.0.1:1/', 'ann', 'bob')
+    assert (tmp_path / 'log').read_text().startswith('starts\n')
+
+
+@pytest.mark.parametrize('end', ['echo no npm', f'echo no npm; echo {routes.ENDED} 2; exec cat'])
+def test_printed_reports_a_hub_that_ends_before_it_opens(end, tmp_path):
+    """A hub that fails does not keep the route waiting."""
+    with pytest.raises(routes.RouteFailed, match='no npm'):
+        printed_by(end, tmp_path)
