@@ -84,6 +84,7 @@ _draw = generator('temperature_subscriber', 'readings')
 _again = hot(_draw)
 _burst = [hot(_draw), hot(_draw), cool(_draw), cool(_draw)]
 _draw.shuffle(_burst)
+*_units, _nan = odd(_draw)
 exam = build(
     [
         cool(_draw),
@@ -97,11 +98,12 @@ exam = build(
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
-        # A node that goes on after an unknown unit judges the first of these readings again; one
-        # that compares values in any unit does not warn about the second.
+        # A node that goes on after an unknown unit judges this reading again; one that compares
+        # values in any unit does not warn about the cool reading in an unknown unit.
         hot(_draw),
+        *_units,
         replace(cool(_draw), kind=UNKNOWN, unit='Rankine'),
-        *odd(_draw),
+        _nan,
         hot(_draw),
         *(cool(_draw), hot(_draw), *_burst),
     ],
