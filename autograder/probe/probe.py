@@ -25,15 +25,13 @@ from lean_start import lean  # type: ignore[import-not-found]  # in inside/
 
 lean()  # before the first import of a ROS package
 
-import probe_loopback  # type: ignore[import-not-found]  # next to this file
-from probe_run import Probe  # type: ignore[import-not-found]
+from probe_run import Probe  # type: ignore[import-not-found]  # next to this file
 
 
 def main() -> None:
     """Read the scenario, write ``ready``, wait for the start, run, and exit without clean-up."""
     gc.freeze()
     gc.enable()
-    probe_loopback.wait()
     scenario = b''
     while not scenario.endswith(b'\n'):
         said = os.read(0, 1 << 16)

@@ -14,12 +14,12 @@ import socket
 from autograder.errors import ProbeFailed
 from autograder.sandboxes import landlock
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.fork_server import ANSWER_S, Fork, free_server, Loaded
+from autograder.sandboxes.fork_server import Fork, free_server, Loaded
 from autograder.sandboxes.processes import family
 from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
 
-LAUNCHER = ('sh', '-c', f'echo >&0; read code; exit "${{code:-{KILLED[1]}}}"')
-"""Reports that the sandbox is ready, waits for the program's exit code, and ends with it."""
+LAUNCHER = ('sh', '-c', f'read code; exit "${{code:-{KILLED[1]}}}"')
+"""Waits for the program's exit code, and ends with it."""
 FURTHER = ('mnt', 'pid', 'ipc', 'uts', 'cgroup')
 """Namespaces that only a program enters, not its probe."""
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
@@ -47,7 +47,6 @@ def start_fork(
     server = free_server(sandbox, loaded_program(program))
     confined = sandbox.start(Program(LAUNCHER, program.binds), limits, home)
     try:
-        _wait_until_ready(confined)
         gate, theirs = socket.socketpair()
         with theirs, confined.gate as launcher:
             confined.gate = gate
@@ -65,28 +64,14 @@ def start_fork(
                 },
             }
             _became(confined, server.fork(order, theirs.fileno(), others))
+    except OSError as error:  # the sandbox has ended, and its namespaces with it
+        confined.kill()
+        what = f'The sandbox ended before the program began: {error}.'
+        raise ProbeFailed(what) from error
     except BaseException:
         confined.kill()
         raise
     return confined
-
-
-def _wait_until_ready(confined: Confined) -> None:
-    """
-    Wait until the namespaces contain everything, which the launcher reports.
-
-    :raises ProbeFailed: if bubblewrap ends, or does not answer within 120 s
-    """
-    confined.gate.settimeout(ANSWER_S)
-    try:
-        ready = confined.gate.recv(1)
-    except OSError:
-        ready = b''
-    if not ready:
-        confined.process.kill()
-        what = confined.process.communicate()[1].decode(errors='replace').strip() or 'no word'
-        code = confined.process.returncode
-        raise ProbeFailed(f'The sandbox ended with code {code} before the program began: {what}.')
 
 
 def _open_namespaces(confined: Confined) -> list[int]:
@@ -96,7 +81,7 @@ def _open_namespaces(confined: Confined) -> list[int]:
     if 'user' in confined.namespaces:
         # The first one gives the right to enter the others. The launcher is in a nested one, in
         # which it has its own uid and can create no further namespace.
-        launcher = list(family(confined.pid))[-1]
+        launcher = [confined.pid, *family(confined.pid)][-1]
         confined.namespaces['nested'] = open_namespace(launcher, 'user')
     order = ('user', 'net', *FURTHER, 'nested')
     return [confined.namespaces[kind] for kind in order if kind in confined.namespaces]

@@ -34,6 +34,9 @@ from environment.ros import ros_environment, RosEnvironment
 HERE = Path(__file__).parents[1]
 NS_GET_USERNS = 0xB701  # ioctl_ns(2)
 HOME = '/tmp/home'
+READY = ('sh', '-c', 'echo >&0; exec "$@"', 'sh')
+"""Prefix of a command: reports that the file systems and the network are set up, then runs it."""
+READY_S = 120.0  # timeout, ten thousand times the usual duration
 FIRST_UID, UIDS = 1_000_000_000, 1_000_000_000
 
 
@@ -183,7 +186,7 @@ class Sandbox:
         descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
         try:
             options = self.bwrap(program, limits, descriptors)
-            command = self.command(program, limits)
+            command = [*READY, *self.command(program, limits)]
             held = (info_write, rules, *inherited)
             process = start_bwrap(options, command, held, stdin=theirs)
         except OSError as error:
@@ -199,6 +202,9 @@ class Sandbox:
         with os.fdopen(info_read) as info:
             text = info.read()
         try:
+            gate.settimeout(READY_S)
+            if not gate.recv(1):
+                raise OSError('the sandbox ended')
             pid = json.loads(text)['child-pid']
             pidfd = os.pidfd_open(pid)
             net = open_namespace(pid, 'net')
