@@ -122,8 +122,8 @@ class Cell:
             return ''
         if self.check == 'WARNING' and 'SYSTEM_DEFAULT' in (self.offered, self.requested):
             return (
-                'undetermined: the check cannot know what the middleware makes of SYSTEM_DEFAULT '
-                f'(here: {self.became[0]} offered, {self.became[1]} requested)'
+                'undetermined: the function does not know what SYSTEM_DEFAULT means here '
+                f'({self.became[0]} offered, {self.became[1]} requested)'
             )
         if self.check == 'OK' and 'BEST_AVAILABLE' in (self.offered, self.requested):
             return (
@@ -144,7 +144,7 @@ class Cell:
 
     def __str__(self) -> str:
         pair = f'{self.offered} offered, {self.requested} requested'
-        said = f'check says {self.check}'
+        said = f'the function says {self.check}'
         return f'{pair}: {self.outcome}, {said}; {self.explanation or "UNEXPLAINED"}'
 
 
@@ -209,13 +209,13 @@ class QosTable:
 
 
 def _text_of(cell: Cell) -> str:
-    return cell.shown if cell.agrees else f'{cell.shown} (check: {cell.check})'
+    return cell.shown if cell.agrees else f'{cell.shown} (function: {cell.check})'
 
 
 def _html_of(cell: Cell, rule: str) -> str:
     text = escape(cell.shown) if cell.matched else f'<b>{escape(cell.shown)}</b>'
     if not cell.agrees:
-        text += f'<br><small>check: {cell.check}</small>'
+        text += f'<br><small>function: {cell.check}</small>'
     return f'<td style="{rule}; background: {_TINTS[cell.matched]}">{text}</td>'
 
 
