@@ -6,9 +6,10 @@ A first, short run shows which topics the program has.  A second run records the
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+import json
 import re
 
 from autograder.errors import ProbeFailed, UsageError
@@ -26,7 +27,7 @@ JOIN_NS = 200_000_000
 """Time that a late subscription needs to connect, in which no input can be sent [ns]."""
 MARGIN_NS = 1_000_000
 """Time to listen beyond the end, so that events exactly at the end are recorded [ns]."""
-_looks: dict[Hashable, Recording] = {}
+_looks: dict[str, Recording] = {}
 """First runs of this process, because several tests often run the same program."""
 _MESSAGE = re.compile(r'^\w+/msg/\w+$')
 
@@ -43,7 +44,7 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     """
     steps = (Advance(min(LOOK_S, order.seconds)),)
     scenario = Scenario(file=order.file, arguments=order.arguments, steps=steps)
-    key = (scenario, tuple(sorted(files.items())), sandbox.mode)
+    key = json.dumps([scenario.to_json(), dict(files), sandbox.mode], sort_keys=True)
     recording = _looks.get(key) or _run(scenario, files, sandbox)
     _looks[key] = recording
     for _ in range(MAX_RUNS):
