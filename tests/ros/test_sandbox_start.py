@@ -59,7 +59,9 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
 def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):
     """The advice is to repeat the command, not to look for missing packages."""
     sandbox = strongest()
-    monkeypatch.setattr(Sandbox, 'command', lambda *_: ['sh', '-c', 'kill -9 $$'])
+    # The trial releases its program when everything is set up.
+    killed = ['sh', '-c', 'head -c 1 > /dev/null; kill -9 $$']
+    monkeypatch.setattr(Sandbox, 'command', lambda *_: killed)
 
     with pytest.raises(SandboxUnavailable, match='Another program ended the trial') as caught:
         try_out(sandbox)
