@@ -73,7 +73,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
 
 @pytest.mark.parametrize('link', [False, True], ids=['by its name', 'by a link'])
 def test_the_courses_own_folder_is_the_class(graded, tmp_path, link):
-    """A student who is no longer in the folder is removed, also if a link names the folder."""
+    """A student who is no longer in the folder is removed, even if the path is a link."""
     (graded.submitted / 'cho' / ASSIGNMENT / NOTEBOOK).unlink()
     (graded.submitted / 'cho' / ASSIGNMENT).rmdir()
     (graded.submitted / 'cho').rmdir()

@@ -165,7 +165,7 @@ def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
         nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
         found.append('temp_publisher.py is older than its cell' in kernel.run(CHECK).text)
 
-    # A notebook with another number of the cell was saved before the cell ran.
+    # The third notebook is older than the file: its cell has the number of an earlier run.
     assert found == [False, True, False]
 
 
