@@ -24,6 +24,7 @@ from environment.stamps import digest_of, digest_of_files, files_below
 COPY = 'students-'
 PASSED_ON = ('PIP_', 'NODE_EXTRA_CA_CERTS')
 """Beginnings of the variables that set up pip and npm, such as the certificates of a proxy."""
+SERVER_SETTINGS = 'jupyter_server_config.py'
 COURSE_SETTINGS = """\
 # Written by the hub's set-up, for the students' servers.
 c = get_config()
@@ -217,11 +218,12 @@ def _pull_from_where_this_copy_came(clone: Path) -> None:
 
 
 def _add_server(venv: Path, user: str = '') -> None:
-    """Add the packages that a server needs under a hub; change no installed version."""
+    """Add the packages and settings of a server under a hub; change no installed version."""
     pip = (venv / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
     lines = (HERE / 'requirements-server.txt').read_text(encoding='utf-8').splitlines()
     # Pass no file: the user may not be able to read this folder, if it is in the home of root.
     run(*pip, *(line for line in lines if not line.startswith('#')), user=user)
+    shutil.copyfile(HERE / SERVER_SETTINGS, venv / 'etc' / 'jupyter' / SERVER_SETTINGS)
 
 
 def _exchange(settings: Settings) -> None:

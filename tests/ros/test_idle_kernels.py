@@ -1,0 +1,82 @@
+"""A hub stops an idle kernel even if a node in it logs, or a picture keeps drawing."""
+
+import asyncio
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+from traitlets.config.loader import PyFileConfigLoader
+
+from deploy.hub.prepare import SERVER_SETTINGS
+from deploy.hub.settings import HERE
+from environment.install_files import KERNEL_NAME
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+
+DRAWS = """\
+from roslab import *
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__('talker')
+        publisher = self.create_publisher(Float32, 'level', 10)
+        self.create_timer(0.1, lambda: publisher.publish(Float32(data=1.0)))
+        self.create_timer(0.1, lambda: self.get_logger().info('still here'))
+
+start(Talker)
+plot('level', 'data')
+"""
+STARTED_S = 120
+
+
+async def activity(folder: Path) -> tuple[datetime, datetime, str]:
+    """Return a kernel's last activity after a cell, and after later outputs, and its state."""
+    settings = PyFileConfigLoader(SERVER_SETTINGS, str(HERE)).load_config()
+    kernels = settings.ServerApp.kernel_manager_class(root_dir=str(folder))
+    kernel = kernels.get_kernel(await kernels.start_kernel(kernel_name=KERNEL_NAME))
+    client = kernel.client()
+    client.start_channels()
+    try:
+        await client.wait_for_ready(timeout=STARTED_S)
+        started = kernel.last_activity
+        content = {'code': DRAWS, 'silent': False, 'store_history': True, 'allow_stdin': False}
+        # Only a cell of an open notebook has this metadata.
+        cell = client.session.msg('execute_request', content, metadata={'cellId': 'one'})
+        client.shell_channel.send(cell)
+        await idle(client, cell)
+        ran = kernel.last_activity
+        assert ran > started
+        await outputs(client)
+        return ran, kernel.last_activity, kernel.execution_state
+    finally:
+        client.stop_channels()
+        await kernels.shutdown_kernel(kernel.kernel_id, now=True)
+
+
+async def idle(client: Any, cell: Any) -> None:
+    """Wait until a cell has ended."""
+    state = None
+    while state != 'idle':
+        message = await client.get_iopub_msg(timeout=STARTED_S)
+        assert message['msg_type'] != 'error', message['content']
+        if message['parent_header'].get('msg_id') == cell['header']['msg_id']:
+            state = message['content'].get('execution_state', state)
+
+
+async def outputs(client: Any) -> None:
+    """Wait until the kernel has sent another log line and another picture."""
+    log_line = picture = False
+    while not (log_line and picture):
+        message = await client.get_iopub_msg(timeout=STARTED_S)
+        log_line |= 'still here' in str(message['content'])
+        picture |= message['msg_type'] == 'comm_msg'
+
+
+def test_only_a_cell_is_activity(tmp_path: Path) -> None:
+    """The kernel is idle after its cell, since the moment when the cell ended."""
+    ran, later, state = asyncio.run(activity(tmp_path))
+    assert ran == later
+    assert state == 'idle'
