@@ -99,7 +99,7 @@ def _amount(calls: list[Call]) -> str:
     lost = sum(call.lost for call in calls)
     pending = sum(call.began is None for call in calls) - lost
     words = [f'{len(calls) - lost - pending} called']
-    return ', '.join(words + [f'{lost} not'] * bool(lost) + [f'{pending} not yet'] * bool(pending))
+    return ', '.join(words + [f'{lost} not'] * bool(lost) + [f'{pending} waiting'] * bool(pending))
 
 
 def _content(calls: list[Call], levels: list[int], end: float, y: float, place: Place) -> str:

@@ -35,7 +35,7 @@ STARTED_S = 120
 async def activity(folder: Path) -> tuple[datetime, datetime, str]:
     """Return a kernel's last activity after a cell, and after later outputs, and its state."""
     settings = PyFileConfigLoader(SERVER_SETTINGS, str(HERE)).load_config()
-    kernels = settings.ServerApp.kernel_manager_class(root_dir=str(folder))
+    kernels = settings.ServerApp.kernel_manager_class(connection_dir=str(folder))
     kernel = kernels.get_kernel(await kernels.start_kernel(kernel_name=KERNEL_NAME))
     client = kernel.client()
     client.start_channels()

@@ -192,7 +192,7 @@ def test_messages_wait_until_the_node_is_spun_and_the_queue_loses_the_oldest(con
     assert [(call.came < began < call.began) for call in seen.calls] == [True] * 3
     assert len(seen.lost) == 7
     assert all(one.came < seen.calls[0].came for one in seen.lost)
-    assert '3 called, 7 not, 2 not yet' in seen._repr_html_()
+    assert '3 called, 7 not, 2 waiting' in seen._repr_html_()
     assert str(seen).count('no callback') == 7
     assert str(seen).count('not yet') == 2
 

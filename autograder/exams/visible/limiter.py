@@ -29,7 +29,7 @@ PACKAGE, NODE = 'my_robot_pkg', 'limiter'
 TYPE = 'std_msgs/msg/Float64'
 FILE = 'config/limiter.yaml'
 DEFAULT, IN_FILE = 1.0, 0.5  # of max_speed [m/s]
-EXERCISE = 'Exercise 10: a speed limiter'
+EXERCISE = 'Exercise 1: a speed limiter'
 DOUBLE = 3  # PARAMETER_DOUBLE in rcl_interfaces/msg/ParameterType
 WHY = Causes(__file__, FILE=FILE, IN_FILE=IN_FILE)
 

@@ -34,7 +34,7 @@ SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
 CLOCK = RosClock(begins_s=5_000.1)  # no tick falls on a whole second
 EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
-EXERCISE = 'Exercise 4.2: from one type to another'
+EXERCISE = 'Exercise 2: from one type to another'
 
 
 WHY = Causes(__file__)

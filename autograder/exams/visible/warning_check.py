@@ -37,7 +37,7 @@ from autograder.simulated import LogRecord, Simulation, TopicRecord
 FILE = 'warning_check.py'
 NO_ACCEPTS = "has no attribute 'accepts'"
 RUNS, ANSWERS, TYPE = '/runs', '/answers', 'std_msgs/msg/String'
-EXERCISE = 'Exercise 11: the check'
+EXERCISE = 'Exercise 1: the check'
 MONITOR, READINGS = 'temperature_subscriber', '/temperature_topic'
 WORDS = (
     ('{:.2f} {} from temp_sensor_01', 'Too warm: {:.2f} {}'),
