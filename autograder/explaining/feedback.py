@@ -112,7 +112,8 @@ def told(check: CheckResult) -> list[tuple[str, str]]:
 
 
 def _one_line(text: str) -> str:
-    return ' '.join(printable(text).split())
+    """Return a text with its lines joined; spaces within a line may be what is wrong."""
+    return ' '.join(filter(None, map(str.strip, printable(text).splitlines())))
 
 
 def _wrapped(name: str, text: str, most: int | None = None) -> list[str]:

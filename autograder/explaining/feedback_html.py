@@ -34,7 +34,7 @@ _LIST = (
 )
 _CELL = 'float: none; width: auto; margin: 0; padding: 0'
 _TERM = f'{_CELL}; text-align: left; font-weight: 600'
-_TEXT = f'{_CELL}; overflow-wrap: anywhere'
+_TEXT = f'{_CELL}; overflow-wrap: anywhere; white-space: pre-wrap'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
 _ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
 _ELSEWHERE = re.compile(r'lesson (\d+), (Part \d+: .*)')
