@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import takewhile
 import math
 from typing import Any
 
@@ -125,14 +126,23 @@ def in_force_slips(
     :param default: the default value in the code
     """
 
-    def late(inputs: Sequence[Any]) -> list[Any]:
-        limits = [one.limit for one in (*inputs[:1], *inputs)]
-        return [rule(partial(_constant, limit))([one])[0] for limit, one in zip(limits, inputs)]
+    def using(limits: Callable[[Sequence[Any]], Sequence[float]]) -> Rule:
+        return lambda inputs: [
+            rule(partial(_constant, limit))([one])[0] for limit, one in zip(limits(inputs), inputs)
+        ]
+
+    def before(inputs: Sequence[Any]) -> list[float]:
+        return [one.limit for one in (*inputs[:1], *inputs)]
+
+    def not_from_the_start(inputs: Sequence[Any]) -> list[float]:
+        unchanged = sum(1 for _ in takewhile(lambda one: one.limit == one.start, inputs))
+        return [default] * unchanged + [one.limit for one in inputs[unchanged:]]
 
     words: dict[str, Any] = {'parameter': parameter, 'default': default}
     return (
         WHY.slip('read_once', rule(lambda one: float(one.start)), **words),
         WHY.slip('number_in_the_code', rule(lambda one: default), **words),
         WHY.slip('keeps_refused', rule(lambda one: float(one.tried)), **words),
-        WHY.slip('used_late', late, sometimes=True, **words),
+        WHY.slip('start_ignored', using(not_from_the_start), **words),
+        WHY.slip('used_late', using(before), sometimes=True, **words),
     )

@@ -43,7 +43,7 @@ Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
 
 
-WHY = Causes(__file__, OLD_S=OLD_S, NEXT_S=OLD_S + 1)
+WHY = Causes(__file__, OLD_S=OLD_S)
 
 
 class Told(NamedTuple):
@@ -73,6 +73,7 @@ def joining(
     timer: bool = True,
     same_is_old: Collection[int] = (),
     keeps: Callable[[list[float]], list[float]] = list,
+    clock: Callable[[float], float] = float,
 ) -> Rule:
     """
     Return the rule of a node that combines topics; with the default values, the correct one.
@@ -87,6 +88,7 @@ def joining(
     :param same_is_old: the topics on which a value that equals the one before does not renew the
         age
     :param keeps: returns the values of a topic that remain when the node stops
+    :param clock: returns the time that the node reads, given the time since the first input [s]
     """
 
     def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
@@ -99,7 +101,8 @@ def joining(
             heard[topic].append(number)
             row = []
             for tick in range(round(lasts_s / TICK_S) if timer else 1):
-                ages = [now_s + (tick + 0.5) * TICK_S - one for one in came_s]
+                at_s = clock(now_s + (tick + 0.5) * TICK_S)
+                ages = [at_s - clock(one) for one in came_s]
                 if ready(heard):
                     stopped = old(ages) or (for_good and stopped)
                     row.append(stop(latest(heard), ages) if stopped else value(heard))
@@ -149,6 +152,11 @@ def changed(change: Change, *which: int) -> Rule:
     )
 
 
+def _whole_seconds(begins_s: float, time_s: float) -> float:
+    """Return the whole seconds of a clock that shows ``begins_s`` at the first input [s]."""
+    return math.floor(time_s + begins_s)
+
+
 _MOMENTS_S = [(place + 0.5) / 100 for place in range(round(100 * PERIOD_S))]
 SLIPS = (
     WHY.slip('begins_early', joining(ready=any)),
@@ -174,7 +182,11 @@ SLIPS = (
     WHY.slip('silent_when_old', joining(stop=lambda now, ages: None)),
     WHY.slip('stops_for_good', joining(for_good=True)),
     WHY.slip('other_age', joining(old=lambda ages: max(ages) > 2 * OLD_S)),
-    WHY.slip('whole_seconds', joining(old=lambda ages: math.floor(max(ages)) > OLD_S)),
+    WHY.slip(
+        'whole_seconds',
+        joining(old=lambda ages: math.floor(max(ages)) > OLD_S),
+        *(joining(clock=partial(_whole_seconds, one / 10)) for one in range(10)),
+    ),
     WHY.slip(
         'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
     ),

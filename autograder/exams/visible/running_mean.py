@@ -139,7 +139,7 @@ SLIPS = (
         averaging(lambda seen: sum(seen) / (2 * len(seen))),
     ),
     WHY.slip('never_adds', averaging(lambda seen: 0.0)),
-    WHY.slip('last_few', *map(of_the_last, (2, 3, 5, 10, 20, 50))),
+    WHY.slip('last_few', *map(of_the_last, (2, 3, 5, 10, 20, 25, 30, 50, 64, 100))),
     WHY.slip('each_once', averaging(lambda seen: fmean(set(seen)))),
     WHY.slip('changes_only', changes_only),
     WHY.slip(
