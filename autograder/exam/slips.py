@@ -57,7 +57,7 @@ def warning_slips(
 
 def _comparisons(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:
     def cutting(cut: Callable[[float], float]) -> Rule:
-        return rule(lambda value, limit: math.isfinite(value) and cut(value) > limit)
+        return rule(lambda value, limit: (cut(value) if math.isfinite(value) else value) > limit)
 
     def slip(name: str, *rules: Rule) -> Slip:
         return WHY.slip(name, *rules, limit=limit)

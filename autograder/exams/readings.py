@@ -52,8 +52,8 @@ class Reading:
 
     @property
     def odd(self) -> bool:
-        """Return whether the reading is not a proper temperature: an unknown unit or NaN."""
-        return self.group in ('unknown', 'nan')
+        """Return whether the reading is no usual temperature: an unknown unit, NaN, infinity."""
+        return self.group in ('unknown', 'nan') or math.isinf(self.value)
 
     @property
     def group(self) -> str:
@@ -147,6 +147,10 @@ UNIT_SLIPS = (
         'part_of_a_unit', takes_for(lambda unit: next((one for one in UNITS if unit in one), unit))
     ),
     WHY.slip('any_case', takes_for(str.capitalize)),
+    WHY.slip(
+        'ignores_infinity',
+        warns(celsius=lambda one: None if math.isinf(one.value) else one.celsius),
+    ),
     WHY.slip(
         'unknown_unit',
         warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),

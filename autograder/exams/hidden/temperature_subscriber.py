@@ -104,6 +104,7 @@ exam = build(
         *_units,
         replace(cool(_draw), kind=UNKNOWN, unit='Rankine'),
         _nan,
+        Reading(math.inf, 'a reading of infinity'),
         hot(_draw),
         *(cool(_draw), hot(_draw), *_burst),
     ],
