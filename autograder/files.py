@@ -61,15 +61,16 @@ def safe_name(student: str) -> str:
     return name[: LONGEST_NAME - len(end)] + end
 
 
-def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
+def keep(path: Path, data: bytes, mode: int = 0o666, lasting: bool = True) -> None:
     """
     Write a file atomically.
 
-    The temporary file is renamed only after its content is on the disk; otherwise a power failure
+    A lasting file is renamed only after its content is on the disk; otherwise a power failure
     could leave an empty file.
 
     :param path: the file; its folder is created if it is missing
     :param mode: permissions before the process's umask is applied
+    :param lasting: whether to wait for the disk; not needed for a file that can be made again
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
@@ -80,11 +81,14 @@ def keep(path: Path, data: bytes, mode: int = 0o666) -> None:
             fcntl.flock(file, fcntl.LOCK_EX)
             file.write(data)
             file.flush()
-            os.fsync(descriptor)
+            if lasting:
+                os.fsync(descriptor)
             unfinished.replace(path)
     except BaseException:
         unfinished.unlink(missing_ok=True)
         raise
+    if not lasting:
+        return
     folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(folder)

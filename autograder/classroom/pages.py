@@ -82,10 +82,12 @@ def write_reports(
     templates = _templates()
     student = templates.get_template('student.html.j2')
     for result in results:
-        _put(pages / page_name(result.student), with_unique_ids(student.render(result=result)))
+        page = with_unique_ids(student.render(result=result))
+        keep(pages / page_name(result.student), page.encode(), lasting=False)
     index = templates.get_template('index.html.j2')
     facts = _common(results, summary, people, missing)
-    _put(pages / 'index.html', index.render(assignment=assignment, results=results, **facts))
+    page = index.render(assignment=assignment, results=results, **facts)
+    keep(pages / 'index.html', page.encode(), lasting=False)
     written = {page_name(result.student) for result in results}
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
@@ -168,13 +170,6 @@ def histogram(marks: Marks) -> str:
     words = ', '.join(f'{label}: {count}' for label, count in _labels(marks) if count)
     title = f'Distribution of the points of {marks.count} submissions'
     return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
-
-
-def _put(path: Path, text: str) -> None:
-    """Write a page atomically: a reader sees either the old page or the new page."""
-    unfinished = path.with_name(f'.{path.name}')
-    unfinished.write_text(text, encoding='utf-8')
-    unfinished.replace(path)
 
 
 def with_name(student: str, people: Mapping[str, str]) -> str:

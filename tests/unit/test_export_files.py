@@ -44,6 +44,15 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == ['marks.csv']
 
 
+def test_a_file_that_need_not_last_does_not_wait_for_the_disk(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, 'fsync', None)
+
+    keep(tmp_path / 'page.html', b'new', lasting=False)
+
+    assert (tmp_path / 'page.html').read_bytes() == b'new'
+    assert os.listdir(tmp_path) == ['page.html']
+
+
 def test_a_link_is_something_that_is_there(tmp_path):
     (tmp_path / 'marks.csv').symlink_to('nowhere')
 

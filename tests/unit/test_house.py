@@ -14,8 +14,8 @@ from autograder.layout import Layout
 ROOT = Path(__file__).resolve().parents[2]
 GRADER = ROOT / 'autograder'
 MOST_MODULES = 12
-ONE_EACH = {'exams/visible', 'exams/hidden', 'inside'}
-"""Folders of many similar modules: one per exam, or one per file that enters the sandbox."""
+ONE_EACH = {'exams/visible', 'exams/hidden'}
+"""Folders with one module per exam."""
 
 
 @cache

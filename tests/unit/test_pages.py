@@ -138,7 +138,7 @@ class TestPages:
             raise KeyboardInterrupt
 
         write_reports(tmp_path, '01_talker', [submission('old')])
-        monkeypatch.setattr(report, '_put', stop)
+        monkeypatch.setattr(report, '_templates', stop)
         with pytest.raises(KeyboardInterrupt):
             write_reports(tmp_path, '01_talker', [submission('new')])
 
