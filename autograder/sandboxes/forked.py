@@ -42,7 +42,8 @@ def start_program(
     """
     Start the program of a run, which waits for :meth:`Confined.release`.
 
-    :param program: Python, a script of the grader, and its arguments
+    :param program: Python, a script of the grader that serves forks or builds a package, and their
+        arguments
     :param home: an existing empty folder
     :param builds: whether the script builds a package first
     :raises SandboxUnavailable: if bubblewrap or a fork server does not start
@@ -51,8 +52,7 @@ def start_program(
     compile_code()
     place = clock.places[STUDENT].fileno()
     if sandbox.isolated and not builds:
-        load_together(sandbox, loaded_probe(sandbox), loaded_program(program))
-        return start_fork(sandbox, program, limits, home, place)
+        return _start_fork(sandbox, program, limits, home, place)
     # Packages are built in real time. After the build, run_package.py and build_package.py load
     # the library of the virtual clock into the program that replaces them.
     placed = clock.command(STUDENT, later=builds)
@@ -60,25 +60,12 @@ def start_program(
     return sandbox.start(program, limits, home, (place,))
 
 
-def loaded_program(program: Program) -> Loaded:
-    """Return the program whose forks run student's programs: Python and a script."""
-    return Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
-
-
-def start_fork(
+def _start_fork(
     sandbox: Sandbox, program: Program, limits: Limits, home: Path, place: int
 ) -> Confined:
-    """
-    Start a confined program, which waits for :meth:`Confined.release`.
-
-    :param sandbox: with namespaces
-    :param program: Python, a script that serves forks, and their arguments
-    :param home: an existing empty folder
-    :param place: the program's socket for the virtual clock, a descriptor
-    :raises SandboxUnavailable: if bubblewrap or the fork server does not start
-    :raises ProbeFailed: if the sandbox ends, or the fork could not confine itself
-    """
-    server = free_server(sandbox, loaded_program(program))
+    loaded = Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
+    load_together(sandbox, loaded_probe(sandbox), loaded)
+    server = free_server(sandbox, loaded)
     confined = sandbox.start(Program(LAUNCHER, program.binds), limits, home)
     try:
         gate, theirs = socket.socketpair()
