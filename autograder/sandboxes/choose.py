@@ -93,13 +93,10 @@ def try_out(sandbox: Sandbox) -> None:
     try:
         with (
             sandbox.turn(),
-            tempfile.TemporaryDirectory(prefix='trial-') as folder,
+            tempfile.TemporaryDirectory(prefix='trial-') as home,
             virtual_clock(2) as clock,
         ):
-            Path(folder).chmod(0o755)
-            home = Path(folder, 'home')
-            home.mkdir()
-            confined = start_program(sandbox, program, Limits(), home, clock)
+            confined = start_program(sandbox, program, Limits(), Path(home), clock)
             try:
                 said, error = _answer(sandbox, confined, clock)
             finally:
