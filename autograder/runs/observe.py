@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 import json
 import os
 from pathlib import Path
@@ -28,19 +27,15 @@ from autograder.recording import header, Recording
 from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.fork_server import load_together
-from autograder.sandboxes.forked import loaded_program, start_fork
-from autograder.sandboxes.probes import compile_code, loaded_probe, start_probe
+from autograder.sandboxes.forked import INSIDE, PROBE, start_program, STUDENT
+from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.processes import family, oom_kills, other_domains, ports, running
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from environment.ros import RosEnvironment
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
-# Positions on the virtual clock. If both are due at the same instant, the probe runs first.
-PROBE, STUDENT = 0, 1
 LEAVES_S = 60.0  # timeout for the exit of a sandbox, which normally takes milliseconds
-INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 OF_A_CHECK = {
     str(HERE / name): f'/grader/{name}' for name in ('probe/probe_wire.py', 'simulated.py')
 }
@@ -132,7 +127,6 @@ def observe(
     :raises ProbeFailed: if the probe failed, so that there is no evidence
     :raises SandboxUnavailable: if the sandbox cannot be started
     """
-    compile_code()
     builds = scenario['program'] in BUILDS  # compilers run in parallel
     began = time.monotonic()
     with (
@@ -142,16 +136,7 @@ def observe(
         virtual_clock(2) as clock,
     ):
         program, limits = program_for(scenario, submission, sandbox.ros)
-        place = clock.places[STUDENT].fileno()
-        if sandbox.isolated and not builds:
-            load_together(sandbox, loaded_probe(sandbox), loaded_program(program))
-            student = start_fork(sandbox, program, limits, home, place)
-        else:
-            # Packages are built in real time. After the build, run_package.py and build_package.py
-            # load the library of the virtual clock into the program that replaces them.
-            placed = clock.command(STUDENT, later=builds)
-            program = replace(program, argv=(*placed, *program.argv))
-            student = sandbox.start(program, limits, home, (place,))
+        student = start_program(sandbox, program, limits, home, clock, builds)
         try:
             watched = _Watched(student, limits, scenario, sandbox, clock)
             watched.exam, watched.told, watched.processors = exam_name, told, processors

@@ -1,9 +1,9 @@
 """
 Choose the strongest isolation mode that works on this machine, or an accepted weaker one.
 
-A mode works only if it provides everything that a run needs.  Inside the sandbox, rclpy can be
-imported, the grader's files cannot be read, and time is virtual.  From outside, the probe can
-enter the sandbox's network.
+A mode works only if a trial, which starts a program and a probe as a run does, finds everything
+that a run needs.  The program can use rclpy, it cannot read the grader's files, and its time is
+virtual.  The probe can enter the network of the program.
 """
 
 from __future__ import annotations
@@ -15,21 +15,16 @@ import shutil
 import subprocess
 import tempfile
 
-from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock
-from autograder.errors import SandboxUnavailable
+from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock, VirtualClock
+from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
-from autograder.sandboxes.confined import KILLED, Limits, Program
+from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
+from autograder.sandboxes.forked import INSIDE, PROBE, start_program
+from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
-TRIAL = """
-import rclpy, sys, time
-try:
-    open(sys.argv[1]).close()
-except OSError:
-    print('in' if abs(time.time() - float(sys.argv[2])) < 3600 else 'real')
-else:
-    print('open')
-"""
+TRIAL = ('/grader/inside/run_node.py', '/grader/inside/trial.py')
+TRIAL_S = 20
 
 
 @functools.lru_cache(maxsize=4)
@@ -89,49 +84,51 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
 
 def try_out(sandbox: Sandbox) -> None:
     """
-    Try to enter a sandbox's network, import rclpy inside, and read the grader's files.
+    Try to start a program and a probe as a run does, and to read the grader's files.
 
-    :raises SandboxUnavailable: if entering or importing fails, reading succeeds, or time is real
+    :raises SandboxUnavailable: if one of them does not start, reading succeeds, or time is real
     """
-    with (
-        sandbox.turn(),
-        tempfile.TemporaryDirectory(prefix='trial-') as folder,
-        virtual_clock(1) as clock,
-    ):
-        Path(folder).chmod(0o755)
-        home = Path(folder, 'home')
-        home.mkdir()
-        now = str(SYSTEM_TIME_NS / 1e9)
-        argv = (*clock.command(0), sandbox.ros.python, '-c', TRIAL, __file__, now)
-        confined = sandbox.start(Program(argv), Limits(), home, (clock.places[0].fileno(),))
-        clock.begin()
-        try:
-            if sandbox.isolated:
-                # Enter its network in the same way as the probe.
-                held = tuple(confined.namespaces.values())
-                command = [*confined.enter, 'true']
-                joined = subprocess.run(command, pass_fds=held, capture_output=True, text=True)
-                if joined.returncode != 0:
-                    what = f'The probe cannot join the sandbox network: {joined.stderr.strip()}.'
-                    raise SandboxUnavailable(what, isolation.fix_for('namespace'))
-            confined.release()
-            said, error = confined.process.communicate(timeout=20)
-        except subprocess.TimeoutExpired as late:
-            what = 'rclpy could not be imported within 20 s.'
-            raise SandboxUnavailable(what, 'Try: make doctor') from late
-        finally:
-            confined.kill()
+    now = str(SYSTEM_TIME_NS / 1e9)
+    program = Program((sandbox.ros.python, *TRIAL, __file__, now), INSIDE)
+    try:
+        with (
+            sandbox.turn(),
+            tempfile.TemporaryDirectory(prefix='trial-') as home,
+            virtual_clock(2) as clock,
+        ):
+            confined = start_program(sandbox, program, Limits(), Path(home), clock)
+            try:
+                said, error = _answer(sandbox, confined, clock)
+            finally:
+                confined.kill()
+    except ProbeFailed as refused:
+        raise SandboxUnavailable(refused.what, isolation.fix_for(refused.what)) from refused
     if confined.process.returncode in KILLED:
         what = f'Another program ended the trial of isolation {sandbox.mode}.'
         raise SandboxUnavailable(what, 'Try: run the same command again')
-    if said.strip() == b'open':
+    if said == 'open':
         raise SandboxUnavailable(
             f'Isolation {sandbox.mode} lets a program read grader files.', isolation.SECTION
         )
-    if said.strip() == b'real':
+    if said == 'real':
         what = f'With isolation {sandbox.mode}, a program does not load the virtual clock.'
         raise SandboxUnavailable(what, 'Try: make doctor')
-    if said.strip() != b'in':
-        tail = ' '.join(error.decode(errors='replace').strip().splitlines()[-1:])
-        fix = isolation.fix_for(tail) if tail.startswith('bwrap: ') else 'Try: make doctor'
-        raise SandboxUnavailable(f'rclpy does not run with isolation {sandbox.mode}: {tail}.', fix)
+    if said != 'in':
+        what = f'rclpy does not run with isolation {sandbox.mode}: {error}.'
+        raise SandboxUnavailable(what, isolation.fix_for(error))
+
+
+def _answer(sandbox: Sandbox, confined: Confined, clock: VirtualClock) -> tuple[str, str]:
+    """Start the probe, release the program, and return what it printed and its last error."""
+    probe = start_probe(sandbox, confined, clock.places[PROBE].fileno())
+    clock.begin()
+    confined.release()
+    try:
+        said, error = confined.process.communicate(timeout=TRIAL_S)
+    except subprocess.TimeoutExpired as late:
+        what = f'A trial program did not end within {TRIAL_S} s.'
+        raise SandboxUnavailable(what, 'Try: make doctor') from late
+    finally:
+        probe.end()
+    lines = error.decode(errors='replace').strip().splitlines()
+    return said.decode(errors='replace').strip(), (lines or [''])[-1]

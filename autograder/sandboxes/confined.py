@@ -172,12 +172,6 @@ class Confined:
         """Return the ROS domain id; 0 in a separate network."""
         return self.claimed.domain if self.claimed else 0
 
-    @property
-    def enter(self) -> list[str]:
-        """Return the prefix of a command that enters these namespaces; empty if there are none."""
-        found = [f'--{kind}=/proc/self/fd/{fd}' for kind, fd in self.namespaces.items()]
-        return ['nsenter', *found, '--preserve-credentials', '--'] if found else []
-
     def files(self) -> tuple[int, int]:
         """Return the number of files that the program has created, and their size [bytes]."""
         if self.home is not None:

@@ -88,7 +88,8 @@ class ForkServer:
             self._answer()
         except ProbeFailed as error:
             end_group(self.process)
-            what = self.process.communicate()[1].decode(errors='replace').strip() or 'no word'
+            said = self.process.communicate()[1].decode(errors='replace').strip().splitlines()
+            what = (said or ['no word'])[-1]
             raise SandboxUnavailable(
                 f'The fork server did not start: {what}.', fix_for(what)
             ) from error

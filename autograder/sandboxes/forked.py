@@ -1,5 +1,5 @@
 """
-Start a student's program as a fork of a process that has rclpy loaded.
+Start a student's program, where possible as a fork of a process that has rclpy loaded.
 
 bubblewrap creates the namespaces of the run, in which only a launcher runs.  The fork enters them
 and gives up its rights, so it is confined like a program that bubblewrap starts.  The launcher
@@ -8,13 +8,16 @@ ends with the exit code of the fork, and its end ends the sandbox.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 import socket
 
+from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.sandboxes import landlock
 from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
-from autograder.sandboxes.fork_server import Fork, free_server, Loaded
+from autograder.sandboxes.fork_server import Fork, free_server, load_together, Loaded
+from autograder.sandboxes.probes import compile_code, loaded_probe
 from autograder.sandboxes.processes import family
 from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
 
@@ -24,27 +27,45 @@ FURTHER = ('mnt', 'pid', 'ipc', 'uts', 'cgroup')
 """Namespaces that only a program enters, not its probe."""
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 FOLDER = '/tmp'
+# Positions on the virtual clock. If both are due at the same instant, the probe runs first.
+PROBE, STUDENT = 0, 1
 
 
-def loaded_program(program: Program) -> Loaded:
-    """Return the program whose forks run student's programs: Python and a script."""
-    return Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
-
-
-def start_fork(
-    sandbox: Sandbox, program: Program, limits: Limits, home: Path, place: int
+def start_program(
+    sandbox: Sandbox,
+    program: Program,
+    limits: Limits,
+    home: Path,
+    clock: VirtualClock,
+    builds: bool = False,
 ) -> Confined:
     """
-    Start a confined program, which waits for :meth:`Confined.release`.
+    Start the program of a run, which waits for :meth:`Confined.release`.
 
-    :param sandbox: with namespaces
-    :param program: Python, a script that serves forks, and their arguments
+    :param program: Python, a script of the grader that serves forks or builds a package, and their
+        arguments
     :param home: an existing empty folder
-    :param place: the program's socket for the virtual clock, a descriptor
-    :raises SandboxUnavailable: if bubblewrap or the fork server does not start
-    :raises ProbeFailed: if the sandbox ends, or the fork could not confine itself
+    :param builds: whether the script builds a package first
+    :raises SandboxUnavailable: if bubblewrap or a fork server does not start
+    :raises ProbeFailed: if the sandbox ends, or a fork could not confine itself
     """
-    server = free_server(sandbox, loaded_program(program))
+    compile_code()
+    place = clock.places[STUDENT].fileno()
+    if sandbox.isolated and not builds:
+        return _start_fork(sandbox, program, limits, home, place)
+    # Packages are built in real time. After the build, run_package.py and build_package.py load
+    # the library of the virtual clock into the program that replaces them.
+    placed = clock.command(STUDENT, later=builds)
+    program = replace(program, argv=(*placed, *program.argv))
+    return sandbox.start(program, limits, home, (place,))
+
+
+def _start_fork(
+    sandbox: Sandbox, program: Program, limits: Limits, home: Path, place: int
+) -> Confined:
+    loaded = Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
+    load_together(sandbox, loaded_probe(sandbox), loaded)
+    server = free_server(sandbox, loaded)
     confined = sandbox.start(Program(LAUNCHER, program.binds), limits, home)
     try:
         gate, theirs = socket.socketpair()

@@ -158,7 +158,7 @@ class System:
 
 def fix_for(said: str, system: System | None = None) -> str:
     """
-    Return the fix for an error message of bubblewrap.
+    Return the fix for an error message of bubblewrap, or of a program in the sandbox.
 
     :param said: the error message
     :param system: None for the running system
@@ -168,7 +168,7 @@ def fix_for(said: str, system: System | None = None) -> str:
         return FIX_OLD
     refused = ('uid map', 'RTM_NEWADDR', 'namespace', 'pivot_root', 'Operation not permitted')
     if not any(word in said for word in refused):
-        return SECTION
+        return SECTION if 'bwrap: ' in said else 'Try: make doctor'
     if system.container:
         return FIX_CONTAINER
     if not system.root:

@@ -34,7 +34,7 @@ LIMITS = Limits()
 
 @cache
 def compile_code() -> None:
-    """Compile the files that each run starts; in a sandbox, Python cannot write bytecode."""
+    """Compile the files that fork servers load, because they cannot write bytecode."""
     for folder in CODE:
         compileall.compile_dir(folder, quiet=2)  # ignores folders that are not writable
 

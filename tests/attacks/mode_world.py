@@ -17,9 +17,10 @@ from autograder.exam import catalog
 from autograder.exam.scenario import Advance, Scenario
 from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs.observe import INSIDE, laid_out, observe
+from autograder.runs.observe import laid_out, observe
 from autograder.sandboxes import choose, sandbox
 from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.forked import INSIDE
 
 HOSTILE = """
 import ctypes, json, os, signal, socket, subprocess, sys

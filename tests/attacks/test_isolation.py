@@ -10,9 +10,10 @@ import sys
 import pytest
 
 import autograder
-from autograder.runs.observe import INSIDE, laid_out
+from autograder.runs.observe import laid_out
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.forked import INSIDE
 from autograder.sandboxes.processes import usage
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]

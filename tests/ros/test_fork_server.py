@@ -18,7 +18,7 @@ from autograder.sandboxes import fork_server
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Confined, Limits, Program
 from autograder.sandboxes.fork_server import ForkServer
-from autograder.sandboxes.forked import INSIDE, start_fork
+from autograder.sandboxes.forked import INSIDE, start_program, STUDENT
 from autograder.sandboxes.probes import loaded_probe, start_probe
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -162,12 +162,12 @@ def facts_of(sandbox: Sandbox, folder: Path, forked: bool) -> dict:
     (submission / 'facts.py').write_text(FACTS, 'utf-8')
     argv = (sandbox.ros.python, '/grader/inside/run_node.py', '/submission/facts.py', 'word')
     program = Program(argv, {**INSIDE, str(submission): '/submission'})
-    with virtual_clock(1) as clock:
-        place = clock.places[0].fileno()
+    with virtual_clock(2) as clock:
         if forked:
-            student = start_fork(sandbox, program, Limits(), folder, place)
+            student = start_program(sandbox, program, Limits(), folder, clock)
         else:
-            placed = Program((*clock.command(0), *argv), program.binds)
+            placed = Program((*clock.command(STUDENT), *argv), program.binds)
+            place = clock.places[STUDENT].fileno()
             student = sandbox.start(placed, Limits(), folder, (place,))
         clock.begin()
         return _facts(student)

@@ -1,6 +1,9 @@
 """A sandbox is complete when it has started, and a program that never starts is not to blame."""
 
+import os
 from pathlib import Path
+import subprocess
+import sys
 
 import pytest
 
@@ -12,7 +15,6 @@ from autograder.sandboxes import forked
 from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.choose import strongest, try_out
 from autograder.sandboxes.confined import Confined, Limits, Program
-from autograder.sandboxes.sandbox import Sandbox
 
 pytestmark = [pytest.mark.ros]
 
@@ -59,11 +61,44 @@ def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatc
 def test_a_trial_of_the_sandbox_that_somebody_ended_says_nothing_about_rclpy(monkeypatch):
     """The advice is to repeat the command, not to look for missing packages."""
     sandbox = strongest()
-    # The trial releases its program when everything is set up.
-    killed = ['sh', '-c', 'head -c 1 > /dev/null; kill -9 $$']
-    monkeypatch.setattr(Sandbox, 'command', lambda *_: killed)
+    # The launcher reads the exit code of the trial's program.
+    monkeypatch.setattr(forked, 'LAUNCHER', ('sh', '-c', 'read code; kill -9 $$'))
 
     with pytest.raises(SandboxUnavailable, match='Another program ended the trial') as caught:
         try_out(sandbox)
 
     assert caught.value.fix == 'Try: run the same command again'
+
+
+ENTERS = """
+from autograder.errors import SandboxUnavailable
+from autograder.sandboxes.choose import strongest
+try:
+    print(strongest().mode)
+except SandboxUnavailable as refused:
+    print(refused)
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason='a plain user has all rights in its user namespace')
+def test_a_system_that_lets_no_program_enter_a_sandbox_is_refused_with_advice():
+    """Only programs enter a mount namespace, which needs a right that bubblewrap does not need."""
+    without = ('setpriv', '--bounding-set=-sys_chroot', sys.executable, '-c', ENTERS)
+    said = subprocess.run(without, capture_output=True, text=True, check=True).stdout
+
+    assert 'setns: Operation not permitted' in said
+    assert 'start it as a plain user' in said
+    assert '--allow-weak=landlock-uid' in said
+
+
+def test_a_namespace_that_a_fork_cannot_enter_is_refused_with_advice(monkeypatch):
+    """The kernel refuses to enter the user namespace that a process is in."""
+    sandbox, own = strongest(), os.open('/proc/self/ns/user', os.O_RDONLY)
+    monkeypatch.setattr(forked, '_open_namespaces', lambda confined: [own])
+    try:
+        with pytest.raises(SandboxUnavailable, match='setns: Invalid argument') as caught:
+            try_out(sandbox)
+    finally:
+        os.close(own)
+
+    assert caught.value.fix == 'Try: make doctor'
