@@ -9,7 +9,8 @@ tolerates.  Both the probe and the student's program start faster.
 
 rclpy loads a hundred libraries at once, and the dynamic linker then searches them one by one for
 each of 18 000 symbols.  This module loads the middleware first, so the linker searches fewer
-libraries for its symbols.  That saves a tenth of the processor time of importing rclpy.
+libraries for its symbols.  That saves a tenth of the processor time of importing rclpy.  It also
+looks up all symbols of the middleware, because otherwise each fork would look them up.
 
 The probe and the launcher of the student's program share this file.
 """
@@ -42,7 +43,7 @@ def lean() -> None:
     with suppress(ImportError, OSError):  # if this fails, rclpy loads the middleware itself
         from _ctypes import dlopen
 
-        dlopen(MIDDLEWARE, os.RTLD_LAZY)
+        dlopen(MIDDLEWARE, os.RTLD_NOW)
 
 
 class _Later(types.ModuleType):

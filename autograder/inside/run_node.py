@@ -33,6 +33,8 @@ INSIDE = Path('/grader/inside')
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
 OF_EVERY_NODE = ('rcl_interfaces', 'type_description_interfaces', 'rosgraph_msgs')
 """Message packages that every node loads."""
+INNER = ('builtin_interfaces', 'service_msgs', 'std_msgs')
+"""Packages whose messages most nodes use, mostly as fields of other messages."""
 
 
 def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
@@ -81,7 +83,7 @@ def load_what_nodes_need() -> None:
         for kind in ('msg', 'srv'):
             with suppress(ImportError):
                 importlib.import_module(f'{package}.{kind}')
-    for package in (*OF_EVERY_NODE, 'std_msgs'):
+    for package in (*OF_EVERY_NODE, *INNER):
         import_type_support(package)  # loads only libraries, no Python module
     importlib.import_module('concurrent.futures')
     # Fill the cache of inspect: the first log line looks up the file of each module.
