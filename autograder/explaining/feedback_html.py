@@ -37,7 +37,7 @@ _TERM = f'{_CELL}; text-align: left; font-weight: 600'
 _TEXT = f'{_CELL}; overflow-wrap: anywhere'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
 _ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
-_ELSEWHERE = re.compile(r'lesson (\d+), (Part \d+: .*)')
+_ELSEWHERE = re.compile(r'lesson (\d+), (?!on )(.*)')  # "on" names a subject, not a heading
 _WHOLE = 'max-width: 800px; line-height: 1.45'
 
 
