@@ -64,15 +64,12 @@ def _cells(call: Call) -> tuple[str, ...]:
 
 
 def _lanes(events: list[Call], end: float) -> list[Lane]:
-    """Return one row per timer, subscription or service; rows of one group are adjacent."""
+    """Return one row per timer, subscription or service, sorted by node and group."""
     found: dict[int, list[Call]] = {}
     for call in events:
         found.setdefault(id(call.source), []).append(call)
-    nodes = list(dict.fromkeys(calls[0].source.node for calls in found.values()))
     lanes = []
-    for calls in sorted(
-        found.values(), key=lambda one: (nodes.index(one[0].source.node), one[0].source.group)
-    ):
+    for calls in sorted(found.values(), key=lambda one: (one[0].source.node, one[0].source.group)):
         source, levels = calls[0].source, _levels(calls, end)
         more = ' · '.join(filter(None, (source.node, source.function, source.group)))
         draw = partial(_content, calls, levels, end)

@@ -110,7 +110,7 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
             reason = reason.strip().removesuffix(';')
             return f'{name} publishes on {topic}, but the QoS does not match. {reason}'.strip()
     names = ' and '.join(sorted({publisher.node_name for publisher in publishers}))
-    return f'The subscription is connected to {names}, but too few messages arrive, or too slowly.'
+    return f'The subscription is connected to {names}, but too few messages have arrived.'
 
 
 def no_publisher(node: Node, topic: str) -> str:

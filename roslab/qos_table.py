@@ -121,15 +121,10 @@ class Cell:
         if self.agrees:
             return ''
         if self.check == 'WARNING' and 'SYSTEM_DEFAULT' in (self.offered, self.requested):
-            return (
-                'undetermined: the function does not know what SYSTEM_DEFAULT means here '
-                f'({self.became[0]} offered, {self.became[1]} requested)'
-            )
+            return 'only the middleware knows what SYSTEM_DEFAULT means'
         if self.check == 'OK' and 'BEST_AVAILABLE' in (self.offered, self.requested):
-            return (
-                'BEST_AVAILABLE adapts to endpoints that exist when it is created, and this one '
-                f'was created first (here: {self.became[0]} offered, {self.became[1]} requested)'
-            )
+            became = self.became[self.offered != 'BEST_AVAILABLE']
+            return f'BEST_AVAILABLE was created first and became {became}'
         return ''
 
     @property

@@ -326,6 +326,7 @@ def require_answers(
     phase: str = '',
     explain: Callable[[int], Cause | None] = lambda place: None,
     secret: bool = False,
+    inputs: Sequence[object] = (),
 ) -> None:
     """
     Fail unless the calls of a service have the wanted responses, in order.
@@ -337,6 +338,7 @@ def require_answers(
     :param phase: only count calls in this phase of the run, by default in all phases
     :param explain: returns the exam's cause of a wrong response, given its index
     :param secret: whether the responses may reveal inputs of a hidden exam
+    :param inputs: what the calls send, for feedback
     """
     answers = (run.recording.phase(phase) if phase else run.recording).answers(service)
     for number, fields in enumerate(wanted):
@@ -350,8 +352,9 @@ def require_answers(
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
             due = 'the expected answer' if secret else _shown(fields)
+            to = f' to {inputs[number]!r}' if inputs and not secret else ''
             raise Failed(
-                expected=f'{what}: {due} in answer {number + 1}',
+                expected=f'{what}: {due} in answer {number + 1}{to}',
                 observed='a different answer' if secret else _shown(got),
                 why=explain(number) or why_silent(run),
             )

@@ -178,7 +178,7 @@ def publishes(
 
     def judge(run: Run) -> None:
         asked, found = run.asked(ask), published(run, ask, topic, *fields)
-        require_values(run, asked, found, places, what)
+        require_values(run, asked, found, places, what, fields)
         require_all_sent(run, found if places is None else [found[one] for one in places])
 
     return claim(check or f'publishes_{base}', sentence, judge)
@@ -244,6 +244,7 @@ def answers(ask: str, service: str, check: str = '', sentence: str = '') -> Judg
             f'the calls of {base}',
             explain=lambda place: asked.cause(came, place),
             secret=run.secret,
+            inputs=asked.inputs,
         )
 
     return claim(check or f'answers_{base}', sentence, judge)

@@ -207,16 +207,19 @@ def require_values(
     came: Sequence[tuple[Any, ...] | None],
     places: Collection[int] | None = None,
     what: str = 'the expected values',
+    fields: Sequence[str] = (),
 ) -> None:
     """
     Fail unless each input is answered with the expected values, as in :func:`require_one_for_one`.
 
     :param what: description of the expected values that may be shown for hidden inputs
+    :param fields: names of the values, if there are several for each message
     """
     for place in asked.wrong(came, places)[:1]:
+        after = f'after input {place + 1}' + (f': {", ".join(fields)}' if fields[1:] else '')
         raise Failed(
-            expected=f'{shown_values(run, asked.answers[place], what)} after input {place + 1}',
-            observed=f'{shown_values(run, came[place])} after input {place + 1}',
+            expected=f'{shown_values(run, asked.answers[place], what)} {after}',
+            observed=f'{shown_values(run, came[place])} {after}',
             why=why_silent(run) or asked.cause(came, place, places or ()),
         )
 

@@ -1,5 +1,5 @@
 """
-Provide a pytest fixture that runs a ROS 2 program on a virtual clock; a minute takes a second.
+Provide a pytest fixture that runs a ROS 2 program on a virtual clock.
 
 Installing the wheel registers the fixture with pytest; ``docs/virtual-time.md`` describes it.
 """

@@ -207,14 +207,17 @@ def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """
     Return the files that an exam needs, from all files that a notebook has saved.
 
-    A message package is built without the nodes of later exercises, as in grading, so editing a
-    node does not cause a new build.
+    As in grading, these do not include the nodes of other exercises: editing them does not cause a
+    new build, and a cause can name a line, because it is about one file.
 
     :param files: from :func:`read_package`
     """
-    if exam.scenario.program != 'build' or any(name.endswith('.py') for name in exam.requires):
+    wanted = {name for name in exam.requires if name.endswith('.py')}
+    if not wanted and exam.scenario.program != 'build':
         return dict(files)
-    return {name: text for name, text in files.items() if not name.endswith('.py')}
+    return {
+        name: text for name, text in files.items() if not name.endswith('.py') or name in wanted
+    }
 
 
 def what_is_there(files: Mapping[str, str]) -> str:

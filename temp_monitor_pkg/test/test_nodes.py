@@ -229,7 +229,7 @@ class TestSubscriber:
 
 
 class TestVirtualTime:
-    """Test the nodes as programs on a virtual clock, where minutes take a second."""
+    """Test the nodes as programs on a virtual clock, where a minute takes less than a second."""
 
     def test_heating_cycle_has_a_reading_each_second(self, virtual_time) -> None:
         """The default rate is exact; reading, log line and stamp agree."""

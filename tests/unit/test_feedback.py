@@ -147,6 +147,9 @@ def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
         elsewhere, lessons=lessons
     )
     assert 'href' not in exam_html(elsewhere, lessons={'': ''})
+    for read, end in (('When a timer ticks', '#When-a-timer-ticks"'), ('on clocks', '"')):
+        subject = ExamResult('talker', (failing(read=f'lesson 08, {read}'),))
+        assert f'href="{lessons["08"]}{end}' in exam_html(subject, lessons=lessons)
     assert section_id('A  "b" <c>') == 'A-%22b%22-%3Cc%3E'
 
 

@@ -305,11 +305,12 @@ def test_odd_bytes_are_replaced(tmp_path):
     assert read_package(tmp_path) == {'a.py': 'x = "\ufffd"'}
 
 
-def test_a_message_is_built_without_the_nodes_of_other_exercises():
-    """Grading does the same, and editing a node does not repeat the build."""
+def test_an_exam_gets_no_nodes_of_other_exercises():
+    """Grading does the same, editing a node repeats no build, and one file has clear lines."""
     files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
+    other = {'temp_subscriber.py': 'another node'}
     message = catalog.load('temperature_message', hidden=False)
     publisher = catalog.load('temperature_publisher', hidden=False)
 
-    assert sorted(own_files(message, files)) == ['msg/Temperature.msg', 'package.xml']
-    assert own_files(publisher, files) == files
+    assert sorted(own_files(message, files | other)) == ['msg/Temperature.msg', 'package.xml']
+    assert own_files(publisher, files | other) == files

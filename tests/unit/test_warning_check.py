@@ -77,7 +77,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 
     assert found.cause_id == 'accepts_nan'
     assert found.cause.startswith(
-        'The node of this run is wrong. Feedback to its author: Your node logs a WARN line for NaN'
+        'The node of this run is wrong. Its author would read: "Your node logs a WARN line for NaN'
     )
     assert found.observed == 'False for 3 of them; not for run 9, with a reading that is NaN'
     assert found.points == 2.25

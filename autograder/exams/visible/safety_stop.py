@@ -30,6 +30,7 @@ from autograder.judging.rows import (
 )
 
 SOURCE, TARGET, TWIST = '/cmd_vel_raw', '/cmd_vel', 'geometry_msgs/msg/Twist'
+FIELDS = 'linear.x', 'angular.z'
 LIMIT, SILENCE_S, LATE_S = 0.5, 0.5, 0.1
 STOP = (0.0, 0.0)
 QUIET_S = 0.9  # at the start, without a command
@@ -169,7 +170,7 @@ SLIPS = (
 
 
 def _came(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
-    return run.facts['commands'], published(run, 'commands', TARGET, 'linear.x', 'angular.z')
+    return run.facts['commands'], published(run, 'commands', TARGET, *FIELDS)
 
 
 def places(asked: Specification, silent: bool, fast: bool = False) -> list[int]:
@@ -202,13 +203,13 @@ def passes_commands_on(run: Run) -> None:
                 observed='a stop',
                 why=asked.cause(came, place, plain) or WHY['early_stop'],
             )
-    require_values(run, asked, came, plain)
+    require_values(run, asked, came, plain, fields=FIELDS)
 
 
 def limits_the_speed(run: Run) -> None:
     """It limits the speed to -0.5 to 0.5, but not the turn."""
     asked, came = _came(run)
-    require_values(run, asked, came, places(asked, silent=False, fast=True))
+    require_values(run, asked, came, places(asked, silent=False, fast=True), fields=FIELDS)
 
 
 def stops_in_silence(run: Run) -> None:
@@ -216,10 +217,12 @@ def stops_in_silence(run: Run) -> None:
     asked, came = _came(run)
     silent = places(asked, silent=True)
     for place in silent:
-        if (came[place] or ()).count(STOP) > asked.answers[place].count(STOP):
+        stops = (came[place] or ()).count(STOP)
+        if stops > asked.answers[place].count(STOP):
             why = asked.cause(came, place, silent) or WHY['repeats_stop']
-            raise Failed(expected='one stop', observed='more than one stop', why=why)
-    require_values(run, asked, came, silent)
+            after = f'after input {place + 1}'
+            raise Failed(expected=f'one stop {after}', observed=f'{stops} stops {after}', why=why)
+    require_values(run, asked, came, silent, fields=FIELDS)
     require_all_sent(run, came)
 
 

@@ -292,7 +292,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     own = asked.cause(came, place)
     if slip is None:
         return own or WHY['refuses_right']
-    does = f'The node of this run is wrong. Feedback to its author: {slip.text}'
+    does = f'The node of this run is wrong. Its author would read: "{slip.text}"'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
     more = '' if own.cause_id == f'check_{slip.cause_id}' else f' {does}'
