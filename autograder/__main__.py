@@ -5,8 +5,6 @@ Exit codes: 0 everything has a verdict, 1 some submissions are for review, 2 the
 (wrong arguments, or a fault of the grader), 130 stopped with Ctrl-C.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 import os

@@ -19,8 +19,6 @@ A mistake in a *submission* is never an exception that leaves this package: it i
 :class:`~autograder.results.Problem` or a failed check.
 """
 
-from __future__ import annotations
-
 import errno
 from pathlib import Path
 from traceback import walk_tb

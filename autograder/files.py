@@ -1,7 +1,5 @@
 """Write files atomically, replace existing files only on request, and pack zip files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 import fcntl
 import hashlib

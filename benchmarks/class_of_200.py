@@ -13,8 +13,6 @@ The greatest possible gain of two workers is measured before and after: the time
 that only count, compared with one that does the same work.  Virtual CPUs may share one real CPU.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor

@@ -6,8 +6,6 @@ probes that it starts share one core.  The command and the scheduler may use all
 time that they use is lost to the workers.  One and two workers alternate, with the same class.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager, ExitStack

@@ -7,8 +7,6 @@ in, starts a server and a kernel and runs the first cells of lesson 00, without 
 each kernel publishes its user's name on one topic and lists the names that it receives.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -8,8 +8,6 @@ the gradebook must be the same as after the undisturbed grading.  No sandbox may
 grader, and no temporary file may be left at the end.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections import Counter
 from collections.abc import Mapping, Sequence

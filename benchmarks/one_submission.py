@@ -7,8 +7,6 @@ is measured with the same sandbox, probe and file, and a scenario of two seconds
 and lower-bound runs alternate, so that both have the same load.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -6,8 +6,6 @@ notebook contains only the publisher.  The copy has a separate gradebook and sep
 so a measurement neither reads nor changes those of the course.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import copy
 from dataclasses import dataclass

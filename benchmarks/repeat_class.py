@@ -6,8 +6,6 @@ times and pictures.  Processes that only use CPU time (``--busy``) show whether 
 verdict.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections import Counter, defaultdict
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Print and save what all benchmarks have in common: machine, figures, file of results."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager

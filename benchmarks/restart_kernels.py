@@ -7,8 +7,6 @@ Afterwards the program looks for processes, for files of the middleware in ``/de
 nodes in the graph.  Threads are counted inside the kernel, because they end with it.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

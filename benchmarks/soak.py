@@ -6,8 +6,6 @@ contains each exam of each submission in ``tests/submissions`` and each program 
 ``tests/attacks``.  Each repeat runs all tasks in a different order and in one of three ways.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Sequence

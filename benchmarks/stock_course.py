@@ -5,8 +5,6 @@ The tests are hidden in the notebook's grade cells and run in the student's kern
 one submission after the other.  All files are in a temporary folder.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import os
 from pathlib import Path

@@ -5,8 +5,6 @@ Both run one after the other on this machine, and both write a gradebook.  Stock
 the tests in the student's kernel and waits a real minute for each minute of messages.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping, Sequence
 import os

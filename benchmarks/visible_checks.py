@@ -7,8 +7,6 @@ solution, built before (as when a learner repeats the check); files that were ne
 stub.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping
 import json

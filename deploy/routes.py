@@ -8,8 +8,6 @@ Execute the installation routes, and record in environment.md when and where eac
 row; a route that fails changes nothing. The container route needs podman.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 import json
 import os

@@ -6,8 +6,6 @@ a node that does both is between them.  A line that spans several layers gets a 
 of them, so that no line crosses a box.  Equal graphs give equal pictures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A slider through the moments of a picture, for mouse and keyboard, without a kernel."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 import json
 

@@ -5,8 +5,6 @@ Lines and letters take the colour of the surrounding text, and areas have a tran
 pictures are readable on a light and a dark page.  Colour is never the only sign of a difference.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 import hashlib
 import html

@@ -10,8 +10,6 @@ Command line of the set-up, run in the folder of a course by any Python from 3.1
 VENV, PYTHON and ROS_SOURCE (wheels or sourced) select the venv, the Python and the ROS 2 to use.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Build the virtual clock for the grader's runs: the library for programs, and its driver."""
 
-from __future__ import annotations
-
 from pathlib import Path
 import tempfile
 

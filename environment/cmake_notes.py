@@ -7,8 +7,6 @@ They are only an optimisation: if one is missing or no longer valid, CMake searc
 compiler parses the headers.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import re

@@ -5,8 +5,6 @@ With the wheels, everything is in the venv. With a sourced installation, the des
 variables that its setup file exported, so that later shells need not source it again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 import os
 from pathlib import Path

@@ -4,8 +4,6 @@ Implement `make doctor`: one line per requirement, with its state and fix, witho
 If a requirement is `missing`, the course does not work; if one is `weak`, a part of it does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import importlib.metadata

@@ -5,8 +5,6 @@ All students on a machine share it. The sticky bit lets them remove and rename o
 files.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 import glob

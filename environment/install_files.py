@@ -1,7 +1,5 @@
 """Write the files that adapt a venv to the course: .pth, kernel, description, settings."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import shlex

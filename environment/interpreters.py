@@ -1,7 +1,5 @@
 """Find a suitable Python for the course: CPython 3.10 to 3.13 with venv and headers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import glob

@@ -6,8 +6,6 @@ an environment marker. Each line has the digests of its files, but no address or
 can serve the lock, and pip installs only files with these digests.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 import json
 from pathlib import Path

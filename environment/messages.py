@@ -6,8 +6,6 @@ note in the venv lists the installed packages (:func:`environment.ros.further_me
 that use such a package depend on it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 import json
 import os

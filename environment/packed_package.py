@@ -8,8 +8,6 @@ read the answer by accident.  A student can still unpack the file on purpose; ``
 submissions with the package.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 from pathlib import Path

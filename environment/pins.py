@@ -5,8 +5,6 @@ The lock covers four Pythons; where they differ, lines have an environment marke
 understands only the markers that :func:`merge` writes, so it needs no packaging library.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 import re
 

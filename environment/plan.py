@@ -1,7 +1,5 @@
 """Decide what to prepare: with which ROS 2, with which Python, in which folder."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 import os

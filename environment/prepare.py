@@ -9,8 +9,6 @@ continues where it stopped. A virtual environment with an incomplete installatio
 created again: pip cannot distinguish a half-copied package from a complete one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 import os

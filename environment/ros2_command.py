@@ -6,8 +6,6 @@ front, so a workspace that was built in a notebook or sourced in a terminal is f
 installation has a ``ros2`` command, that command is started instead.
 """
 
-from __future__ import annotations
-
 import signal
 
 if __name__ == '__main__' and signal.getsignal(signal.SIGINT) is signal.default_int_handler:

@@ -6,8 +6,6 @@ machine share the names, and the system frees a name when its process ends in an
 does not import ROS.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 import errno
 import socket

@@ -5,8 +5,6 @@ A step's stamp is written after the step has succeeded, so a killed step has non
 The stamp of the entire set-up makes a second `make` immediate: comparing it starts no process.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Find the system's compiler, make and bubblewrap; install them with apt where possible."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import os

@@ -5,8 +5,6 @@ The functions that the course's notebooks import.
 and ``%%answer``.  ROS 2 itself is started by the first call that needs it.
 """
 
-from __future__ import annotations
-
 import os
 from typing import Any
 

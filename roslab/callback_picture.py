@@ -1,7 +1,5 @@
 """Draw on a time axis when callbacks were due, and when an executor ran them."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from rclpy.node import Node

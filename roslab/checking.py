@@ -5,8 +5,6 @@ The learner's code does not run in the kernel.  A child process runs it, in a sa
 available, and prints its verdicts as one line of JSON.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 import difflib

@@ -4,8 +4,6 @@ Run a command for a cell with a time limit; an interrupt or the limit ends all i
 The command stays in the kernel's process group, so killing the kernel also ends the command.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ These functions need no node, session or terminal.  ``echo``, ``hz``, ``info`` a
 notebooks, and the commands of :mod:`roslab.ros2`, print what these functions return.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 import math

@@ -9,8 +9,6 @@ Python code, because they were shown when they were logged.  Lines that only C c
 their marks and go to the running cell.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 import io

@@ -7,8 +7,6 @@ not reveal the node's name: it becomes known when ``Node.__init__`` is called, s
 destroys the older node.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field

@@ -5,8 +5,6 @@ IPython lets an exception choose how it is shown.  These exceptions omit the fra
 package, which do not help learners.
 """
 
-from __future__ import annotations
-
 from typing import TypeVar
 
 

@@ -7,8 +7,6 @@ passed to a handler function instead of ending the loop.  Other threads can requ
 two callbacks, so that entities are added and destroyed while no wait set uses them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
 import ctypes

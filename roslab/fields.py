@@ -5,8 +5,6 @@ The path is checked against the message definition before the first message arri
 path is reported at once, with the fields that exist.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 import re
 from typing import Any

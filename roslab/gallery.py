@@ -5,8 +5,6 @@ The entries are data in ``gallery.yaml``.  Build errors are also looked up in th
 ``build_messages`` uses.
 """
 
-from __future__ import annotations
-
 import builtins
 from collections.abc import Sequence
 from functools import cache

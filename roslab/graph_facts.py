@@ -5,8 +5,6 @@ An endpoint is *matched* if an endpoint on the other side has the same type and 
 profile.  The graph also lists endpoints without a match, so this module distinguishes the two.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Show the current ROS graph as a picture or as lines of text."""
 
-from __future__ import annotations
-
 from collections import Counter
 from itertools import pairwise
 import textwrap

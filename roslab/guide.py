@@ -7,8 +7,6 @@ exception object is unchanged, so code that catches it is not affected.  All oth
 shown as usual.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ The functions use the notebook's own hidden node and its executor, so cells may 
 nodes of the notebook run.
 """
 
-from __future__ import annotations
-
 from functools import partial
 import time
 

@@ -1,7 +1,5 @@
 """Draw the state machine of a lifecycle node with its current state."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Subscribe to a topic from a notebook cell."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterator
 import time

@@ -1,7 +1,5 @@
 """Plot a numeric field of a topic against time, redrawn in its cell while other cells run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 import math
 

@@ -5,8 +5,6 @@ Nodes of this kernel are visible at once, nodes of other processes only after di
 functions look for a missing name for some seconds before they call it unknown.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any

@@ -5,8 +5,6 @@ In a notebook ``__name__`` is always ``'__main__'``, so the program's ``main()``
 cell, spin there and never return.
 """
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 from typing import Any

@@ -6,8 +6,6 @@ grader judges the same text.  ``%%node NAME`` also runs the cell as the module N
 ``%%answer`` prints the letter that it recognised.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable
 import importlib.util

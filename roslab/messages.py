@@ -6,8 +6,6 @@ kernel.  It replaces the course's own package of the same name, unless that pack
 imported, because a process cannot load two versions of one message library.
 """
 
-from __future__ import annotations
-
 import ctypes
 from dataclasses import dataclass
 import hashlib

@@ -5,8 +5,6 @@ Give each kernel a different ROS domain, so that notebooks do not receive each o
 cells inherit it.  A number set by the user is kept, so that two notebooks can share a domain.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 import os

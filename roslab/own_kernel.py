@@ -1,7 +1,5 @@
 """Reject kernels without the ROS environment of the course."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from environment.install_files import KERNEL_TITLE

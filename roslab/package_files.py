@@ -8,8 +8,6 @@ Everything is next to the notebook, in a colcon workspace with the usual folders
                             my_robot_pkg/wheels.py
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import os
 from pathlib import Path

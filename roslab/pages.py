@@ -12,8 +12,6 @@ A notebook executed without a frontend also contains that block.  After a cell h
 empty, at the end of the cell, and filled at the end of later cells.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext

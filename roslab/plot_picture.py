@@ -1,7 +1,5 @@
 """Draw a numeric value against time as a picture and as text, without ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby

@@ -5,8 +5,6 @@ One JSON file in the course's work folder holds the results. It is never sent an
 grader never reads it: it is for the learner and is not evidence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 import fcntl

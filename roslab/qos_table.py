@@ -7,8 +7,6 @@ policy.  A missing event never counts as an outcome.  The table also shows the p
 ``qos_check_compatible`` and of the documented rule.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass

@@ -16,8 +16,6 @@ The order of the options depends only on the key, so authors can put the right o
 the result of the last answer is stored, see :mod:`roslab.progress`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """Show a question: as a widget in the browser, as plain text elsewhere."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 import html
 from pathlib import Path

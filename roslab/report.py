@@ -1,7 +1,5 @@
 """Show the result of visible checks as HTML and plain text, in the grader's own words."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 import html
 import textwrap

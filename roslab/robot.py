@@ -4,8 +4,6 @@ A small robot that obeys commands on ``cmd_vel``, publishes its pose and shows t
 Its motors keep the last command until another one arrives, like those of many real robots.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 import math
 import threading

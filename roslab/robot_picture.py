@@ -1,7 +1,5 @@
 """Draw a robot in its room, with its track and commands, as a picture and as text."""
 
-from __future__ import annotations
-
 from itertools import groupby
 import math
 

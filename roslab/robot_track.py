@@ -4,8 +4,6 @@ Compute the track of a two-wheeled robot from the commands that arrived and thei
 The same commands at the same times give the same track.  This module does not use ROS.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ old contents.  A kernel does not see what a browser shows, so this module reads 
 which JupyterLab saves every few seconds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Sequence
 from datetime import datetime
 from pathlib import Path

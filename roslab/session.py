@@ -9,8 +9,6 @@ A node whose callback raises an exception is stopped and destroyed, just as its 
 in a terminal.  The other nodes continue.  To get the node back, start it again.
 """
 
-from __future__ import annotations
-
 import atexit
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, suppress

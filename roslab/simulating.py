@@ -5,8 +5,6 @@ As for ``check``, a child process runs the file, in a sandbox if one is availabl
 :func:`recorded_runs` returns recordings that are part of the course, without running anything.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from difflib import get_close_matches

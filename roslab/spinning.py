@@ -13,8 +13,6 @@ main thread:
   executor serves the node.  So the call is refused, with advice.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from typing import Any

@@ -1,7 +1,5 @@
 """Draw messages against time: one row per topic, one tick per message."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple

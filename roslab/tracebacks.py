@@ -1,7 +1,5 @@
 """Shorten tracebacks to the learner's own lines, with cells named as the learner sees them."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import sys

@@ -1,7 +1,5 @@
 """Wait for a condition while nodes run, with a time limit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 import math
 from typing import TypeVar

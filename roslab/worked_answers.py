@@ -1,7 +1,5 @@
 """Show the worked answer of an exercise that the learner has solved or tried three times."""
 
-from __future__ import annotations
-
 import html
 from typing import Any
 

@@ -8,8 +8,6 @@ to test only the type.  Standard output is a JSON list with one string per pair:
 probe cannot send the pair, empty if it can.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import sys

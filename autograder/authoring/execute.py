@@ -5,8 +5,6 @@ A lesson that ends without an error gets the ROS release and the date in its met
 the release copies them into the lesson's contents.
 """
 
-from __future__ import annotations
-
 import argparse
 import asyncio
 from collections.abc import Sequence

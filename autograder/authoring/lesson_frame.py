@@ -5,8 +5,6 @@ nbgrader runs :class:`AddFrame` when it generates a lesson. ``solutions/START_HE
 cell ``map``, which :func:`start_here` replaces with the table of all lessons.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any

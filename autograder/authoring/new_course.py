@@ -4,8 +4,6 @@ Create a course, or an exercise in a course, as working files for the author to 
 The templates are in ``skeleton/``; placeholders such as ``$name`` in them are replaced.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import json
 from pathlib import Path

@@ -6,8 +6,6 @@ cell; notebooks that learners abandon have long texts and code cells of 90 lines
 check`` prints the figures of each lesson and rejects lessons outside the range.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ Check and release the course: ``python -m autograder.authoring.release check | r
 course, and packs the students' copy.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path

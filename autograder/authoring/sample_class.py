@@ -13,8 +13,6 @@ grade`` grades in a new clone.  ``notebook`` names the kind of damage to the who
 :data:`DAMAGES`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 import json
 from pathlib import Path

@@ -5,8 +5,6 @@ The set-up runs this test as its last step; authors run it after they edit an ex
 are stored, so a later grading can use them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from autograder.authoring.exam_mistakes import mistakes_of

@@ -4,8 +4,6 @@ List the files that students receive, and pack them into a zip file.
 Students receive only files that are listed here, so a new file is not released by mistake.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 import re
 

@@ -7,8 +7,6 @@ that student is collected.  Otherwise a file in the wrong format would appear on
 one collection, and later reports could not explain why the student is missing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 

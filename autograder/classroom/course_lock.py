@@ -1,7 +1,5 @@
 """Lock a course: only one command at a time writes its submissions, gradebook and reports."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 import fcntl

@@ -6,8 +6,6 @@ and their causes.  Names, messages and log lines come from students.  So the pag
 allow no script and load nothing, and the table contains no control characters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import json
 from pathlib import Path

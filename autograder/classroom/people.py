@@ -8,8 +8,6 @@ are ignored, so that downloads of learning platforms need only a renamed column.
 the names that it finds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from datetime import timedelta
 import math

@@ -4,8 +4,6 @@ Read the last results of a class.
 Reports, statistics and exports use these results and run no program.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 import json

@@ -8,8 +8,6 @@ of the course's finished package, submissions are also compared with this packag
 typical pair shows how similar all answers to the exercise are.  No submitted code runs.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy

@@ -5,8 +5,6 @@ All numbers come from the last results.  Submissions for review have no mark and
 separate list.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Read CSV files from people and learning platforms, and the grader's own JSON files."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import dataclass
 import io

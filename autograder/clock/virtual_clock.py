@@ -6,8 +6,6 @@ inherits one end of the socket, and the variable ``VIRTUAL_CLOCK`` contains its 
 library that ``LD_PRELOAD`` loads connects the process to the driver.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass

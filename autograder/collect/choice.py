@@ -15,8 +15,6 @@ be the one for which most students have a notebook.  So a notebook of lesson 6 t
 lesson 7 does not replace a notebook in lesson 6.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime

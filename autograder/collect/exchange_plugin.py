@@ -5,8 +5,6 @@ Plug-ins for nbgrader's release and collect on a machine that students share wit
 user hands in work under another user's name, nbgrader itself only warns; the plug-ins refuse it.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -10,8 +10,6 @@ saved, because an export may contain the work of only one of the two.
 Two people with the same name who never hand in the same assignment are not detected.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 import json
 from typing import NamedTuple

@@ -8,8 +8,6 @@ owner.  The owner must be the student: the user of the same name, or the user th
 ``c.ExchangeCollect.owners`` in ``nbgrader_config.py`` assigns to the student.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 import pwd

@@ -26,8 +26,6 @@ nbgrader's exchange has folders ``USER+ASSIGNMENT+TIME[+RANDOM]`` in the folder 
 Source: nbgrader 0.9, nbgrader/exchange/default/submit.py.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 import re

@@ -12,8 +12,6 @@ a cloned repository begins with an assignment, as in ``talk-ann``, that prefix i
 ``timestamp.txt`` in a clone is ignored, because students can edit it.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The table of collected and refused work, which is printed or converted to JSON."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

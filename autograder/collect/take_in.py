@@ -7,8 +7,6 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Commands of ``python -m autograder``, one module each; exit codes and shared options."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 import json

@@ -1,7 +1,5 @@
 """The commands ``new-course``, ``new-exam``, ``sample-class`` and ``self-check``."""
 
-from __future__ import annotations
-
 import argparse
 import os
 from pathlib import Path

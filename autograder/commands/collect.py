@@ -1,7 +1,5 @@
 """The command ``collect``: its options and its output."""
 
-from __future__ import annotations
-
 import argparse
 from contextlib import nullcontext
 from dataclasses import asdict

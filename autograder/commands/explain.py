@@ -6,8 +6,6 @@ check is judged once more, but no program runs.  The evidence contains hidden in
 the instructor, who decides what to show the student.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The command ``export``: write the results of the last grading for other programs."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

@@ -6,8 +6,6 @@ The submission itself is not deleted.  If the next grading would find it, it is 
 with equal files share them.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Collection
 from contextlib import nullcontext

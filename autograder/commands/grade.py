@@ -5,8 +5,6 @@ Each recording is saved as soon as its run ends.  If a grading is interrupted, e
 cut, the same command continues it.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress

@@ -5,8 +5,6 @@ Progress is counted in runs, one per submission and exam.  The remaining time is
 runs so far, which is too optimistic if many of them were already recorded.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

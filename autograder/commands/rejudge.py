@@ -7,8 +7,6 @@ and keeps the old points.  As in a grading, ``--write`` enters only changed resu
 gradebook.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext

@@ -7,8 +7,6 @@ package with build files is built, and its executables run.  In any other folder
 runs with the other files next to it.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """The command ``similar``: list similar submissions for a person to compare."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import asdict
 

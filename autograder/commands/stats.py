@@ -1,7 +1,5 @@
 """The commands ``stats`` and ``report``: statistics of a class, as text and as a page."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import asdict
 

@@ -4,8 +4,6 @@ Find the exams of a course: ``course.toml`` names a package with one module per 
 Its subpackage ``visible`` is shipped to learners; ``hidden`` gives the points.
 """
 
-from __future__ import annotations
-
 from functools import cache
 import importlib
 import importlib.util

@@ -7,8 +7,6 @@ after an appeal.  The secret is created once and stored next to the gradebook; t
 variable ``COURSE_SECRET`` overrides it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar

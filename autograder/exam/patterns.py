@@ -5,8 +5,6 @@ A pattern explains the whole run, like a slip, but needs no rule of the exercise
 answers, not the reason for them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from autograder.exam.specification import Cause, in_order, Specification

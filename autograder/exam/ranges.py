@@ -5,8 +5,6 @@ As in :mod:`autograder.exam.slips`, each function gets a function that builds a 
 mistaken part.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import takewhile

@@ -9,8 +9,6 @@ subscription; ``Mark`` begins a phase that checks can select; ``Look`` records t
 All seconds are virtual and exact; 60 virtual seconds take about 0.1 s of real time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches

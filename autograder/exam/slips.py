@@ -5,8 +5,6 @@ Each function gets the specification, or a function that builds it around the mi
 returns slips for :class:`autograder.exam.specification.Specification`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 import math

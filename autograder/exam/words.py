@@ -4,8 +4,6 @@ Read the texts of causes and slips from the text file next to a module.
 The module contains the rules of an exam, and the text file the sentences that learners read.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 import re

@@ -4,8 +4,6 @@ Specify a temperature monitor: readings, the expected warnings, and causes of mi
 The exam ``temperature_subscriber`` compares recordings with this specification.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -7,8 +7,6 @@ from student code, so control characters are replaced: a terminal or a log viewe
 them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 import textwrap

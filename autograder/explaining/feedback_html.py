@@ -6,8 +6,6 @@ All text is escaped; the HTML has no script and loads nothing.  It includes its 
 the styles of these pages differ.  No information is shown by colour alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 import html
 import re

@@ -5,8 +5,6 @@ Each line has the virtual time [s], then the event.  Text from a student's code 
 line, and its control characters are replaced.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 import json
 from typing import Any

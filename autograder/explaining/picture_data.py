@@ -9,8 +9,6 @@ drawn namespace, and round times to a tenth of a second.  Long recordings are th
 names are shortened.  :mod:`autograder.explaining.picture_svg` draws the pictures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 import json
 import re

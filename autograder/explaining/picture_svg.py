@@ -5,8 +5,6 @@ The data comes from :mod:`autograder.explaining.picture_data`.  Each picture has
 description as text.  It uses the colours of the page, and all text in it is escaped.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 import textwrap
 from typing import Any

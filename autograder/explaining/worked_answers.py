@@ -5,8 +5,6 @@ The file is encoded so that learners do not read it by accident.  It is not secr
 decode it.  The release includes it only on request.
 """
 
-from __future__ import annotations
-
 from base64 import b64decode, encodebytes
 from collections.abc import Mapping
 import json

@@ -6,8 +6,6 @@ submission is for review, or only visible checks were run.  ``missing`` names th
 a submission.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any

@@ -14,8 +14,6 @@ Fields are separated by commas or, in some languages, by semicolons.  Students a
 never by name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from difflib import get_close_matches
 import re

@@ -7,8 +7,6 @@ Moodle (``mod/assign/feedback/file/importziplib.php``) reads the participant's n
 of the submission.  Both are in the names of the downloads.  Both ignore any other file in the zip.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import PurePath
 import re

@@ -1,7 +1,5 @@
 """Enter marks in a column of a file that a learning platform exported and imports again."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import re

@@ -13,8 +13,6 @@ students see the tests of the hidden exam when grades are published.  If they sa
 earlier, they could submit many times to find out what is tested.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 import json
 from pathlib import Path

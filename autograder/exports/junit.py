@@ -8,8 +8,6 @@ verdict. A student without a submission is ``skipped``. XML 1.0 has no control c
 even escaped, so they are replaced.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 import re
 from xml.etree import ElementTree

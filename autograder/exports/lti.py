@@ -5,8 +5,6 @@ PyLTI1p3 signs the requests.  The platform's list of members (Names and Role Pro
 2.0) gives the user id that each score needs.  Sending a mark again replaces it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from datetime import datetime, timezone

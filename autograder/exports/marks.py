@@ -5,8 +5,6 @@ The gradebook's mark includes manual grades and late penalties; it exists only i
 submission waits for manual grading.  A student without a submission has no mark, never a zero.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

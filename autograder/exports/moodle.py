@@ -8,8 +8,6 @@ the time of the last change, which Moodle compares.  The names of downloaded sub
 the same number, so ``collect`` knows it.  Moodle reads a decimal point in every language.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import re
 

@@ -9,8 +9,6 @@ such a string gets an apostrophe in front, as OWASP recommends against CSV injec
 written unchanged.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 import csv
 import io

@@ -6,8 +6,6 @@ a gradebook that has lost its content is refused.  A gradebook on a server is no
 ``docs/gradebook.md``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 import os

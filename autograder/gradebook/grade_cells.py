@@ -1,7 +1,5 @@
 """Find the cells of a notebook that an exam grades, and write scores and feedback into them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 

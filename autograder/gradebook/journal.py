@@ -9,8 +9,6 @@ nbgrader always keeps them.  But a late penalty may be a share of them, so late 
 again after each manual grade.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from datetime import timedelta

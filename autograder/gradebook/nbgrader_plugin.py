@@ -13,8 +13,6 @@ nbgrader itself runs student code and tests in one kernel and trusts the outputs
 nbgrader's formgrader, feedback and export work unchanged.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

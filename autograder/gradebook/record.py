@@ -7,8 +7,6 @@ the notebook and the score from the exam.  If they differ, the score is wrong, a
 discards a score above the maximum; so such a lesson is refused.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 import json
 from pathlib import Path

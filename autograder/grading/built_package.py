@@ -5,8 +5,6 @@ The checks of an exam do not change, but an executable runs instead of a node fi
 fails or the executable is missing, the feedback describes this problem of the package.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import copy
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Run one student's files in an exam, or use a stored recording, then judge the recording."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path

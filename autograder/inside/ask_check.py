@@ -7,8 +7,6 @@ the student's file.  The messages do not contain the correct answers; the grader
 answers outside the sandbox.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 import importlib
 import importlib.util

@@ -5,8 +5,6 @@ Usage: build_package.py SOURCE PACKAGE TYPE.  After a successful build, this pro
 ``echo_node.py``, which imports TYPE from the built package.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from glob import glob
 import os

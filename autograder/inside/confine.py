@@ -17,8 +17,6 @@ The Landlock library on PyPI has only development releases, which support only f
 module makes the three system calls itself.  See landlock(7).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 import ctypes

@@ -5,8 +5,6 @@ Usage: echo_node.py PACKAGE/msg/TYPE.  The probe uses the course's own build of 
 echo with the same values shows that the student's type is correct.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 

@@ -13,8 +13,6 @@ From this project, this file imports only ``inside/``, because a sandbox contain
 grader.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 import ctypes
 import json

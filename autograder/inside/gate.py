@@ -5,8 +5,6 @@ The program continues after one byte on standard input.  If the input ends inste
 killed: the program exits before the student's first line runs, so it does not outlive the grader.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -15,8 +15,6 @@ looks up all symbols of the middleware, because otherwise each fork would look t
 The probe and the launcher of the student's program share this file.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 import importlib
 from importlib.machinery import ModuleSpec

@@ -12,8 +12,6 @@ such a folder contains a copy of the file, the file runs as a module of that pac
 entry point.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from contextlib import suppress

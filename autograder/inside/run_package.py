@@ -8,8 +8,6 @@ is 97; if the build fails, the exit code is 98.  ``{share}`` in an argument is r
 folder ``share/PACKAGE`` of the installed package.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

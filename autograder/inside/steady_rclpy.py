@@ -14,8 +14,6 @@ serves its nodes in the order in which they were added.
 Usage as a program: steady_rclpy.py SCRIPT [arguments], for the executables of a package.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 import importlib.util

@@ -12,8 +12,6 @@ Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or ret
 nodes and topics are full names.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any

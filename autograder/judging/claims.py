@@ -14,8 +14,6 @@ answers and the slips.  The recorded answers to each input, or to a burst, are a
 :mod:`autograder.judging.rows`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from itertools import zip_longest
 from typing import Any

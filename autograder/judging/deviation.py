@@ -6,8 +6,6 @@ A check reports only what it expected and observed, and it may name the moment
 start, for which the check fails with the same words.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from dataclasses import dataclass, replace
 

@@ -5,8 +5,6 @@ Most flags can have an innocent explanation, so they only state a fact.  Flags d
 speed of the machine: equal submissions get equal flags.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Judge a recording with the checks of an exam, as a pure function."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

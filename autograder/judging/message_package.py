@@ -6,8 +6,6 @@ The functions are bodies of checks, as in :mod:`autograder.judging.checks`, for 
 from the output of the tools.  All of this input is untrusted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import re

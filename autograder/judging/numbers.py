@@ -1,7 +1,5 @@
 """Read numbers in log lines and messages, and explain wrong numbering."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 import math
 import re

@@ -1,7 +1,5 @@
 """Check that messages or log lines keep a rhythm, and explain a different one."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

@@ -5,8 +5,6 @@ The events after one input, or after a burst, are a row.  The expected answers a
 a :class:`autograder.exam.specification.Specification`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -5,8 +5,6 @@ In these exams, the ROS clock starts far from system time and advances in steps.
 enough to detect a wrong clock, a lost fraction or an invented stamp.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

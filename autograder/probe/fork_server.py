@@ -5,8 +5,6 @@ From this project, this file imports only ``probe/`` and ``inside/``, because th
 no other file of the grader.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 

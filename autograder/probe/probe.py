@@ -10,8 +10,6 @@ The files of the probe import nothing from this project except each other and ``
 the probe's sandbox contains no other file of the grader.
 """
 
-from __future__ import annotations
-
 import gc
 import json
 import os

@@ -8,8 +8,6 @@ existed first.
 From this project, this file imports only files of the probe, whose sandbox contains no others.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

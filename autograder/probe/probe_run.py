@@ -9,8 +9,6 @@ other synchronisation.
 From this project, this file imports only files of the probe, whose sandbox contains no others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 import json
 import os

@@ -6,8 +6,6 @@ Each kind of step is a function that gets the probe and the step's data.
 From this project, this file imports only files of the probe, whose sandbox contains no others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,8 +4,6 @@ Convert messages, service requests and QoS profiles between JSON and ROS, for th
 This file imports nothing from this project.
 """
 
-from __future__ import annotations
-
 import importlib
 import math
 import re

@@ -1,7 +1,5 @@
 """One folder for all temporary files of a grading; the next grading removes it if left behind."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 import fcntl

@@ -6,8 +6,6 @@ digest of the three, so equal files (such as the untouched stub of half a class)
 again runs nothing, and an edited check is judged in milliseconds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ over file descriptors reads a limited amount of output from the probe and the pr
 run when the probe has finished or the watchdog reports an exceeded limit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 import json

@@ -7,8 +7,6 @@ longer than switching to the thread, because an idle processor must first wake u
 the clock advances, the program and the probe start in parallel and use all processors.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress

@@ -5,8 +5,6 @@ The project may be in different folders, but its files, its Python and its ROS m
 A recording also contains readable versions (:func:`made_with`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import lru_cache

@@ -5,8 +5,6 @@ A busy machine makes a run longer, but does not change its result.  A run that t
 minutes of real time is aborted, and the submission is for review.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 import os
 import time

@@ -6,8 +6,6 @@ that a run needs.  The program can use rclpy, it cannot read the grader's files,
 virtual.  The probe can enter the network of the program.
 """
 
-from __future__ import annotations
-
 import functools
 import os
 from pathlib import Path

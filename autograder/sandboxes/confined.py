@@ -1,7 +1,5 @@
 """Describe a program to confine and its limits, and control the program once it runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field

@@ -6,8 +6,6 @@ and gives up its rights, so it is confined like a program that bubblewrap starts
 ends with the exit code of the fork, and its end ends the sandbox.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 import socket

@@ -5,8 +5,6 @@ Prepare the weaker isolation with Landlock: readable files, a free ROS domain, o
 inside closed (the course's own nodes are the solution), the rules open everything around it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 import fcntl

@@ -8,8 +8,6 @@ only limits and the system-call filter confine it.  Without isolation, the probe
 next to the student's program.
 """
 
-from __future__ import annotations
-
 import compileall
 from contextlib import suppress
 from functools import cache

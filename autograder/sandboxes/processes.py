@@ -4,8 +4,6 @@ Read a program's use of threads, memory, processor time and ports from ``/proc``
 All facts come from the kernel, because the program itself is not trusted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 import os

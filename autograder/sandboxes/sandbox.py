@@ -12,8 +12,6 @@ environment from ``/proc/1/environ``.
 This module only builds command lines and queries the kernel; bubblewrap creates the namespaces.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 import fcntl

@@ -6,8 +6,6 @@ Run a node file on the virtual clock; ``simulate(...)`` in a notebook starts thi
 This program judges nothing, so it is not a command of ``python -m autograder``.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 import json

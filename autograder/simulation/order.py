@@ -1,7 +1,5 @@
 """Describe a simulation: what to run, for how long, and which messages to send."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import math

@@ -1,7 +1,5 @@
 """Convert a recording to a simulation: what a program did in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from autograder.recording import Event, LEVELS, Recording

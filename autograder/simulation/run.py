@@ -4,8 +4,6 @@ Run a program for some virtual time, with inputs at exact times and without an e
 A first, short run shows which topics the program has.  A second run records their messages.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches

@@ -4,8 +4,6 @@ Provide a pytest fixture that runs a ROS 2 program on a virtual clock.
 Installing the wheel registers the fixture with pytest; ``docs/virtual-time.md`` describes it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 import os

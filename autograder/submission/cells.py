@@ -6,8 +6,6 @@ Both the notebook's magics (:mod:`roslab.magics`) and the grader
 that the student runs.
 """
 
-from __future__ import annotations
-
 import ast
 from dataclasses import dataclass
 import re

@@ -5,8 +5,6 @@ The magic line of a cell names its file (:mod:`autograder.submission.cells`).  T
 the expected file of each cell, so a student who edits a magic line gets a message.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 

@@ -1,7 +1,5 @@
 """Convert a name to a unique student id that nbgrader and every file system accept."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import unicodedata

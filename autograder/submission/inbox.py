@@ -6,8 +6,6 @@ that nbgrader's collect writes.  The files come from students, so no link is fol
 reads only regular files in real folders, checks them with lstat and opens them with O_NOFOLLOW.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass

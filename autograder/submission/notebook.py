@@ -1,7 +1,5 @@
 """Read notebooks: trusted ones of the course, and untrusted ones of students within limits."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

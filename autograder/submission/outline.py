@@ -1,7 +1,5 @@
 """Read the outline of a lesson from its notebook: title, headings, minutes, exercises, needs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -7,8 +7,6 @@ file or an unsafe path is refused, because without the linked file the grader wo
 different program.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath

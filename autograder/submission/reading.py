@@ -1,7 +1,5 @@
 """Read a file from a student or another system safely: no links, devices or huge files."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 import stat

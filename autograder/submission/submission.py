@@ -7,8 +7,6 @@ Jupyter.  Invalid input never raises an exception: each mistake becomes a
 :class:`~autograder.results.Problem` that lists the answers which are missing because of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 import copy
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ the sizes in a zip's directory are not trusted.  A file's content is not cached.
 limits the size of each file and of all files together.  Generated files are not listed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial

@@ -7,8 +7,6 @@ GitHub Actions runs this on every push. Exit code 0: every check has a verdict, 
 not be run. Classroom's reporter decides from the points whether the job passes.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 import os

@@ -9,8 +9,6 @@ Students wrote parts of the text, so it is escaped: a line of their output must 
 workflow command, and no text may become markup.
 """
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@
 The environment variable HUB names the settings file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 import fcntl

@@ -1,7 +1,5 @@
 """Take a lesson from its release to the returned feedback, with the requests that buttons send."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Limit the memory of each user's server and its child processes with a control group."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 GROUP = 'ros2_hub'

@@ -1,7 +1,5 @@
 """Install a hub: accounts, JupyterHub, its proxy, the students' copy, the instructor's clone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 import json
 import os

@@ -1,7 +1,5 @@
 """Read the settings of a hub from its ``hub.toml``, and derive its folders from them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from pathlib import Path
 import re

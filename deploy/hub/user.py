@@ -1,7 +1,5 @@
 """Use a running hub as a user does, without a browser: log in, press buttons, run cells."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 import json
 import time

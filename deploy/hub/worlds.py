@@ -1,7 +1,5 @@
 """Give each kernel a separate ROS network that no other user can enter, where possible."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import shutil

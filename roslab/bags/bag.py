@@ -1,7 +1,5 @@
 """Describe a bag as ``ros2 bag info`` and ``metadata.yaml`` do."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,7 +1,5 @@
 """Publish a bag again, with its types, its quality of service and its timing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 import time
 

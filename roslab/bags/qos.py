@@ -1,7 +1,5 @@
 """Quality of service as ``ros2 bag`` stores it: YAML, one profile per publisher."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Read a bag: an MCAP file, or the folder that ``ros2 bag record`` has written."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager

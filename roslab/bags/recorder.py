@@ -1,7 +1,5 @@
 """Subscribe to topics and pass their messages on as bytes, as the publisher serialised them."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial

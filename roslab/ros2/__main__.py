@@ -1,7 +1,5 @@
 """Run the ``ros2`` command, as ``python -m roslab.ros2`` or by running this file."""
 
-from __future__ import annotations
-
 import signal
 
 if signal.getsignal(signal.SIGINT) is signal.default_int_handler:

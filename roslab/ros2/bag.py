@@ -1,7 +1,5 @@
 """``ros2 bag``: record, describe and play MCAP files."""
 
-from __future__ import annotations
-
 import argparse
 from datetime import datetime
 from pathlib import Path

@@ -5,8 +5,6 @@ Parse the command line of ``ros2``, run the verb and report its result.
 arguments and prints its result; its RuntimeError becomes one line on stderr and exit code 1.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module

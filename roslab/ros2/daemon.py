@@ -1,7 +1,5 @@
 """Implement ``ros2 daemon``, which reports that there is no daemon."""
 
-from __future__ import annotations
-
 import argparse
 
 from roslab.ros2.cli import verb

@@ -23,8 +23,6 @@ processes that this command starts, announce themselves ten times a second
 (environment/fastdds.xml).
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Read names and types from the ROS graph through a node, for commands and for notebooks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

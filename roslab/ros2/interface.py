@@ -1,7 +1,5 @@
 """Find installed interfaces and their definitions, and implement ``ros2 interface``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable, Iterator
 from importlib import import_module

@@ -5,8 +5,6 @@ Output appears as with the real command: log lines always, printed text only wit
 ``output="screen"``.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Implement ``ros2 lifecycle``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 import sys

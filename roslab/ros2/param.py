@@ -1,7 +1,5 @@
 """Implement ``ros2 param``."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 

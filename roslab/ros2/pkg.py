@@ -1,7 +1,5 @@
 """Implement ``ros2 pkg`` and ``ros2 run``."""
 
-from __future__ import annotations
-
 import argparse
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Implement ``ros2 pkg create``: write a new package that builds and runs without changes."""
 
-from __future__ import annotations
-
 import argparse
 import getpass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Provide the contents of the files of a new package."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from xml.sax.saxutils import escape
 

@@ -1,7 +1,5 @@
 """Define the ``--qos-*`` options."""
 
-from __future__ import annotations
-
 import argparse
 
 from rclpy.duration import Duration

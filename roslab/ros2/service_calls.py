@@ -9,8 +9,6 @@ a response.  Announcements arrive in order, so this response shows that the serv
 discovered all earlier clients.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Implement the verbs of ``ros2 topic`` that only read the graph."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Implement ``ros2 topic echo``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 import time

@@ -1,7 +1,5 @@
 """Implement ``ros2 topic pub``."""
 
-from __future__ import annotations
-
 import argparse
 import array
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Implement ``ros2 topic hz`` and ``bw``, which print one line a second."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 import time

@@ -1,7 +1,5 @@
 """Build the book: ``python -m autograder.authoring.book --sphinx PYTHON``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 import os

@@ -6,8 +6,6 @@ a correct answer, because they would fail without an answer.  These outputs cont
 answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

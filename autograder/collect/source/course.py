@@ -1,7 +1,5 @@
 """Grade ids and file names of the assignments, which identify a notebook."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -5,8 +5,6 @@ The platform chose the names of the entries on one :data:`Level` of a source.  S
 names below that level, so these names never show who handed in a file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass

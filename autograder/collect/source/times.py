@@ -1,7 +1,5 @@
 """Read times of delivery and due dates, and describe late work."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta, timezone

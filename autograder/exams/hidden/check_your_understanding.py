@@ -4,8 +4,6 @@ Hidden exam of lesson 09: one point per question, and a reason for each wrong op
 The answer key is in a YAML file next to this module and is never shipped.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 07, part 5: secret limits in a secret order."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.limit_keeper import (
     build,

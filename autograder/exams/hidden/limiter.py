@@ -1,7 +1,5 @@
 """Hidden exam of lesson 10: secret speeds and a secret limit, in a secret namespace."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.limiter import build
 

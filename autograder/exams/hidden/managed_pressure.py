@@ -1,7 +1,5 @@
 """Hidden exam of lesson 06, part 3: secret limits and pressures; it also tests a limit of zero."""
 
-from __future__ import annotations
-
 import math
 
 from autograder.exam.inputs import generator

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 05, part 4: secret surveys, the last ones sent in a burst."""
 
-from __future__ import annotations
-
 import random
 
 from autograder.exam.inputs import generator

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 04, part 2: secret numbers and names, and a burst."""
 
-from __future__ import annotations
-
 from autograder.exam.inputs import generator
 from autograder.exams.visible.milli_reader import build
 

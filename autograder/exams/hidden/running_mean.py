@@ -1,7 +1,5 @@
 """Hidden exam of lesson 03, part 4: many secret numbers, a pause, two NaN, and a burst."""
 
-from __future__ import annotations
-
 import math
 
 from autograder.exam.inputs import generator

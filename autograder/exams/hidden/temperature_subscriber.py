@@ -1,7 +1,5 @@
 """Hidden exam of lesson 07, part 3: all edge cases, a burst, and secret readings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 import math
 import random

@@ -1,7 +1,5 @@
 """Hidden exam of lesson 11: different runs, of nodes with every slip, in a secret order."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from autograder.exam.inputs import generator

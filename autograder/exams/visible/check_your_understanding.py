@@ -5,8 +5,6 @@ The grader reads the answers, never executes them, and starts no program.  This 
 learners have, checks only the form of the answers; the hidden exam has the answer key.
 """
 
-from __future__ import annotations
-
 import re
 
 from autograder.exam.exam import Exam, Failed, Run, Scenario

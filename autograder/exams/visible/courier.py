@@ -10,8 +10,6 @@ messages published after they joined.  The second joins while the first is conne
 after both have left: a node that only checks whether any subscription exists delivers again.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from autograder.exam.exam import Cause, Exam, Failed, Run

@@ -6,8 +6,6 @@ the first logs one INFO line per second and the second one every two seconds, ea
 logger; one executor serves both.
 """
 
-from __future__ import annotations
-
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.exam.words import Causes

@@ -7,8 +7,6 @@ Specification from the lesson: node ``inspector``; it answers each ``std_msgs/ms
 ``alive`` every 0.5 s, even during an inspection.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

@@ -7,8 +7,6 @@ unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/F
 ``motor_temperature`` above the limit in force causes one WARN line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 import math

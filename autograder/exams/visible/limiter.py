@@ -7,8 +7,6 @@ it publishes each ``std_msgs/msg/Float64`` of ``wanted_speed`` on ``speed``, lim
 ``config/limiter.yaml``, and may change.  The node is started in a namespace, with that file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple

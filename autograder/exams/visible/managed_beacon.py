@@ -7,8 +7,6 @@ otherwise nothing; ``on_cleanup`` destroys the publisher, so that the node can b
 The command line sets the namespace.
 """
 
-from __future__ import annotations
-
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import (
     Advance,

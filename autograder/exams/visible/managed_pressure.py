@@ -8,8 +8,6 @@ the limit is above zero, and NaN is not; while active, the node logs exactly one
 force is the one at the last configuration, even if the parameter has changed since.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, zip_longest

@@ -9,8 +9,6 @@ The graph does not contain the depth of a publisher.  So two subscriptions of th
 at the start and one after the surveys, and request a history.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import groupby
 

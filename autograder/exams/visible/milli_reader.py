@@ -10,8 +10,6 @@ The program follows a ROS clock that is far from the computer's clock, so a stam
 clock is detected.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 import math

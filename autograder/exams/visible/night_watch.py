@@ -6,8 +6,6 @@ watch, from 1; level INFO, and WARN for every fifth; the node's own logger; no n
 code.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run

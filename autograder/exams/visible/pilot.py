@@ -10,8 +10,6 @@ The rules return the commands after each input.  Repetitions of a command are me
 number depends on when the node created its timer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from itertools import groupby

@@ -6,8 +6,6 @@ Specification from the lesson: node ``running_mean`` subscribes to ``std_msgs/ms
 numbers so far.  It ignores NaN: no answer, no effect on later means.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import reduce
 from itertools import accumulate, pairwise

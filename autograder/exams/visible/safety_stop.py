@@ -7,8 +7,6 @@ from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 t
 ``Twist`` with zeros, then nothing until the next command; nothing before the first command.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple

@@ -11,8 +11,6 @@ some distances on time and falls silent.  The number of missed deadlines is know
 period after the last distance, and the others follow once per period.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile

@@ -6,8 +6,6 @@ than users of the package do.  So static checks read these in the files.  If the
 the grader builds the package and reads the hash of the built type from the graph.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 import re
 from typing import Any

@@ -9,8 +9,6 @@ The probe subscribes to ``chatter`` in the namespace, after a while, and to the 
 ``/chatter``, so that an absolute name fails its own check and no others.
 """
 
-from __future__ import annotations
-
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run

@@ -5,8 +5,6 @@ Three checks read the files.  The fourth builds the package with colcon in the s
 the built type then travel to the probe, which has the reference type, and back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 import random
 from typing import Any

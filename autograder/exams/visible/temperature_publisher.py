@@ -11,8 +11,6 @@ The exam tests the ROS clock: the program runs with ``use_sim_time``, and ROS ti
 different rate from system time.  So the rhythm and the stamps reveal a wrong clock.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 import math

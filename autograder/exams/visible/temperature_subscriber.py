@@ -7,8 +7,6 @@ exactly one WARN for each reading strictly above 30.0 °C; converts Fahrenheit; 
 and no warning for any other unit; does not warn for NaN; uses its own logger.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 import math

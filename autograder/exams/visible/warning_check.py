@@ -11,8 +11,6 @@ mistakes.
 No monitor runs: its specification, or a slip, determines what it logs after each reading.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

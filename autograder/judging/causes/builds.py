@@ -5,8 +5,6 @@ The tables ``of_builds.txt`` and ``of_python_builds.txt`` list mistakes that lea
 package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, colcon, CMake).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import json
 from pathlib import Path

@@ -5,8 +5,6 @@ The program's own output may reveal a cause, but never affects a verdict.  If th
 the functions return None: a misleading cause is worse than none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 import difflib

@@ -6,8 +6,6 @@ table ``by_exception.txt`` explains exceptions that a pattern recognises, and :m
 explains unknown names.  This module handles exceptions for which the code must be read too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 import re

@@ -5,8 +5,6 @@ rclpy swallows exceptions in transition callbacks: there is no log line and no t
 functions read the code.  Like all explanations, they never affect a verdict.
 """
 
-from __future__ import annotations
-
 import ast
 
 from autograder.exam.exam import Cause, Run

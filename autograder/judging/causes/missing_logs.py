@@ -6,8 +6,6 @@ output.  Other text on standard output was printed, or comes from a different lo
 line that an ``except`` block logs differs only in its text from one that the exercise requires.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Iterable, Iterator, Sequence
 import re

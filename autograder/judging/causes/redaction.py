@@ -8,8 +8,6 @@ part of most names, and an exception may quote a parameter.  So the judge remove
 arguments from all texts in one place.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 import re

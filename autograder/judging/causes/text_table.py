@@ -1,7 +1,5 @@
 """Read the tables of causes, and compare code with the conditions in ``by_code.txt``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path

@@ -6,8 +6,6 @@ that Python reports as ignored, and an ``except`` or ``finally`` block that fail
 was never assigned.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

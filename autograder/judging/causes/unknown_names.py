@@ -5,8 +5,6 @@ Python's suggestions are used too.  Python 3.10 and 3.11 make fewer of them, so 
 first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 import difflib
 import re

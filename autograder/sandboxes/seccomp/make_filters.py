@@ -17,8 +17,6 @@ All other system calls are allowed, because Python, numpy and Fast DDS need many
 from version to version.
 """
 
-from __future__ import annotations
-
 import errno
 from pathlib import Path
 

@@ -25,8 +25,6 @@ Words without a bar between them are alternatives:
 As in :mod:`.learners_code`, the results affect only messages.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Find the statements that set names and attributes: counts, flags, values kept or lost."""
 
-from __future__ import annotations
-
 import ast
 from collections import Counter
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Find the acts of a program that a single word of code does not show, such as a s
 As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -6,8 +6,6 @@ The functions find mistakes: log calls that skip lines, pauses, unset fields.
 A syntax tree has no comments, so a call in a comment is not found.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -4,8 +4,6 @@ Parse a program and search its syntax tree: calls, arguments, values of names, f
 The code is never run, and the results affect only messages.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
