@@ -147,6 +147,10 @@ def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
         elsewhere, lessons=lessons
     )
     assert 'href' not in exam_html(elsewhere, lessons={'': ''})
+    ticks = ExamResult('talker', (failing(read='lesson 08, When a timer ticks'),))
+    assert f'href="{lessons["08"]}#When-a-timer-ticks"' in exam_html(ticks, lessons=lessons)
+    topic = ExamResult('talker', (failing(read='lesson 08, on clocks'),))
+    assert f'href="{lessons["08"]}"' in exam_html(topic, lessons=lessons)
     assert section_id('A  "b" <c>') == 'A-%22b%22-%3Cc%3E'
 
 
