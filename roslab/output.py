@@ -9,8 +9,13 @@ nbgrader treats a single line there as a failed cell.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence, Sized
+from html import unescape
+import re
 import sys
 from typing import Any, NamedTuple
+from urllib.parse import unquote
+
+_SECTION = re.compile(r'href="([^"#]+)#([^"]+)"')
 
 
 def shell() -> Any | None:
@@ -92,7 +97,26 @@ def show(text: str, html: str) -> None:
         return
     from IPython.display import display
 
-    display({'text/plain': text, 'text/html': html}, raw=True)
+    display({'text/plain': text, 'text/html': _with_links(html)}, raw=True)
+
+
+def _with_links(page: str) -> str:
+    """
+    Return HTML whose links to sections of notebooks work in the frontend of the running cell.
+
+    VS Code opens such a link as a second copy of the notebook, without a kernel.  For VS Code, a
+    link leads to the heading if it is in the same notebook, otherwise to the whole notebook.
+    """
+    cell = current_cell()
+    about = cell.request.get('metadata', {}) if cell else {}
+    in_vscode = str(about.get('cellId', '')).startswith('vscode-notebook-cell')
+    return _SECTION.sub(_vscode_link, page) if in_vscode else page
+
+
+def _vscode_link(link: re.Match[str]) -> str:
+    address, section = link.groups()
+    heading_id = re.sub(r'[^\w-]', '', unquote(unescape(section)).lower())
+    return f'href="{address}"' if '/' in address else f'href="#{heading_id}"'
 
 
 class ElapsedTime:

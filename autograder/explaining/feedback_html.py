@@ -35,7 +35,7 @@ _TERM = f'{_CELL}; text-align: left; font-weight: 600'
 _TEXT = f'{_CELL}; overflow-wrap: anywhere; white-space: pre-wrap'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
 _ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
-_ELSEWHERE = re.compile(r'lesson (\d+), (.*)')
+_ELSEWHERE = re.compile(r'lesson (\d+), (?:on .*|(.*))')
 _WHOLE = 'max-width: 800px; line-height: 1.45'
 
 
@@ -86,9 +86,7 @@ def _fact(name: str, text: str, check: CheckResult, lessons: Lessons) -> str:
     number, heading = elsewhere.groups() if elsewhere else ('', check.read)
     if name != 'read' or number not in lessons:
         return _escaped(text)
-    # "lesson 02, on clocks" names a subject, not a heading.
-    anchor = '' if heading.startswith('on ') else f'#{section_id(heading)}'
-    address = html.escape(f'{lessons[number]}{anchor}')
+    address = html.escape(lessons[number] + (f'#{section_id(heading)}' if heading else ''))
     return f'<a href="{address}">{_escaped(text)}</a>'
 
 

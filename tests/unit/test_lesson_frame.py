@@ -1,5 +1,6 @@
 """Contents, next lesson and map are generated from the outlines of the lessons."""
 
+import html
 from pathlib import Path
 import re
 
@@ -19,6 +20,7 @@ from autograder.authoring.lesson_frame import (
 from autograder.explaining.feedback_html import section_id
 from autograder.layout import Layout, lesson_files
 from autograder.submission.outline import read_outline
+from roslab import output
 
 LESSONS = lesson_files(Layout.here().notebooks)
 LINK = re.compile(r'\]\(#([^)]+)\)')
@@ -111,6 +113,25 @@ def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path
     assert shown.startswith(f'**In this lesson.** {outline.minutes} minutes. ')
     assert 'Last executed with ROS 2 ' in shown, f'Try: make execute ARGS={path.parent.name}'
     assert (cells[1].id, cells[-1].id) == ('lesson-contents', 'lesson-next')
+
+
+def test_links_in_outputs_open_no_second_copy_in_vscode(monkeypatch):
+    """JupyterLab and VS Code give a heading different ids."""
+
+    def shown(address, cell_id):
+        cell = output.Cell(1, {'metadata': {'cellId': cell_id}})
+        monkeypatch.setattr(output, 'current_cell', lambda: cell)
+        return output._with_links(f'<a href="{html.escape(address)}">')
+
+    headings = [part.heading for path in LESSONS for part in read_outline(path).parts]
+    assert len(headings) > 50
+    for heading in headings:
+        here, there = (f'{name}#{section_id(heading)}' for name in ('a.ipynb', '../02_b/b.ipynb'))
+        vscode = 'vscode-notebook-cell:/course/a.ipynb#W0'
+
+        assert html.unescape(shown(here, '5f2e')) == f'<a href="{here}">'
+        assert shown(here, vscode) == f'<a href="#{vscode_slug(heading)}">'
+        assert shown(there, vscode) == '<a href="../02_b/b.ipynb">'
 
 
 def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):
