@@ -26,7 +26,7 @@ _limits: list[float | int] = [
 ]
 _changes: list[Change] = [(LIMIT, one) for one in _limits]
 exam = build(
-    _draw.choice((28.1, 28.2, 28.3, 28.4, 29.1, 29.2, 29.3)),
+    _draw.choice((27.1, 27.2, 27.3, 28.1, 28.2, 28.3, 28.4)),
     [
         # Change the place right after an accepted limit.  Otherwise a node that stores refused
         # limits could refuse the place too, and one mistake would look like two.
