@@ -1,26 +1,23 @@
 """
 Judge the same files again and again, to find out whether a verdict or a message ever changes.
 
-A task is one exam on one set of files.  The panel is listed in ``panel.yaml``; ``--everything``
-contains each exam of each submission in ``tests/submissions`` and each program in
-``tests/attacks``.  Each repeat runs all tasks in a different order and in one of three ways.
+A task is one exam on one set of files: each exam of each submission in ``tests/submissions``, and
+each program in ``tests/attacks``.  Each repeat runs all tasks in a different order and in one of
+three ways.
 """
 
 import argparse
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 import json
 import os
-from pathlib import Path
 import random
 import statistics
 import sys
 import time
 from typing import Any
-
-import yaml
 
 from autograder.authoring.sample_class import compose, samples
 from autograder.errors import GraderError
@@ -36,9 +33,8 @@ from autograder.submission.submission import open_submission
 from benchmarks import report
 from tests.attacks.corpus import files_of, programs
 
-FULL_REPEATS, FEW_REPEATS = 200, 12
+REPEATS = 12
 CORES = os.cpu_count() or 1
-PANEL = Path(__file__).with_name('panel.yaml')
 ENDED = ('limit', 'ended', 'busy')
 REVIEW, OVER = 'for review: ', ', over its bound'
 
@@ -88,8 +84,9 @@ def main() -> int:
     chosen = _arguments()
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
-    tasks = everything() if chosen.everything else panel()
-    tasks = [one for one in tasks if chosen.only in one.name and not (chosen.quick and one.slow)]
+    tasks = [
+        one for one in all_tasks() if chosen.only in one.name and (chosen.all or not one.slow)
+    ]
     if chosen.list:
         print('\n'.join(task.name for task in tasks))
         return 0
@@ -98,9 +95,8 @@ def main() -> int:
     pictures: defaultdict[str, Counter[str]] = defaultdict(Counter)
     done: list[dict[str, Any]] = []
     until = time.monotonic() + 60 * chosen.minutes
-    repeats = FEW_REPEATS if chosen.everything else FULL_REPEATS
     try:
-        while len(done) < repeats and time.monotonic() < until:
+        while len(done) < REPEATS and time.monotonic() < until:
             repeat, found = _repeat(tasks, sandbox, len(done), until)
             done.append(repeat)
             for name, outcome, shown, _ in found:
@@ -112,26 +108,22 @@ def main() -> int:
         print('Stopped; these are the results so far.')
     figures = {
         'isolation': sandbox.mode,
-        'of': 'everything' if chosen.everything else 'the panel',
-        'without_slow_tasks': bool(chosen.quick),
+        'without_slow_tasks': not chosen.all,
         **_figures(tasks, done, outcomes),
         'differing_pictures': sorted(report.differing(pictures)),
     }
-    name = 'soak_everything' if chosen.everything else 'soak'
-    full = len(done) >= repeats and not chosen.only
+    full = len(done) >= REPEATS and not chosen.only
     # Save the results of a shorter measurement only if outcomes differ.
-    report.save(name, facts, figures, full=full or bool(figures['differing']))
+    report.save('soak', facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
 
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.soak')
-    help_text = 'judge each submission and attack instead of the panel'
-    parser.add_argument('--everything', action='store_true', help=help_text)
+    help_text = 'also run builds, and attacks that run into a time limit'
+    parser.add_argument('--all', action='store_true', help=help_text)
     help_text = 'start no further run after this many minutes (default: no limit)'
     parser.add_argument('--minutes', type=float, default=1e6, metavar='M', help=help_text)
-    help_text = 'omit builds, and attacks that run into a time limit'
-    parser.add_argument('--quick', action='store_true', help=help_text)
     parser.add_argument('--only', default='', metavar='TEXT', help='run only tasks named *TEXT*')
     parser.add_argument('--list', action='store_true', help='print the names of the tasks only')
     return parser.parse_args()
@@ -140,47 +132,19 @@ def _arguments() -> argparse.Namespace:
 # -- tasks ---------------------------------------------------------------------------------
 
 
-def panel() -> list[Task]:
-    """
-    Return the tasks of the panel, in the order of the file.
-
-    :raises SystemExit: if the panel contains an unknown task
-    """
-    groups = yaml.safe_load(PANEL.read_text(encoding='utf-8')).values()
-    names = [name for group in groups for name in group]
-    found = {task.name: task for task in everything(names)}
-    missing = [name for name in names if name not in found]
-    if missing:
-        raise SystemExit(
-            f'{PANEL.name}: no such task: {", ".join(missing)}.\n'
-            'Try: python -m benchmarks.soak --everything --list'
-        )
-    return [found[name] for name in names]
-
-
-def everything(names: Collection[str] = ()) -> list[Task]:
-    """
-    Return all tasks.
-
-    :param names: restrict the search to folders that can contain these tasks; empty for all
-    """
+def all_tasks() -> Iterator[Task]:
+    """Yield each exam of each submission, then each attack."""
     layout = Layout.here()
-    folders = {name.split('/')[0] for name in names}
-    tasks: list[Task] = []
-    for folder in (*layout.assignments(), 'attack'):
-        if not names or folder in folders:
-            tasks += _attacks() if folder == 'attack' else _submissions(layout, folder, names)
-    return tasks
+    for assignment in layout.assignments():
+        yield from _submissions(layout, assignment)
+    yield from _attacks()
 
 
-def _submissions(layout: Layout, assignment: str, names: Collection[str]) -> Iterator[Task]:
+def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
     """Yield every exam on the files of every submission; equal files give one task."""
     lesson = load_lesson(layout, assignment, SandboxEngine(strongest()))
-    wanted = {tuple(name.split('/')[:2]) for name in names}
     known = set()
     for sample in samples(layout, assignment, everything=True):
-        if wanted and (assignment, sample.name) not in wanted:
-            continue
         opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')
         found = extract(opened, lesson.exams, lesson.release, lesson.notebook)
         for exam in lesson.exams:
