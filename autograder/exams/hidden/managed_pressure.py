@@ -38,7 +38,7 @@ _refused = -_draw.randint(100, 400) - _draw.choice((0.35, 0.45, 0.55, 0.65))
 exam = build(
     refused=(-1.0, 0.0, _refused),
     limits=(_first, _second),
-    highest=(round(_draw.uniform(40.0, 90.0), 2), math.inf),
+    highest=round(_draw.uniform(40.0, 90.0), 2),
     pressures={
         'accepted': (9.5, 1.5),
         # A repeated pressure and a different one: each needs its own warning.

@@ -24,7 +24,6 @@ from autograder.exam.scenario import (
     Scenario,
     set_parameters,
     state,
-    Step,
     transition,
 )
 from autograder.exam.slips import Compare, CUTS, warning_slips
@@ -227,14 +226,8 @@ def takes_the_new_limit(run: Run) -> None:
     _require_warnings(run, 'still')
     require_answers(run, CHANGE, done, 'cleanup, configure and activate', 'again')
     _require_warnings(run, 'again')
-    asked = len(run.facts['highest'])
     what = 'deactivate, cleanup and configure'
-    require_answers(run, CHANGE, done[:1] + done[:2] * asked, what, 'highest', _why_not_taken)
-
-
-def _why_not_taken(place: int) -> Cause:
-    """Explain a refused transition in the phase ``highest``; the last one is for infinity."""
-    return WHY['refuses_infinity' if place > 2 else 'still_refuses']
+    require_answers(run, CHANGE, done, what, 'highest', lambda place: WHY['still_refuses'])
 
 
 def _require_warnings(run: Run, phase: str) -> None:
@@ -269,7 +262,7 @@ def _followed(run: Run) -> list[Row | None]:
 def build(
     refused: Sequence[float],
     limits: tuple[float, float],
-    highest: Sequence[float],
+    highest: float,
     pressures: Mapping[str, Sequence[float]],
 ) -> Exam:
     """
@@ -277,18 +270,16 @@ def build(
 
     :param refused: invalid limits, the first one the parameter's default [bar]
     :param limits: for the first and the second configuration [bar]
-    :param highest: other valid limits, for the end [bar]
+    :param highest: another valid limit, for the end [bar]
     :param pressures: by phase: ``accepted`` and ``paused``, in which the node is not active;
         ``active`` under the first limit; ``still`` after the parameter was set; ``again`` under
         the second limit, the last three as a burst above it [bar]
     """
     configure, activate = transition(NODE, 'configure'), transition(NODE, 'activate')
     deactivate, cleanup = transition(NODE, 'deactivate'), transition(NODE, 'cleanup')
-
-    def setting(limit: float) -> Step:
-        return set_parameters(NODE, {'limit': limit})
-
-    first, second = map(setting, limits)
+    first, second, third, nan, *others = (
+        set_parameters(NODE, {'limit': one}) for one in (*limits, highest, math.nan, *refused[1:])
+    )
     sent = {
         phase: feeds(
             TOPIC,
@@ -303,17 +294,16 @@ def build(
     refusal = (configure, Advance(ANSWER_S))
     steps = (
         *(Mark('refused'), *refusal),
-        *(step for one in refused[1:] for step in (setting(one), *refusal)),
+        *(step for other in others for step in (other, *refusal)),
         *(state(NODE), Mark('accepted'), first, configure, *sent['accepted']),
         *(Mark('active'), activate, *sent['active']),
         *(Mark('paused'), deactivate, *sent['paused']),
         # A node may refuse to set the parameter before cleanup, so set it again afterwards.
         *(Mark('still'), second, activate, *sent['still'], deactivate),
         *(Mark('again'), cleanup, second, configure, activate, *sent['again']),
-        *(Mark('highest'), deactivate),
-        *(step for one in highest for step in (cleanup, setting(one), configure)),
+        *(Mark('highest'), deactivate, cleanup, third, configure),
         # Set NaN last, because a node that accepts it would be in the wrong state afterwards.
-        *(Mark('not a number'), cleanup, setting(math.nan), *refusal),
+        *(Mark('not a number'), cleanup, nan, *refusal),
     )
     inputs = [
         Pressure(value, phase, limits) for phase, values in pressures.items() for value in values
@@ -331,7 +321,7 @@ def build(
             steps=steps,
         ),
         read='Part 3: When a transition goes wrong',
-        facts={'refused': refused, 'highest': highest},
+        facts={'refused': refused},
         asks={
             'refusals': shown((*refused, math.nan), lambda limit: (limit,)),
             'warnings': Specification(inputs, warns(), SLIPS, BURST),
@@ -351,7 +341,7 @@ def build(
 exam = build(
     refused=(-1.0,),
     limits=(2.5, 6.0),
-    highest=(30.0, math.inf),
+    highest=30.0,
     pressures={
         'accepted': (3.0,),
         'active': (2.4, 2.5, 2.6, 9.0, 1.0),
