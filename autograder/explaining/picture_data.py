@@ -5,7 +5,7 @@ There are two kinds of pictures: a *timeline* of messages and log lines that arr
 too often or too late, and a *graph* of nodes and topics that do not connect.  They show names,
 times and counts, but never a value that was sent or received.  For a hidden exam, they do not show
 which input a message followed, because the order of the inputs is secret.  They also hide the
-drawn namespace, and round times to a tenth of a second.  Long recordings are thinned and long
+drawn namespace, and round times to a tenth of a second.  Too many times are thinned and long
 names are shortened.  :mod:`autograder.explaining.picture_svg` draws the pictures.
 """
 
@@ -200,7 +200,7 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
         begin, end = _window(begin, end, every_s, at)
         rows.insert(0, _due(every_s, rows, end))
     within = (
-        {**row, 'times': [time for time in row['times'] if begin <= time <= end][:MOST_TIMES]}
+        {**row, 'times': _thinned([time for time in row['times'] if begin <= time <= end])}
         for row in rows[:MOST_ROWS]
     )
     return {
@@ -268,10 +268,14 @@ def _moments(events: Iterable[Event], rate: float) -> list[float]:
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
-    """Return a row of a timeline, thinned to at most :data:`MOST_TIMES` times."""
-    step = -(-len(times) // MOST_TIMES) or 1
-    kept = [round(float(time), 3) for time in sorted(times)[::step]]
-    return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': kept}
+    """Return a row of a timeline, with all its times."""
+    found = [round(float(time), 3) for time in sorted(times)]
+    return {'label': label[:LONGEST_NAME], 'what': what, 'count': len(times), 'times': found}
+
+
+def _thinned(times: Sequence[float]) -> Sequence[float]:
+    """Return at most :data:`MOST_TIMES` of the times in a picture."""
+    return times[:: -(-len(times) // MOST_TIMES) or 1]
 
 
 def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Pictures of failed checks: their content, hidden values, and size."""
 
+from itertools import pairwise
 import json
 import re
 from xml.etree import ElementTree
@@ -266,6 +267,14 @@ class TestTimeline:
         assert all(
             picture['begin'] <= time <= picture['end'] for time in picture['rows'][1]['times']
         )
+
+    def test_part_of_a_long_run_shows_every_message(self):
+        """A message that was left out would look like a missed period."""
+        events = [said(number / 2) for number in range(1000)]
+        picture = drawn(recorded(*events), Failed(**RATE, at=100 * SECOND, every_s=1.0))
+
+        *_, row = picture['rows']
+        assert {b - a for a, b in pairwise(row['times'])} == {0.5}
 
 
 class TestSecrets:
