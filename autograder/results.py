@@ -23,7 +23,7 @@ class Verdict(str, Enum):
 
 def shortened(text: str, most: int = 60) -> str:
     """
-    Return a text, shortened with an ellipsis if it is too long.
+    Return a string, shortened with an ellipsis if it is too long.
 
     :param most: maximum length of the result [characters]
     """

@@ -106,7 +106,7 @@ def autograde(root: Path) -> float:
 
 def _check_set_up(root: Path) -> None:
     """
-    Check that the kernels work: otherwise every test would fail, and quickly.
+    Check that the kernels work: otherwise every test fails early and the times are too short.
 
     :raises RuntimeError: if a set-up cell failed, with its output
     """

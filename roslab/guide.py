@@ -38,7 +38,7 @@ _NO_INIT = (
 )
 _INVALID_HANDLE = (
     'InvalidHandle: this node, or the node that owns this object, was stopped or replaced. '
-    'Run first: the cell that starts it.'
+    'Run first: the cell that starts that node.'
 )
 _ORDER = (
     'This cell depends on cells above it, but not all of them were run to the end and in order. '

@@ -156,7 +156,7 @@ class QosTable:
         self.cells = tuple(cells)
 
     def __getitem__(self, pair: tuple[str, str]) -> Cell:
-        """Return one pair by (offered, requested)."""
+        """Return the cell of a pair, which is given as (offered, requested)."""
         return next(cell for cell in self.cells if (cell.offered, cell.requested) == pair)
 
     @property

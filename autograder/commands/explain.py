@@ -40,7 +40,7 @@ HOW = {
     'named': 'the check reported its failure at this event',
     'cut': 'the recording up to this event already leads to this verdict',
     'ended': 'the run ended early here',
-    'end': 'only the whole run leads to this verdict',
+    'end': 'the end of the run; a shorter recording would not lead to this verdict',
 }
 
 

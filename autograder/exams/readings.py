@@ -157,6 +157,6 @@ UNIT_SLIPS = (
 
 
 def slips(burst: int = 0) -> tuple[Slip, ...]:
-    """Return the slips of a monitor, with ``burst`` readings at the end that are sent at once."""
+    """Return the slips of a monitor; the last ``burst`` readings are sent together."""
     found = warning_slips(warns, str(THRESHOLD_C), burst, UNIT_SLIPS)
     return (*found, Slip.of(NO_WARNING, each(lambda one: 0)))

@@ -65,7 +65,7 @@ def fill(data: bytes, where: str, column: str, marks: Sequence[Mark], scale: boo
 
 
 def _read(data: bytes, where: str) -> tuple[Table, int]:
-    """Return a gradebook file from Canvas, and the index of its line ``Points Possible``."""
+    """Return a gradebook file from Canvas, and the index of its row ``Points Possible``."""
     try:
         table = parse_table(data)
         header = table.header

@@ -217,8 +217,8 @@ def keep_copy(layout: Layout) -> Path | None:
             raise _damaged(layout, path, str(error)) from error
         raise GraderError(
             f'{path}: the gradebook cannot be copied: {error}. Nothing was entered.',
-            f'Try: free space for {copy.parent}, close other programs that write to the '
-            'gradebook, then run the same command again. Finished runs are kept.',
+            f'Try: free some space on the disk of {copy.parent}, close other programs that write '
+            'to the gradebook, then run the same command again. Finished runs are kept.',
         ) from error
     _remove_old(copies(layout))
     return copy

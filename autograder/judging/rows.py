@@ -343,7 +343,7 @@ def require_warnings(
 def _why_from_elsewhere(
     came: Sequence[int | None], due: Sequence[int], followed: Sequence[Row | None], place: int
 ) -> Cause | None:
-    """Explain a needless WARN line from a line of code that logs no correct warning."""
+    """Explain a needless WARN line whose line of code never logs a correct warning."""
     exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
     right = lines_of_code(_warnings(exact))
     others = sorted(lines_of_code(_warnings([followed[place]])) - right)

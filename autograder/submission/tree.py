@@ -51,7 +51,7 @@ class Bounds(NamedTuple):
     :param entries: maximum number of files and folders without generated ones
     :param listed: maximum number of all files and folders
     :param file_bytes: maximum size of one file
-    :param whole_bytes: maximum size of all files together
+    :param whole_bytes: maximum total size of all files
     :param name_chars: maximum length of a path
     """
 

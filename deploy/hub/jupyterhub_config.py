@@ -39,7 +39,7 @@ def prepare_server(spawner: CourseSpawner) -> None:
     home = Path(pwd.getpwnam(name).pw_dir)
     course = settings.course_of(home)
     mine = name == settings.instructor
-    # Without the link: an update changes it while this server runs.
+    # Resolve the link now: an update may change its target while this server runs.
     venv = (course if mine else settings.copy.resolve()) / '.venv'
     spawner.environment = {
         'COURSE_EXCHANGE': str(settings.exchange),

@@ -84,7 +84,7 @@ def names_the_states(run: Run) -> None:
 
 
 def whole(text: str) -> int | None:
-    """Return the integer in a text, such as 2, 02, 0x2 or 0b10, or None if there is none."""
+    """Return the integer in a string, such as 2, 02, 0x2 or 0b10; None if there is none."""
     for base in (10, 0):
         try:
             return int(text, base)

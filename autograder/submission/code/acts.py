@@ -1,11 +1,12 @@
 """
 Find the place where a program performs an act, such as creating its timer, without running it.
 
-An act is written as a few words, which :func:`place_of` looks for in this order::
+An act is written as words with bars between them.  :func:`place_of` tries these words from left to
+right::
 
     round() | field         a call to round(), or else the value assigned to the field in question
 
-Words without a bar between them are alternatives:
+Words without a bar between them are alternatives.  A word has one of these forms:
 
 =============  ====================================================================
 ``name()``     a call to a function or method
@@ -162,7 +163,9 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
         return program.passed(name.removesuffix('()'))
     if kind and kind not in STATEMENTS:
         kinds = ', '.join(('to', *STATEMENTS))
-        raise ExamInvalid(f'The act {word!r} begins with {kind!r}.', f'Use one of: {kinds}.')
+        raise ExamInvalid(
+            f'The act {word!r} begins with the unknown prefix {kind!r}.', f'Use one of: {kinds}.'
+        )
     if kind:
         inner = name.endswith('()') or name in ACTS
         return _around(program, name, STATEMENTS[kind]) if inner else program.functions(name)
