@@ -66,16 +66,17 @@ def run(chosen: argparse.Namespace) -> int:
         raise UsageError(f'--files {chosen.files}: there is no such folder.')
     exam = catalog.load(chosen.exam, hidden=not chosen.visible)
     if chosen.visible and exam.scenario.program != 'package':
-        files = own_files(exam, read_package(chosen.files))
+        found = read_package(chosen.files)
+        files = own_files(exam, found)
     else:
-        files = with_node_files(read_handed_in(chosen.files), exam.requires)
+        found = files = with_node_files(read_handed_in(chosen.files), exam.requires)
     missing = [name for name in exam.requires if name not in files]
     if missing and not chosen.json:
-        there = what_is_there(files)
+        there = what_is_there(found)
         raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
     sandbox = sandbox_for(chosen.visible)
     kept = _kept_builds(exam) if chosen.visible else None
-    result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), files)
+    result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), found)
     if chosen.json:
         print(json.dumps(result.to_json()))
     else:
