@@ -1,13 +1,11 @@
 """Hidden exam of lesson 07, part 2: a ROS clock with a secret start and rate."""
 
-from autograder.exam.inputs import generator
+from autograder.exam.inputs import generator, WATCH_S
 from autograder.exams.visible.temperature_publisher import build
-
-SECONDS = 420  # by then, a temperature that rises by a quarter of a degree per second is too high
 
 _draw = generator('temperature_publisher', 'clock')
 exam = build(
-    seconds=SECONDS,
+    seconds=WATCH_S,
     begins_s=round(_draw.uniform(0.01, 0.09), 9),
     rate=round(_draw.choice((_draw.uniform(0.7, 0.85), _draw.uniform(1.15, 1.4))), 3),
 )
