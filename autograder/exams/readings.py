@@ -50,7 +50,7 @@ class Reading:
 
     @property
     def odd(self) -> bool:
-        """Return whether the reading is no usual temperature: an unknown unit, NaN, infinity."""
+        """Return whether the reading is unusual: in an unknown unit, NaN or infinite."""
         return self.group in ('unknown', 'nan') or math.isinf(self.value)
 
     @property

@@ -88,7 +88,7 @@ c.Spawner.start_timeout = 120
 c.Spawner.http_timeout = 120  # 30 s, the default, is too short for ten starts at once
 c.Spawner.args = [
     '--MultiKernelManager.default_kernel_name=ros2_jazzy',
-    # A node or a plot that goes on is no activity: see jupyter_server_config.py.
+    # Nodes and plots that continue do not count as activity (jupyter_server_config.py).
     f'--MappingKernelManager.cull_idle_timeout={idle_s}',
     f'--MappingKernelManager.cull_interval={max(1, idle_s // 4)}',
     '--MappingKernelManager.cull_connected=True',
