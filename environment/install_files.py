@@ -15,8 +15,8 @@ KERNEL_MESSAGES = {'transport_encryption': 'auto'}
 """Settings for the messages between the server and its kernels."""
 GUIDE = 'roslab.guide'
 """IPython extension that every kernel loads; if it is missing, a kernel starts anyway."""
-INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader', 'validate-assignment')
-INSTRUCTORS_SERVERS = ('course_list', 'formgrader', 'validate_assignment')
+INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader')
+INSTRUCTORS_SERVERS = ('course_list', 'formgrader')
 """Parts of nbgrader that students do not need, by their names in JupyterLab and its server."""
 AUTOSAVE_S = 10
 """Seconds between two automatic saves; JupyterLab's default is two minutes."""

@@ -25,11 +25,11 @@ def offered(page):
 
 
 def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots):
-    """Only the list of assignments remains, for a course that has an exchange."""
+    """The list of assignments remains, for a course that has an exchange, and Validate."""
     open_notebook(students_lab, page, LESSON)
     page.screenshot(path=shots / 'students.png')
 
-    assert offered(page) == {'Assignment List'}
+    assert offered(page) == {'Assignment List', 'Validate'}
 
 
 def test_instructors_see_all_of_it(lab, page, shots):

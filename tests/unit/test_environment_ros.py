@@ -175,7 +175,6 @@ def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, studen
     assert server['jpserver_extensions'] == {
         'nbgrader.server_extensions.course_list': not students,
         'nbgrader.server_extensions.formgrader': not students,
-        'nbgrader.server_extensions.validate_assignment': not students,
     }
 
 

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+import re
 import subprocess
 import sys
 
@@ -12,6 +13,7 @@ from deploy.hub.__main__ import forget_ended_proxy
 from deploy.hub.settings import HERE, read, SettingsError
 from environment.install_files import KERNEL_MESSAGES
 
+ROOT = Path(__file__).resolve().parents[2]
 GOOD = {
     'folder': "'/srv/hub'",
     'port': '8000',
@@ -118,3 +120,15 @@ def test_only_the_pid_file_of_a_running_proxy_is_kept(tmp_path: Path) -> None:
             process.communicate(b'\n')
     forget_ended_proxy(file)
     assert not file.exists()
+
+
+def test_the_documentation_shows_the_screenshots_that_the_tests_of_the_hub_take() -> None:
+    """So no screenshot is older than the last ``make test-hub``."""
+    shown = {
+        name
+        for page in (ROOT / 'README.md', *(ROOT / 'docs').glob('*.md'))
+        for name in re.findall(r'\]\((?:docs/)?pictures/(\w+)\.png\)', page.read_text('utf-8'))
+    }
+    tests = (ROOT / 'tests' / 'hub' / 'test_hub.py').read_text('utf-8')
+    kept = {file.stem for file in (ROOT / 'docs' / 'pictures').iterdir()}
+    assert kept == shown == set(re.findall(r"take_picture\(\w+, '(\w+)'", tests))
