@@ -1,6 +1,7 @@
 """Write files atomically, replace existing files only on request, and pack zip files."""
 
 from collections.abc import Iterable, Mapping
+from datetime import date
 import fcntl
 import hashlib
 import io
@@ -101,14 +102,14 @@ def packable(path: Path) -> tuple[bytes, int]:
 
 def zip_bytes(files: Mapping[str, tuple[bytes, int]]) -> bytes:
     """
-    Return a zip file; the same files give the same bytes.
+    Return a zip file; on one day, the same files give the same bytes.
 
     :param files: content and permissions by name in the zip
     """
-    made = io.BytesIO()
+    made, today = io.BytesIO(), date.today()
     with zipfile.ZipFile(made, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, (data, mode) in sorted(files.items()):
-            entry = zipfile.ZipInfo(name, date_time=(2024, 1, 1, 0, 0, 0))
+            entry = zipfile.ZipInfo(name, date_time=(today.year, today.month, today.day, 0, 0, 0))
             entry.create_system = 3  # Unix, where the upper half of external_attr is st_mode.
             entry.external_attr = (stat.S_IFREG | mode) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED

@@ -125,7 +125,7 @@ def timeline_words(picture: Mapping[str, Any]) -> str:
 
 def _amount(row: Mapping[str, Any]) -> str:
     every = row.get('every_s')
-    return f'one every {every:g} s' if every else f'{row["count"]} in all'
+    return f'one every {every:g} s' if every else f'{row["count"]} in the run'
 
 
 def _short(name: str) -> str:

@@ -216,7 +216,7 @@ class TestTimeline:
         words = timeline_words(picture)
         shown = len(picture['rows'][1]['times'])
 
-        assert f'59 in all, {shown} of them shown, from' in words
+        assert f'59 in the run, {shown} of them shown, from' in words
 
     def test_silence_is_a_row_too(self):
         """Without messages, the row of expected times is above an empty row."""
