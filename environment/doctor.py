@@ -48,10 +48,15 @@ with tempfile.TemporaryDirectory() as name:
     parse_idl_string(idl.read_text())
 """
 _CPP = '#include <string>\nint main() { return std::string().size(); }\n'
-_UBUNTU_FIX = (
-    'on Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0; in a '
-    'container see environment.md'
-)
+_ISOLATION = """
+import sys
+from autograder.errors import SandboxUnavailable
+from autograder.sandboxes.choose import strongest
+try:
+    strongest()
+except SandboxUnavailable as error:
+    sys.exit(f'{error.what} Lessons work, but grading does not.  -> {error.fix}')
+"""
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,6 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
     yield check_python(interpreters.find(environ, environ.get('PYTHON', '')), ros)
     yield check_venv(places, python)
     yield from check_programs(places, environ)
-    yield check_bubblewrap(system.bubblewrap_failure(shutil.which('bwrap')))
     if python:
         yield from check_packages(places, python.version, ros is None or ros.kind == 'wheels')
         yield check_messages(places)
@@ -167,17 +171,6 @@ def _tried(command: Sequence[str], environ: Mapping[str, str]) -> tuple[str, str
     return last if done.returncode else '', done.stdout
 
 
-def check_bubblewrap(failure: str) -> Finding:
-    """Check the sandbox, given the error of the attempt to use it."""
-    if not failure:
-        return Finding('bubblewrap', OK, 'a trial sandbox ran')
-    if failure == 'not installed':
-        fix = system.command_to_type([t for t in system.TOOLS if t.command == 'bwrap'])
-    else:
-        fix = _UBUNTU_FIX
-    return Finding('bubblewrap', WEAK, f'{failure}: lessons work, but grading does not', fix)
-
-
 def check_packages(places: Places, python_version: str, ros: bool) -> Iterator[Finding]:
     """Compare the installed versions with the lock, with one line per purpose."""
     pins = pins_for(LOCK_FILE.read_text(encoding='utf-8'), python_version, ros=ros)
@@ -235,11 +228,12 @@ def purposes_of(requirements: str) -> dict[str, str]:
 
 
 def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
-    """Import ROS, run the message generators and load the course's messages."""
-    for name, code, full, fix in (
-        ('rclpy', 'import rclpy', False, ANEW),
-        ('message generators', _GENERATORS, False, ANEW),
-        ('course messages', trial_of_messages(ros.package if ros else ''), True, PREPARE),
+    """Import ROS, generate messages, load the course's messages, and try the grader's sandbox."""
+    for name, code, full, without, fix in (
+        ('rclpy', 'import rclpy', False, MISSING, ANEW),
+        ('message generators', _GENERATORS, False, MISSING, ANEW),
+        ('course messages', trial_of_messages(ros.package if ros else ''), True, MISSING, PREPARE),
+        ('isolation', _ISOLATION, True, WEAK, ''),
     ):
         if ros is None:
             yield Finding(name, MISSING, 'the environment is not prepared', PREPARE)
@@ -248,7 +242,7 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
         command = [ros.python, '-W', 'ignore', '-c', code]
         failed, _ = _tried(command, {'HOME': os.environ.get('HOME', '/tmp'), **variables})
         if failed:
-            yield Finding(name, MISSING, failed, fix)
+            yield Finding(name, without, failed, fix)
         else:
             yield Finding(name, OK, f'tried ({ros.kind})')
 

@@ -114,28 +114,3 @@ def install_missing(job: Job, environ: Mapping[str, str], interpreter: Interpret
     if lacking or python:
         names = ', '.join([*(tool.title for tool in lacking), *python])
         raise StepError(f'missing: {names}', f'type: {command_to_type(tools, python)}')
-
-
-def bubblewrap_failure(bwrap: str | None) -> str:
-    """
-    Run bubblewrap to find out whether it works.
-
-    :param bwrap: path of the program, None if it is not installed
-    :returns: '' if it works, else its error message
-    """
-    if not bwrap:
-        return 'not installed'
-    # For root, no user namespace is created.
-    user = [] if os.geteuid() == 0 else ['--unshare-user', '--disable-userns']
-    done = subprocess.run(
-        [bwrap, *user, '--unshare-ipc', '--unshare-pid', '--unshare-net', '--die-with-parent']
-        + ['--size', '65536', '--tmpfs', '/tmp', '--ro-bind', '/usr', '/usr']
-        + ['--symlink', 'usr/bin', '/bin', '--symlink', 'usr/lib', '/lib']
-        + ['--symlink', 'usr/lib64', '/lib64', '--proc', '/proc', '--dev', '/dev', 'true'],
-        env={'PATH': '/usr/bin:/bin'},
-        capture_output=True,
-        text=True,
-        stdin=subprocess.DEVNULL,
-    )
-    said = done.stderr.strip().splitlines()
-    return '' if done.returncode == 0 else (said or ['it ended with an error'])[-1]

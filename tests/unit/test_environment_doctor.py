@@ -1,5 +1,6 @@
 """The doctor's lines: the state, what was found, and the command to type."""
 
+from dataclasses import replace
 import os
 from pathlib import Path
 import sys
@@ -10,7 +11,7 @@ from environment import doctor, interpreters, stamps, system
 from environment import pins as pins_module
 from environment.places import LOCK_FILE, Places
 from environment.plan import Plan
-from environment.ros import RosEnvironment
+from environment.ros import ros_environment, RosEnvironment
 
 
 def test_line_ok_has_no_fix():
@@ -32,7 +33,7 @@ def test_findings_nothing_prepared_names_every_requirement(tmp_path):
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
     names = {finding.name for finding in found}
-    assert {'python', 'venv', 'C++ compiler', 'cmake', 'bubblewrap', 'rclpy'} <= names
+    assert {'python', 'venv', 'C++ compiler', 'cmake', 'isolation', 'rclpy'} <= names
     assert {'message generators', 'temp_monitor_pkg', 'Jupyter kernel', '/dev/shm'} <= names
     assert all(finding.fix for finding in found if finding.state != doctor.OK)
     assert [f.state for f in found if f.name in ('venv', 'rclpy')] == [doctor.MISSING] * 2
@@ -100,14 +101,6 @@ def test_check_python_incomplete_names_the_package():
     assert finding.fix == 'sudo apt-get install -y python3.12-dev'
 
 
-def test_check_bubblewrap_blocked_is_weak_with_fix():
-    """If the kernel forbids namespaces, lessons work, and the line names the switch."""
-    finding = doctor.check_bubblewrap('bwrap: setting up uid map: Permission denied')
-
-    assert finding.state == doctor.WEAK
-    assert 'apparmor_restrict_unprivileged_userns' in finding.fix
-
-
 def test_check_packages_wrong_version_is_missing(tmp_path):
     """A package with a wrong version is named with both versions."""
     site = tmp_path / '.venv' / 'lib' / 'python3.12' / 'site-packages'
@@ -167,11 +160,13 @@ def test_missing_tools_names_what_is_not_on_the_path(monkeypatch):
     assert not missing[0].required
 
 
-def test_bubblewrap_failure_repeats_its_words(tmp_path):
-    """The line repeats bubblewrap's message; no output means that it ran."""
-    program = tmp_path / 'bwrap'
-    program.write_text('#!/bin/sh\necho "bwrap: No permissions" >&2\nexit 1\n')
-    program.chmod(0o755)
+@pytest.mark.ros
+def test_isolation_that_does_not_work_is_weak_with_the_graders_fix(tmp_path):
+    """The grader's own trial decides; lessons work without a sandbox."""
+    ros = ros_environment(Path(sys.prefix))
+    without = replace(ros, variables={**ros.variables, 'PATH': str(tmp_path)})
+    *_, last = doctor.check_by_running(without)
 
-    assert system.bubblewrap_failure(None) == 'not installed'
-    assert system.bubblewrap_failure(str(program)) == 'bwrap: No permissions'
+    assert (last.name, last.state) == ('isolation', doctor.WEAK)
+    assert 'bubblewrap is not installed. Lessons work' in last.detail
+    assert 'apt-get install -y bubblewrap' in last.detail
