@@ -1,10 +1,15 @@
 """Preparing from a sourced ROS 2 installation, tried with a stand-in prefix."""
 
+import os
 import subprocess
 import sys
 
 import pytest
 
+from autograder.exam import catalog
+from autograder.grading.examine import examine
+from autograder.sandboxes import isolation
+from autograder.sandboxes.sandbox import Sandbox
 from environment.places import Places, PROJECT
 from environment.plan import make_plan
 from environment.ros import ros_environment
@@ -50,6 +55,15 @@ def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):
     later = make_plan(places, {'HOME': shell['HOME'], 'PATH': shell['PATH']})
     assert later.kind == 'sourced'
     assert later.description().base_variables['PYTHONPATH'] == shell['PYTHONPATH']
+
+    # The clock's library is compiled here, and depends on nothing of the wheels.
+    exam = catalog.load('talker')
+    solution = (
+        PROJECT / 'tests' / 'submissions' / '03_topics' / 'pass__functions_style' / 'talker.py'
+    )
+    sandbox = Sandbox(isolation.full(os.geteuid() == 0), ros)
+    result = examine(exam, {'talker.py': solution.read_text()}, sandbox=sandbox)
+    assert result.points == exam.max_points, result
 
 
 def test_make_plan_sourced_without_rclpy_takes_the_wheels(shell, places):
