@@ -102,7 +102,7 @@ book: prepare
 bench: prepare
 	$(PY) -m benchmarks.one_submission
 	$(PY) -m benchmarks.stock_nbgrader
-	$(PY) -m benchmarks.repeat_class
+	$(PY) -m benchmarks.same_recordings
 
 # ARGS='--minutes 30' ends it sooner, '--all' includes the slow tasks.
 soak: prepare

@@ -26,6 +26,7 @@ from autograder.exam.exam import Exam
 from autograder.grading.examine import examine
 from autograder.grading.pipeline import load_lesson, SandboxEngine
 from autograder.layout import Layout
+from autograder.runs.observe import BUILDS
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import extract
@@ -46,6 +47,7 @@ class Task:
 
     :param bound: maximum points for a result that is only compared with a bound, else None
     :param slow: whether it takes much longer than others
+    :param builds: whether it builds a package
     """
 
     name: str
@@ -53,6 +55,7 @@ class Task:
     files: tuple[tuple[str, str], ...]
     bound: float | None = None
     slow: bool = False
+    builds: bool = False
 
 
 @dataclass(frozen=True)
@@ -152,7 +155,8 @@ def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
             if (exam.name, files) not in known:
                 known.add((exam.name, files))
                 name = f'{assignment}/{sample.name}/{exam.name}'
-                yield Task(name, exam, files, slow=exam.scenario.program == 'build')
+                program = exam.scenario.program
+                yield Task(name, exam, files, None, program == 'build', program in BUILDS)
 
 
 def _attacks() -> Iterator[Task]:
@@ -163,7 +167,8 @@ def _attacks() -> Iterator[Task]:
         name, exam = f'attack/{attack.kind}/{attack.name}', catalog.load(attack.kind)
         # A flag about a limit, or a bound, means that the program runs until the grader ends it.
         slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
-        yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')
+        slow |= exam.scenario.program == 'build'
+        yield Task(name, exam, files, bound, slow, exam.scenario.program in BUILDS)
 
 
 # -- runs ----------------------------------------------------------------------------------
@@ -197,10 +202,13 @@ def _repeat(
         'wall_s': wall_s,
         'load': report.load(),
     }
-    if len(found) > 1:
-        each_s = [seconds for *_, seconds in found]
+    built = {task.name for task in tasks if task.builds}
+    each_s = [seconds for name, *_, seconds in found if name not in built]
+    if len(each_s) > 1:
         p95 = round(statistics.quantiles(each_s, n=20)[-1], 4)
         repeat['run_s'] = {**report.spread(each_s), 'p95': p95}
+        longest = sorted(found, key=lambda one: -one[-1])[:5]
+        repeat['longest'] = {name: round(seconds, 2) for name, *_, seconds in longest}
     return repeat, found
 
 
@@ -236,7 +244,7 @@ def _figures(
             'runs': sum(repeat['runs'] for repeat in mine),
             'wall_s': round(sum(repeat['wall_s'] for repeat in mine), 1),
             'load': report.spread([repeat['load'] for repeat in mine]),
-            'run_s': [repeat['run_s'] for repeat in mine if 'run_s' in repeat],
+            **{key: [one[key] for one in mine if key in one] for key in ('run_s', 'longest')},
         }
         for way in WAYS
         if (mine := [repeat for repeat in done if repeat['way'] == way.name])

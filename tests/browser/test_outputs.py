@@ -23,8 +23,10 @@ SHOWN = {
     '00_quick_tour': ('Plot of',),
     '02_spinning': ('Robot at', 'Callbacks in', 'Timeline of'),
     '03_topics': ('ROS graph', 'Show me a worked answer'),
+    '04_messages': ('Passed:',),
     '05_quality_of_service': ('Reliability and durability', 'Robot at', 'Timeline of'),
     '06_managed_lifecycle': ('States of', 'Passed:'),
+    '11_testing': ('Plot of', 'Passed:'),
     ASSIGNMENT: ('✗ Failed:', 'log lines', 'Plot of', 'ROS graph'),
 }
 """Words in the outputs of each notebook."""
