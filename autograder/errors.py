@@ -10,7 +10,7 @@ Define the exceptions for faults of the grader.
     |- RecordingInvalid          a recording is damaged or has a different format
     |- ExamInvalid               an exam is inconsistent
     |- UsageError                the arguments of a command or a simulation are wrong
-    |- NotTakenInError           files cannot be read as a submission (submission/tree.py)
+    |- UnusableUploadError           files cannot be read as a submission (submission/tree.py)
     |- ClusterUnavailable        a scheduler or a worker cannot be used (grading/cluster.py)
     |- InUseError                another command writes the course (classroom/course_lock.py)
     `- GradebookRefusedError     nbgrader's database failed (gradebook/database.py)

@@ -26,7 +26,7 @@ from autograder.collect.source.deliveries import Handed, Piece
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
-from autograder.submission.tree import NotTakenInError, UnreadableError
+from autograder.submission.tree import UnreadableError, UnusableUploadError
 
 MOST_NOTEBOOKS = 50
 """Maximum number of notebooks read from one delivery; a clone of the course has about twelve."""
@@ -84,8 +84,8 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     :param seen: the notebooks of each student
     :param name: name of the source, for error messages
     :returns: the assignment, empty if there is no notebook at all
-    :raises NotTakenInError: if no notebook shows an assignment, or if two assignments are equally
-        frequent
+    :raises UnusableUploadError: if no notebook shows an assignment, or if two assignments are
+        equally frequent
     """
     students = [one for one in seen if one]
     votes = (found for one in students for found in {each.about for each in one} - {''})
@@ -93,7 +93,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
     if len(among) == 1 or not students:
         return ''.join(among)
     got = f'as many cells of {among[1]} as of {among[0]}' if among else 'none of this course'
-    raise NotTakenInError(
+    raise UnusableUploadError(
         f'{name}: the notebooks do not show which assignment this is: {got}.',
         f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
     )

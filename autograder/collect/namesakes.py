@@ -18,7 +18,7 @@ from autograder.collect.source.deliveries import Handed
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 Numbers = dict[str, dict[str, str]]
 
@@ -40,7 +40,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
     """
     Return the saved ids and numbers.
 
-    :raises NotTakenInError: if the file is damaged; without it, two people could share an id
+    :raises UnusableUploadError: if the file is damaged; without it, two people could share an id
     """
     path = layout.namesakes
     data, problems = read_file(path, path.name)
@@ -55,7 +55,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         return Namesakes(frozenset(map(str, found['shared'])), numbers)
     except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
         got = problems[0].got if problems else 'something else'
-        raise NotTakenInError(
+        raise UnusableUploadError(
             f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
             'Try: delete the file, collect again, and look for equal names in the table',
         ) from error

@@ -36,7 +36,7 @@ import yaml
 from autograder.collect.source.deliveries import Handed, Level, Piece, System
 from autograder.collect.source.times import read_time
 from autograder.collect.table import Row, unclaimed
-from autograder.submission.tree import File, NotTakenInError, UnreadableError
+from autograder.submission.tree import File, UnreadableError, UnusableUploadError
 
 _AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
 _NUMBER = re.compile(r'[1-9][0-9]*')
@@ -186,7 +186,7 @@ def _read_gradescope(level: Level) -> Iterator[Handed | Row]:
     """
     Yield the submissions in the metadata, and a row for each folder that is not listed there.
 
-    :raises NotTakenInError: if the metadata cannot be read
+    :raises UnusableUploadError: if the metadata cannot be read
     """
     data = _metadata(level[METADATA].files[0])
     described = {str(folder): facts for folder, facts in data.items()}
@@ -212,9 +212,9 @@ def _metadata(file: File) -> Mapping[Any, Any]:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
         what = ' '.join(str(error).split())[:200]
-        raise NotTakenInError(f'{METADATA}: this is not valid YAML: {what}.') from error
+        raise UnusableUploadError(f'{METADATA}: this is not valid YAML: {what}.') from error
     if not isinstance(data, Mapping):
-        raise NotTakenInError(f'{METADATA}: this is not a table of submissions.')
+        raise UnusableUploadError(f'{METADATA}: this is not a table of submissions.')
     return data
 
 

@@ -23,7 +23,7 @@ from autograder.collect.source.times import STAMP
 from autograder.collect.table import Row, unclaimed
 from autograder.explaining.feedback import printable
 from autograder.results import first_of
-from autograder.submission.tree import NotTakenInError, Tree, UnreadableError
+from autograder.submission.tree import Tree, UnreadableError, UnusableUploadError
 
 FOLDER, EXPECTED = 'folder', 'one folder or one notebook per student'
 NOTEBOOK = '.ipynb'
@@ -53,13 +53,13 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
 
     :param kind: a platform, ``'folder'``, or empty to recognise it
     :param prefix: prefix to remove from the names of folders
-    :raises NotTakenInError: if ``kind`` or ``prefix`` does not fit the source, or the source is an
-        exchange with several courses
+    :raises UnusableUploadError: if ``kind`` or ``prefix`` does not fit the source, or the source
+        is an exchange with several courses
     """
     chosen, place = (kind, None) if kind else recognised(tree)
     if system := SYSTEMS.get(chosen):
         if prefix:
-            raise NotTakenInError(
+            raise UnusableUploadError(
                 f'{tree.name}: --prefix works only with folders of students; these are names '
                 f'from {chosen}.',
                 'Try: leave out --prefix',
@@ -71,7 +71,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
         place = _level_of(tree, course)
         if prefix and not any(name.startswith(prefix) for name in place):
             # All student ids would be wrong.
-            raise NotTakenInError(
+            raise UnusableUploadError(
                 f'{tree.name}: expected names of students that begin with {printable(prefix)!r} '
                 f'(--prefix), got: {_shown(place)}.',
                 'Try: leave out --prefix, or give the text that the folder names begin with',
@@ -81,7 +81,7 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
     if kind and not handed:
         expected = system.expected if system else EXPECTED
         got = _shown(_levels(tree)[-1])
-        raise NotTakenInError(
+        raise UnusableUploadError(
             f'{tree.name}: expected submissions of kind {kind} ({expected}), got: {got}.',
             'Try: leave out --kind, or collect the source as you downloaded it',
         )
@@ -104,7 +104,7 @@ def recognised(tree: Tree) -> tuple[str, Level | None]:
     if any(map(_is_exchange, places)):  # The exchange has no deliveries yet.
         return EXCHANGE, places[-1]
     if places[0] and all(_is_exchange(level(tree, name)) for name in places[0]):
-        raise NotTakenInError(
+        raise UnusableUploadError(
             f'{tree.name}: this exchange has {len(places[0])} courses.',
             'Try: collect the folder of one course, or its inbound/',
         )

@@ -40,7 +40,7 @@ from autograder.submission.package import (
 )
 from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 
 @takes(
@@ -132,10 +132,10 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     Return the exams that can run on a submission, each with its files.
 
     :param path: a script, a package folder, a zip file or a notebook
-    :raises NotTakenInError: if the submission has no file for any of these exams
+    :raises UnusableUploadError: if the submission has no file for any of these exams
     """
     if not path.exists():
-        raise NotTakenInError(f'{path}: there is no such file or folder.')
+        raise UnusableUploadError(f'{path}: there is no such file or folder.')
     if path.suffix == '.ipynb':
         return list(_in_notebook(path, chosen, layout))
     files = read_handed_in(path)
@@ -154,7 +154,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
             found.append(Look(as_package(exam, package) if package else exam, theirs))
     if not found:
         wanted = sorted({name for exam in chosen for name in exam.requires})
-        raise NotTakenInError(
+        raise UnusableUploadError(
             f'{path}: expected one of {", ".join(wanted)}, got {what_is_there(files)}.',
             'Try: --exam with the name of one exam; then the script may have any name.',
         )

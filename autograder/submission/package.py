@@ -15,7 +15,7 @@ import re
 from autograder.exam.exam import Exam
 from autograder.results import ExamResult, first_of
 from autograder.submission.reading import read_file
-from autograder.submission.tree import Bounds, NotTakenInError, opened, UnreadableError
+from autograder.submission.tree import Bounds, opened, UnreadableError, UnusableUploadError
 
 NOTEBOOK_KINDS = ('.py', '.msg', '.srv', '.action', '.xml', '.txt', '.cfg', '.toml', '.yaml')
 """Suffixes of the files that cells of a lesson save."""
@@ -54,7 +54,7 @@ def read_package(folder: Path) -> dict[str, str]:
     Return the texts of a package's files by the paths that exams use.
 
     :param folder: the package, or a folder with the same structure
-    :raises NotTakenInError: if a file or folder is a link
+    :raises UnusableUploadError: if a file or folder is a link
     """
     found: dict[str, str] = {}
     for path in sorted(folder.rglob('*')):
@@ -63,7 +63,7 @@ def read_package(folder: Path) -> dict[str, str]:
             continue
         if path.is_symlink():
             fix = 'Try: replace the link by a copy of its target'
-            raise NotTakenInError(f'{path}: expected a file or folder, got a link.', fix)
+            raise UnusableUploadError(f'{path}: expected a file or folder, got a link.', fix)
         if path.suffix not in NOTEBOOK_KINDS or not path.is_file():
             continue
         if path.suffix == '.py' and len(inside.parts) > 1 and inside.parts[0] != 'test':
@@ -79,14 +79,14 @@ def read_handed_in(path: Path) -> dict[str, str]:
     Return the texts of a script, a package folder or a zip file by relative path.
 
     :param path: a ``.py`` file, or a folder or ``.zip`` file with one package at any depth
-    :raises NotTakenInError: if the path is none of these, or its content is not safe
+    :raises UnusableUploadError: if the path is none of these, or its content is not safe
     """
     if path.suffix == '.py' and not path.is_dir():
         return {path.name: _script(path)}
     if path.is_dir() or path.suffix == '.zip':
         return in_package(_texts(path), str(path))
     kind = 'a different file' if path.exists() else 'no file or folder of this name'
-    raise NotTakenInError(
+    raise UnusableUploadError(
         f'{path}: expected a Python script, a package folder, a zip file or a notebook, '
         f'got {kind}.'
     )
@@ -95,7 +95,7 @@ def read_handed_in(path: Path) -> dict[str, str]:
 def _script(path: Path) -> str:
     data, problems = read_file(path, str(path))
     if data is None:
-        raise NotTakenInError(problems[0].line())
+        raise UnusableUploadError(problems[0].line())
     if len(data) > BOUNDS.file_bytes:
         raise BOUNDS.refusal(str(path), f'{len(data)} bytes')
     return data.decode('utf-8', 'replace')
@@ -105,12 +105,12 @@ def _texts(path: Path) -> dict[str, str]:
     """
     Return the texts of a folder or a zip file by relative path, without following links.
 
-    :raises NotTakenInError: if it is damaged or too large, or has a link, a special file or an
+    :raises UnusableUploadError: if it is damaged or too large, or has a link, a special file or an
         unsafe path
     """
     found, folder = {}, path.is_dir()
     if not folder and path.is_symlink():
-        raise NotTakenInError(f'{path}: expected a regular file, got a link.')
+        raise UnusableUploadError(f'{path}: expected a regular file, got a link.')
     if not folder and path.stat().st_size > LARGEST_ZIP:
         raise BOUNDS.refusal(str(path), f'{path.stat().st_size} bytes')
     with opened(path, BOUNDS) as tree:
@@ -127,7 +127,7 @@ def _texts(path: Path) -> dict[str, str]:
     for name in found:
         for above in PurePosixPath(name).parents:
             if above.as_posix() in found:
-                raise NotTakenInError(f'{path}: {above} is both a file and a folder.')
+                raise UnusableUploadError(f'{path}: {above} is both a file and a folder.')
     return found
 
 
@@ -137,14 +137,14 @@ def in_package(files: Mapping[str, str], where: str) -> dict[str, str]:
 
     :param files: the files of a package, or of a folder that contains a package at any depth
     :param where: name of the submission in messages
-    :raises NotTakenInError: if there are several packages
+    :raises UnusableUploadError: if there are several packages
     """
     roots = sorted(
         PurePosixPath(name).parent for name in files if PurePosixPath(name).name == 'package.xml'
     )
     if len(roots) > 1:
         names = ', '.join(str(root) for root in roots[:5])
-        raise NotTakenInError(
+        raise UnusableUploadError(
             f'{where}: expected one package, got {len(roots)}: {names}.',
             'Try: name the folder of one of them.',
         )

@@ -32,7 +32,7 @@ _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError)
 
 
-class NotTakenInError(GraderError):
+class UnusableUploadError(GraderError):
     """Report that a submission cannot be used."""
 
 
@@ -64,9 +64,11 @@ class Bounds(NamedTuple):
     whole_bytes: int
     name_chars: int
 
-    def refusal(self, source: str, got: str) -> NotTakenInError:
+    def refusal(self, source: str, got: str) -> UnusableUploadError:
         """Return the error for a source, or one of its files, that cannot be used."""
-        return NotTakenInError(f'{source}: expected {self.what}, got {got}.', f'Try: {self.fix}')
+        return UnusableUploadError(
+            f'{source}: expected {self.what}, got {got}.', f'Try: {self.fix}'
+        )
 
     def trouble(self, parts: Parts) -> str:
         """Return why a path is not accepted; empty if it is accepted."""
@@ -134,13 +136,13 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     Yield a source; its files can be read inside the context.
 
     :param source: a folder or a zip file
-    :raises NotTakenInError: if the source is neither of these, damaged, or too large
+    :raises UnusableUploadError: if the source is neither of these, damaged, or too large
     """
     try:
         kind = source.stat().st_mode
     except OSError as error:
         what = f'{source}: cannot be read: {str(error.strerror).lower()}.'
-        raise NotTakenInError(what) from error
+        raise UnusableUploadError(what) from error
     meter = _Meter(str(source), bounds)
     if stat.S_ISDIR(kind):
         yield _tree(source.resolve().name, _in_folder(source, (), meter), meter)
@@ -151,7 +153,7 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
         with zipfile.ZipFile(source) as archive:
             yield _tree(source.stem, _in_zip(archive, meter), meter)
     except _DAMAGED as error:
-        raise NotTakenInError(
+        raise UnusableUploadError(
             f'{source}: the zip file cannot be read: {error}.',
             'Try: download or pack it again, or give the unpacked folder',
         ) from error
@@ -169,7 +171,7 @@ class _Meter:
         """
         Count the bytes of a file, and return them.
 
-        :raises NotTakenInError: if all files together are too large
+        :raises UnusableUploadError: if all files together are too large
         :raises UnreadableError: if this file is too large
         """
         self.count += 0 if parts in self.known else len(data)
@@ -190,7 +192,7 @@ def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:
     """
     Return the tree of a source from its files and folders.
 
-    :raises NotTakenInError: if there are too many
+    :raises UnusableUploadError: if there are too many
     """
     files: dict[Parts, File] = {}
     refused: list[tuple[str, str]] = []

@@ -16,7 +16,7 @@ import pytest
 
 from autograder.submission import package
 from autograder.submission.package import read_handed_in
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
 from tests.attacks.corpus import CANARY
 
@@ -43,7 +43,7 @@ def test_a_hostile_archive_is_refused_in_words_and_writes_nothing(trick, tmp_pat
     """The reason is one printable line; an honest archive after it is taken in."""
     before = everything(tmp_path)
 
-    with pytest.raises(NotTakenInError, match=REFUSED[trick]) as refusal:
+    with pytest.raises(UnusableUploadError, match=REFUSED[trick]) as refusal:
         read_handed_in(trick(tmp_path))
 
     said = str(refusal.value)
@@ -104,7 +104,7 @@ def test_a_folder_with_a_special_file_is_refused_like_a_zip(tmp_path, outside, m
         (tmp_path / name).write_text(text, encoding='utf-8')
     make(folder / 'talker.py', outside)
 
-    with pytest.raises(NotTakenInError, match='a link or a special file'):
+    with pytest.raises(UnusableUploadError, match='a link or a special file'):
         read_handed_in(folder)
 
 
@@ -116,7 +116,7 @@ def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
         path.write_text(text, encoding='utf-8')
     Path(os.fsdecode(os.fsencode(tmp_path / 'my_pkg') + b'/\xff\xfe.py')).write_text('x = 1')
 
-    with pytest.raises(NotTakenInError, match='unprintable characters') as refusal:
+    with pytest.raises(UnusableUploadError, match='unprintable characters') as refusal:
         read_handed_in(tmp_path / 'my_pkg')
 
     assert str(refusal.value).isprintable()

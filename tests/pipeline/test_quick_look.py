@@ -14,7 +14,7 @@ from autograder.commands import run as quick_look
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = Layout.here()
@@ -153,7 +153,7 @@ class TestWhatIsMeant:
         (tmp_path / 'odd.py').write_text('x = 1')
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
-        with pytest.raises(NotTakenInError, match=r'temp_subscriber\.py, got only odd\.py'):
+        with pytest.raises(UnusableUploadError, match=r'temp_subscriber\.py, got only odd\.py'):
             quick_look.looks(tmp_path / 'odd.py', monitor, LAYOUT)
 
     @pytest.mark.parametrize('name', ['odd.ipynb', 'odd.zip', 'odd.py', 'odd'])
@@ -161,7 +161,7 @@ class TestWhatIsMeant:
         """A mistake by the instructor never gives a student zero points."""
         monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
-        with pytest.raises(NotTakenInError, match='there is no such file or folder'):
+        with pytest.raises(UnusableUploadError, match='there is no such file or folder'):
             quick_look.looks(tmp_path / name, monitor, LAYOUT)
 
 

@@ -37,7 +37,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.ids import student_id
 from autograder.submission.inbox import discover, is_student_id
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 
 @pytest.mark.parametrize(
@@ -217,7 +217,7 @@ class TestHostileSources:
         limit(monkeypatch, entries=2)
         source = laid(tmp_path / 's', {f'{name}/talk.ipynb': GOOD for name in 'abc'})
 
-        with pytest.raises(NotTakenInError, match='more than 2 files'):
+        with pytest.raises(UnusableUploadError, match='more than 2 files'):
             collect(source, layout, layout.submitted)
 
     @pytest.mark.parametrize('how', [packed, laid])
@@ -238,7 +238,7 @@ class TestHostileSources:
         ]  # fmt: skip
         assert rows[1].notes == ('no file that can be read',)
         limit(monkeypatch, listed=5)
-        with pytest.raises(NotTakenInError, match='more than 5 files'):
+        with pytest.raises(UnusableUploadError, match='more than 5 files'):
             collect(source, layout, layout.submitted)
 
     @pytest.mark.parametrize('name', ['build', 'install', 'log'])
@@ -262,13 +262,13 @@ class TestHostileSources:
         text = b'!!python/object/apply:os.system ["touch /tmp/evil"]'
         source = laid(tmp_path / 's', {'submission_metadata.yml': text, 'a/b.ipynb': GOOD})
 
-        with pytest.raises(NotTakenInError, match='not valid YAML'):
+        with pytest.raises(UnusableUploadError, match='not valid YAML'):
             collect(source, layout, layout.submitted)
 
     def test_a_damaged_zip_is_one_sentence(self, tmp_path, layout):
         (tmp_path / 's.zip').write_bytes(packed(tmp_path / 'g.zip', MOODLE).read_bytes()[:200])
 
-        with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
+        with pytest.raises(UnusableUploadError, match='the zip file cannot be read'):
             collect(tmp_path / 's.zip', layout, layout.submitted)
 
 

@@ -24,7 +24,7 @@ import pytest
 
 from autograder.collect import choice
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 STRANGE = 'it contains no cell of the assignment'
 
@@ -108,7 +108,7 @@ class TestOneAssignmentASource:
         files = {'ann_1001_561_a.ipynb': one, 'bob_1002_562_b.ipynb': two}
         source = packed(tmp_path / 'c.zip', files)
 
-        with pytest.raises(NotTakenInError, match=said) as caught:
+        with pytest.raises(UnusableUploadError, match=said) as caught:
             collect(source, layout, layout.submitted)
         assert TALK in caught.value.fix
         assert not layout.submitted.exists()
@@ -262,7 +262,9 @@ class TestBounds:
         source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
         limit(monkeypatch, whole_bytes=8 * len(GOOD))
 
-        with pytest.raises(NotTakenInError, match='submissions of a class, got more than 0 MiB'):
+        with pytest.raises(
+            UnusableUploadError, match='submissions of a class, got more than 0 MiB'
+        ):
             collect(source, layout, layout.submitted)
         assert not layout.submitted.exists()
 
@@ -275,7 +277,9 @@ class TestBounds:
         limit(monkeypatch, file_bytes=1 << 20)
         limit(monkeypatch, whole_bytes=8 << 20)
 
-        with pytest.raises(NotTakenInError, match='submissions of a class, got more than 8 MiB'):
+        with pytest.raises(
+            UnusableUploadError, match='submissions of a class, got more than 8 MiB'
+        ):
             collect(source, layout, layout.submitted)
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):

@@ -20,7 +20,7 @@ from collect_sources import (
 import pytest
 
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 
 class TestFolders:
@@ -171,7 +171,7 @@ class TestIdsOfFolders:
         """``--prefix`` is refused for platforms, which choose the names themselves."""
         source = packed(tmp_path / 'm.zip', MOODLE)
 
-        with pytest.raises(NotTakenInError, match='these are names from moodle'):
+        with pytest.raises(UnusableUploadError, match='these are names from moodle'):
             collect(source, layout, layout.submitted, prefix='Li ')
 
 
@@ -286,7 +286,7 @@ class TestNamedKind:
         """The error shows the expected platform and the names that were found."""
         source = laid(tmp_path / 's', {'roster.csv': b'', 'grades.csv': b''})
 
-        with pytest.raises(NotTakenInError) as caught:
+        with pytest.raises(UnusableUploadError) as caught:
             collect(source, layout, layout.submitted, kind=wanted)
 
         assert f'expected submissions of kind {wanted} (' in caught.value.what
@@ -295,14 +295,14 @@ class TestNamedKind:
     def test_what_is_in_a_folder_around_everything_is_named(self, tmp_path, layout):
         files = {f'class/{name}.pdf': b'%PDF' for name in 'abcde'}
 
-        with pytest.raises(NotTakenInError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
+        with pytest.raises(UnusableUploadError, match=r'got: a\.pdf, b\.pdf, c\.pdf and 2 more'):
             collect(laid(tmp_path / 's', files), layout, layout.submitted, kind='moodle')
 
     def test_an_empty_source_is_refused(self, tmp_path, layout):
         """An empty source is refused, because it is usually the wrong folder."""
         (tmp_path / 's').mkdir()
 
-        with pytest.raises(NotTakenInError, match='got: nothing'):
+        with pytest.raises(UnusableUploadError, match='got: nothing'):
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):

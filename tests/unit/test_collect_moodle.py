@@ -18,7 +18,7 @@ import pytest
 
 from autograder.collect.table import LEFT, TAKEN
 from autograder.collect.take_in import collect
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 
 class TestMoodle:
@@ -122,7 +122,7 @@ class TestMoodle:
         """Without the saved numbers, two people could become one, so collecting stops."""
         laid(layout.work, {layout.namesakes.name: data})
 
-        with pytest.raises(NotTakenInError, match='expected JSON with the numbers of people'):
+        with pytest.raises(UnusableUploadError, match='expected JSON with the numbers of people'):
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):

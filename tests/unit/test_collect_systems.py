@@ -21,7 +21,7 @@ from collect_sources import (
 import pytest
 
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 LATE = 'late, according to Canvas; the time is unknown, so a late policy cannot apply'
 
@@ -213,7 +213,7 @@ class TestGradescope:
         table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'
         source = packed(tmp_path / 'g.zip', {'submission_metadata.yml': table_})
 
-        with pytest.raises(NotTakenInError, match='not valid YAML'):
+        with pytest.raises(UnusableUploadError, match='not valid YAML'):
             collect(source, layout, layout.submitted)
 
     @pytest.mark.parametrize(
@@ -256,7 +256,7 @@ class TestExchange:
         """The error says which folder to name instead."""
         files = {**EXCHANGE, **{name.replace('c/', 'd/', 1): GOOD for name in EXCHANGE}}
 
-        with pytest.raises(NotTakenInError, match='this exchange has 2 courses'):
+        with pytest.raises(UnusableUploadError, match='this exchange has 2 courses'):
             collect(laid(tmp_path / 'exchange', files), layout, layout.submitted)
 
     def test_releases_are_nobodys_work_before_the_first_hand_in(self, tmp_path, layout):

@@ -15,7 +15,7 @@ from autograder.submission.package import (
     read_package,
     with_node_files,
 )
-from autograder.submission.tree import NotTakenInError
+from autograder.submission.tree import UnusableUploadError
 
 
 def zip_of(path, entries):
@@ -83,23 +83,27 @@ class TestWhatIsTakenIn:
         (tmp_path / 'package.xml').write_text('x')
         (tmp_path / 'linked.py').symlink_to(target)
 
-        with pytest.raises(NotTakenInError, match=r"'linked\.py': .* got a link .* with copies"):
+        with pytest.raises(
+            UnusableUploadError, match=r"'linked\.py': .* got a link .* with copies"
+        ):
             read_handed_in(tmp_path)
 
     def test_two_packages_are_one_too_many(self, tmp_path):
         """The refusal names the packages."""
         both = [*PACKAGE, ('other/package.xml', 'x')]
 
-        with pytest.raises(NotTakenInError, match=r'expected one package, got 2: my_pkg, other'):
+        with pytest.raises(
+            UnusableUploadError, match=r'expected one package, got 2: my_pkg, other'
+        ):
             read_handed_in(zip_of(tmp_path / 'a.zip', both))
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
         """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
-        with pytest.raises(NotTakenInError, match=r'a\.tar: expected .* got a different file'):
+        with pytest.raises(UnusableUploadError, match=r'a\.tar: expected .* got a different file'):
             read_handed_in(tmp_path / 'a.tar')
-        with pytest.raises(NotTakenInError, match='no file or folder of this name'):
+        with pytest.raises(UnusableUploadError, match='no file or folder of this name'):
             read_handed_in(tmp_path / 'b.zip2')
 
 
@@ -139,7 +143,7 @@ class TestWhatAZipMayNotHold:
         """The refusal names the entry and the reason."""
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
-        with pytest.raises(NotTakenInError, match=said):
+        with pytest.raises(UnusableUploadError, match=said):
             read_handed_in(path)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
@@ -148,7 +152,7 @@ class TestWhatAZipMayNotHold:
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
         assert path.stat().st_size < 1 << 16
-        with pytest.raises(NotTakenInError, match='expected the files of one package'):
+        with pytest.raises(UnusableUploadError, match='expected the files of one package'):
             read_handed_in(path)
 
     def test_a_size_that_lies_is_not_believed(self, tmp_path):
@@ -159,7 +163,7 @@ class TestWhatAZipMayNotHold:
         data[directory + 24 : directory + 28] = struct.pack('<I', 1)
         path.write_bytes(data)
 
-        with pytest.raises(NotTakenInError, match='a damaged entry'):
+        with pytest.raises(UnusableUploadError, match='a damaged entry'):
             read_handed_in(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
@@ -167,25 +171,25 @@ class TestWhatAZipMayNotHold:
         monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(whole_bytes=1000))
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
-        with pytest.raises(NotTakenInError, match='more than'):
+        with pytest.raises(UnusableUploadError, match='more than'):
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
         """The number of entries is limited, and the number of files in a package."""
         many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
-        with pytest.raises(NotTakenInError, match=f'more than {package.MOST_FILES}'):
+        with pytest.raises(UnusableUploadError, match=f'more than {package.MOST_FILES}'):
             read_handed_in(zip_of(tmp_path / 'a.zip', many))
 
         many = [(f'a{number}.png', '') for number in range(package.BOUNDS.entries + 1)]
-        with pytest.raises(NotTakenInError, match=f'more than {package.BOUNDS.entries} files'):
+        with pytest.raises(UnusableUploadError, match=f'more than {package.BOUNDS.entries} files'):
             read_handed_in(zip_of(tmp_path / 'b.zip', many))
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
     def test_a_name_has_one_meaning(self, tmp_path):
         """Two entries cannot share a name, and a file cannot also be a folder."""
-        with pytest.raises(NotTakenInError, match='twice'):
+        with pytest.raises(UnusableUploadError, match='twice'):
             read_handed_in(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
-        with pytest.raises(NotTakenInError, match='both a file and a folder'):
+        with pytest.raises(UnusableUploadError, match='both a file and a folder'):
             read_handed_in(zip_of(tmp_path / 'b.zip', [('a.py', '1'), ('a.py/b.py', '2')]))
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
@@ -193,7 +197,7 @@ class TestWhatAZipMayNotHold:
         """A truncated zip gives one line, like a file that is not a zip."""
         (tmp_path / 'a.zip').write_bytes(data)
 
-        with pytest.raises(NotTakenInError, match='the zip file cannot be read'):
+        with pytest.raises(UnusableUploadError, match='the zip file cannot be read'):
             read_handed_in(tmp_path / 'a.zip')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
@@ -201,7 +205,7 @@ class TestWhatAZipMayNotHold:
         zip_of(tmp_path / 'a.zip', PACKAGE)
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
-        with pytest.raises(NotTakenInError, match='regular file'):
+        with pytest.raises(UnusableUploadError, match='regular file'):
             read_handed_in(tmp_path / 'b.zip')
 
 
@@ -294,7 +298,7 @@ def test_link_is_refused_with_its_name(tmp_path, target):
     """If links were skipped, the check would report that no file was saved."""
     (tmp_path / 'pkg').symlink_to(target)
 
-    with pytest.raises(NotTakenInError, match=r'pkg: expected a file or folder, got a link'):
+    with pytest.raises(UnusableUploadError, match=r'pkg: expected a file or folder, got a link'):
         read_package(tmp_path)
 
 

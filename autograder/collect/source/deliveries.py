@@ -61,7 +61,8 @@ def opened(source: Path) -> AbstractContextManager[Tree]:
     Files that programs generate next to the work are neither listed nor counted.  Otherwise the
     built workspace of one student could exceed the limits for the whole class.
 
-    :raises NotTakenInError: if the source is neither a folder nor a zip, is damaged or too large
+    :raises UnusableUploadError: if the source is neither a folder nor a zip, is damaged or too
+        large
     """
     return trees.opened(source, BOUNDS)
 
