@@ -20,11 +20,16 @@ from autograder.classroom.collected import (
     NotCollected,
 )
 from autograder.classroom.people import extensions, keep_people
-from autograder.collect.choice import choose, Chosen, look, of_all
-from autograder.collect.namesakes import check_names, keep_namesakes, Namesakes, read_namesakes
+from autograder.collect.duplicate_names import (
+    check_names,
+    keep_namesakes,
+    Namesakes,
+    read_namesakes,
+)
 from autograder.collect.owners import check_owners, owner_rule
 from autograder.collect.platforms import EXCHANGE
 from autograder.collect.recognise import handed_in
+from autograder.collect.selection import choose, Chosen, look, of_all
 from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Handed, opened
 from autograder.collect.source.times import read_time, STAMP

@@ -9,7 +9,7 @@ from autograder.classroom.collected import read_delivered
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.tables import read_bytes
-from autograder.collect.namesakes import read_namesakes
+from autograder.collect.duplicate_names import read_namesakes
 from autograder.commands import (
     ASSIGNMENT,
     ASSIGNMENT_OR_ALL,

@@ -22,7 +22,7 @@ from autograder.classroom.collected import keep_delivered, keep_not_collected, r
 from autograder.classroom.course_lock import alone
 from autograder.classroom.people import saved_people, student_named
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.namesakes import keep_namesakes, read_namesakes
+from autograder.collect.duplicate_names import keep_namesakes, read_namesakes
 from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import short
 from autograder.errors import GraderError

@@ -22,7 +22,7 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.collect import choice
+from autograder.collect import selection
 from autograder.collect.table import LEFT, TAKEN
 from autograder.submission.tree import UnusableUploadError
 
@@ -284,19 +284,19 @@ class TestBounds:
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):
         """The likely notebooks are read, and the table says that there are more."""
-        files = {f'ann/{n:03}.ipynb': OWN for n in range(choice.MOST_NOTEBOOKS + 20)}
+        files = {f'ann/{n:03}.ipynb': OWN for n in range(selection.MOST_NOTEBOOKS + 20)}
         source = laid(tmp_path / 's', {**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
 
         rows = collect(source, layout, layout.submitted)
 
         assert sorted(row.done for row in rows) == [LEFT, TAKEN]
         (left,) = [row for row in rows if row.done == LEFT]
-        assert f'not read: only the first {choice.MOST_NOTEBOOKS} notebooks' in left.notes[0]
+        assert f'not read: only the first {selection.MOST_NOTEBOOKS} notebooks' in left.notes[0]
         assert left.notes[0].endswith('18 more')
 
     def test_one_student_has_not_the_share_of_a_class(self, tmp_path, layout, monkeypatch):
         """One student cannot use up the bytes that may be read for the class."""
-        monkeypatch.setattr(choice, 'MOST_BYTES_EACH', 3 * len(GOOD))
+        monkeypatch.setattr(selection, 'MOST_BYTES_EACH', 3 * len(GOOD))
         files = {f'ann/{n}/talk.ipynb': GOOD for n in range(9)} | {'bob/talk.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
