@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 import json
 from typing import NamedTuple
 
-from autograder.collect.source.deliveries import Handed
+from autograder.collect.source.deliveries import Delivery
 from autograder.files import json_bytes, keep
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
@@ -61,7 +61,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
         ) from error
 
 
-def check_names(handed: Sequence[Handed], known: Namesakes, assignment: str) -> Namesakes:
+def check_names(deliveries: Sequence[Delivery], known: Namesakes, assignment: str) -> Namesakes:
     """
     Set ``doubt`` in the deliveries whose owner is unclear.
 
@@ -69,17 +69,17 @@ def check_names(handed: Sequence[Handed], known: Namesakes, assignment: str) -> 
     :returns: the updated ids and numbers
     """
     here: dict[str, set[str]] = {}
-    for one in handed:
+    for one in deliveries:
         if one.number and one.id:
             here.setdefault(one.id, set()).add(one.number)
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
     now = known._replace(shared=frozenset(shared))
-    for one in handed:
+    for one in deliveries:
         one.doubt = one.doubt or _doubt(one, now, assignment)
     return now
 
 
-def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
+def _doubt(one: Delivery, known: Namesakes, assignment: str) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
     name, number = one.student[:60], one.number
     before = known.numbers.get(one.id, {}).get(assignment, number)
@@ -98,7 +98,9 @@ def _doubt(one: Handed, known: Namesakes, assignment: str) -> str:
     return ''
 
 
-def keep_namesakes(layout: Layout, known: Namesakes, taken: Iterable[tuple[Handed, str]]) -> None:
+def keep_namesakes(
+    layout: Layout, known: Namesakes, taken: Iterable[tuple[Delivery, str]]
+) -> None:
     """
     Save the shared ids, and the numbers of the participants whose work was just collected.
 

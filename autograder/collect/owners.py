@@ -14,7 +14,7 @@ import pwd
 from types import MappingProxyType
 from typing import NamedTuple
 
-from autograder.collect.source.deliveries import Handed
+from autograder.collect.source.deliveries import Delivery
 from autograder.errors import GraderError
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout
@@ -80,8 +80,8 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
     return OwnerRule(bool(settings.get('check_owner', True)), owners)
 
 
-def check_owners(handed: Iterable[Handed], rule: OwnerRule) -> None:
+def check_owners(deliveries: Iterable[Delivery], rule: OwnerRule) -> None:
     """Set ``doubt`` in the deliveries of an exchange that another user owns."""
-    for one in handed:
+    for one in deliveries:
         if doubt := rule.doubt(one.student, one.owners):
             one.doubt = f'{doubt}; {ADVICE}'

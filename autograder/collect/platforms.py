@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from autograder.collect.source.deliveries import Handed, Level, Piece, System
+from autograder.collect.source.deliveries import DeliveredFile, Delivery, Level, System
 from autograder.collect.source.times import read_time
 from autograder.collect.table import Row, unclaimed
 from autograder.submission.tree import File, UnreadableError, UnusableUploadError
@@ -92,7 +92,7 @@ def readings(name: str) -> tuple[Reading, ...]:
     return tuple(found)
 
 
-def _read_canvas(level: Level) -> Iterator[Handed | Row]:
+def _read_canvas(level: Level) -> Iterator[Delivery | Row]:
     """Yield the deliveries of each user, and a row for each ambiguous file."""
     ways = {name: found for name, entry in level.items() if (found := readings(entry.path))}
     settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
@@ -141,20 +141,20 @@ def _fitting(
 
 def _of_user(
     level: Level, user: str, told: Mapping[str, Reading], notes: tuple[str, ...]
-) -> Iterator[Handed]:
+) -> Iterator[Delivery]:
     """Yield each typed answer of a user, and all files as one delivery, newest first."""
     late = 'Canvas' if any(one.late for one in told.values()) else ''
     person = max(told.values(), key=lambda one: int(one.attachment or 0)).name
-    pieces: list[Piece] = []
+    files: list[DeliveredFile] = []
     for name, one in told.items():
         if one.attachment:
-            pieces += level[name].pieces(_AGAIN.sub('', one.file), int(one.attachment))
+            files += level[name].delivered_files(_AGAIN.sub('', one.file), int(one.attachment))
         else:
             what = _TYPED_INTO_CANVAS[one.file]
-            yield Handed(user, (), name, person, late=late, instead=what, notes=notes)
-    if pieces:
-        pieces.sort(key=lambda piece: piece.turn, reverse=True)
-        yield Handed(user, tuple(pieces), '', person, late=late, notes=notes)
+            yield Delivery(user, (), name, person, late=late, instead=what, notes=notes)
+    if files:
+        files.sort(key=lambda one: one.turn, reverse=True)
+        yield Delivery(user, tuple(files), '', person, late=late, notes=notes)
 
 
 # The student chose the end of a file name, so the name and number are matched as early as
@@ -165,24 +165,26 @@ _MOODLE = re.compile(
 _TYPED_INTO_MOODLE = {'file': '', 'onlinetext': 'an online text, which is not collected'}
 
 
-def _read_moodle(level: Level) -> Iterator[Handed]:
+def _read_moodle(level: Level) -> Iterator[Delivery]:
     """Yield the deliveries of each participant."""
-    handed: dict[tuple[str, str, str], tuple[str, list[Piece]]] = {}
+    deliveries: dict[tuple[str, str, str], tuple[str, list[DeliveredFile]]] = {}
     for place, entry in level.items():
         if match := _MOODLE.fullmatch(entry.path):
             key = match['name'], match['number'], match['kind']
-            handed.setdefault(key, (place, []))[1].extend(entry.pieces(match['file'] or ''))
-    for (name, number, kind), (place, found) in handed.items():
+            deliveries.setdefault(key, (place, []))[1].extend(
+                entry.delivered_files(match['file'] or '')
+            )
+    for (name, number, kind), (place, found) in deliveries.items():
         what = _TYPED_INTO_MOODLE.get(kind, f'Moodle type {kind}, not a file')
-        pieces = () if what else tuple(found)
-        yield Handed(name, pieces, place, name, instead=what, number=number)
+        files = () if what else tuple(found)
+        yield Delivery(name, files, place, name, instead=what, number=number)
 
 
 METADATA = 'submission_metadata.yml'
 _GRADESCOPE = re.compile(rf'submission_\d+/|{re.escape(METADATA)}')
 
 
-def _read_gradescope(level: Level) -> Iterator[Handed | Row]:
+def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
     """
     Yield the submissions in the metadata, and a row for each folder that is not listed there.
 
@@ -193,9 +195,9 @@ def _read_gradescope(level: Level) -> Iterator[Handed | Row]:
     for folder, facts in described.items():
         when, note = read_time(_field(facts, 'created_at'))
         for student, person in _submitters(facts):
-            yield Handed(
+            yield Delivery(
                 student or folder,
-                level[folder].pieces() if folder in level else (),
+                level[folder].delivered_files() if folder in level else (),
                 folder,
                 person=person,
                 when=when,
@@ -247,14 +249,14 @@ _EXCHANGE = re.compile(
 )
 
 
-def _read_exchange(level: Level) -> Iterator[Handed]:
+def _read_exchange(level: Level) -> Iterator[Delivery]:
     """Yield each delivery, with the time in the name of its folder."""
     for name, entry in level.items():
         if match := _EXCHANGE.fullmatch(entry.path):
             when, note = read_time(match['when'])
-            yield Handed(
+            yield Delivery(
                 match['user'],
-                entry.pieces(),
+                entry.delivered_files(),
                 name,
                 when=when,
                 assignment=match['assignment'],

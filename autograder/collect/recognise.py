@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Entry, Handed, Level, level, only_folder
+from autograder.collect.source.deliveries import Delivery, Entry, Level, level, only_folder
 from autograder.collect.source.times import STAMP
 from autograder.collect.table import Row, unclaimed
 from autograder.explaining.feedback import printable
@@ -42,12 +42,12 @@ class Found(NamedTuple):
     """
 
     kind: str
-    handed: tuple[Handed, ...]
+    deliveries: tuple[Delivery, ...]
     left: tuple[Row, ...]
     single: bool
 
 
-def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
+def find_deliveries(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
     """
     Return all deliveries in a source.
 
@@ -77,8 +77,8 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
                 'Try: leave out --prefix, or give the text that the folder names begin with',
             )
         found = [*_students(place, course, prefix)]
-    handed = tuple(one for one in found if isinstance(one, Handed))
-    if kind and not handed:
+    deliveries = tuple(one for one in found if isinstance(one, Delivery))
+    if kind and not deliveries:
         expected = system.expected if system else EXPECTED
         got = _shown(_levels(tree)[-1])
         raise UnusableUploadError(
@@ -86,11 +86,11 @@ def handed_in(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> F
             'Try: leave out --kind, or collect the source as you downloaded it',
         )
     left = [one for one in found if isinstance(one, Row)]
-    known = {name for one in handed for name in one.places} | {one.place for one in left}
+    known = {name for one in deliveries for name in one.places} | {one.place for one in left}
     known |= {system.needs} if system else set()
     why = f'not named the way {chosen} names submissions'
     left += [unclaimed(name, why) for name in place if name not in known]
-    return Found(chosen, handed, tuple(left), chosen not in (FOLDER, EXCHANGE))
+    return Found(chosen, deliveries, tuple(left), chosen not in (FOLDER, EXCHANGE))
 
 
 def recognised(tree: Tree) -> tuple[str, Level | None]:
@@ -166,7 +166,7 @@ def _are_students(files: Sequence[Entry], course: Course) -> bool:
     return any(count > 1 for count in lessons.values())
 
 
-def _students(place: Level, course: Course, prefix: str) -> Iterator[Handed | Row]:
+def _students(place: Level, course: Course, prefix: str) -> Iterator[Delivery | Row]:
     """Yield the delivery of each student, and a row for each entry that is not a student's."""
     for name, entry in place.items():
         if not entry.folder and not name.lower().endswith(NOTEBOOK):
@@ -176,10 +176,10 @@ def _students(place: Level, course: Course, prefix: str) -> Iterator[Handed | Ro
                 name, 'the name of an assignment, not of a student: collect the folder above'
             )
         else:
-            yield _handed(entry, course, prefix)
+            yield _delivery(entry, course, prefix)
 
 
-def _handed(entry: Entry, course: Course, prefix: str) -> Handed:
+def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery:
     """Return a delivery, with a note if a prefix was removed from the name."""
     name = entry.name if entry.folder else entry.name[: -len(NOTEBOOK)]
     off = prefix if name.startswith(prefix) and name != prefix else ''
@@ -188,9 +188,9 @@ def _handed(entry: Entry, course: Course, prefix: str) -> Handed:
     notes = [f'{off!r} was removed from the name'] if off else []
     if entry.repository and any(file.name == STAMP for file in entry.files):
         notes.append(f'{STAMP} ignored: in a repository, students can edit it')
-    return Handed(
+    return Delivery(
         name[len(off) :],
-        entry.pieces(),
+        entry.delivered_files(),
         entry.name,
         stamped=not entry.repository,
         notes=tuple(notes),

@@ -22,7 +22,7 @@ from statistics import multimode
 from typing import NamedTuple
 
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Handed, Piece
+from autograder.collect.source.deliveries import DeliveredFile, Delivery
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
@@ -35,18 +35,18 @@ NAMES_SHOWN = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class NotebookInfo:
     """
     Facts about a notebook, without its content: the notebooks of a class may not fit in memory.
 
-    :param handed: the delivery that contains the notebook
+    :param delivery: the delivery that contains the notebook
     :param shared: number of grade ids in the notebook, by assignment
     :param named: the assignment that the name of the file or folder suggests
     :param why: why the notebook was not read, empty if it was
     """
 
-    handed: Handed
-    piece: Piece
+    delivery: Delivery
+    delivered: DeliveredFile
     shared: Mapping[str, int] = field(default_factory=dict)
     named: str = ''
     why: str = ''
@@ -70,24 +70,26 @@ class Chosen(NamedTuple):
     :param row: its row in the table, before the notebook is written
     """
 
-    seen: Seen
+    notebook: NotebookInfo
     when: datetime | None
     row: Row
 
 
-def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
+def most_common_assignment(
+    notebooks: Iterable[Sequence[NotebookInfo]], course: Course, name: str
+) -> str:
     """
     Return the assignment that most students handed in, for a source with only one assignment.
 
     Each student counts once per assignment, even with several notebooks.
 
-    :param seen: the notebooks of each student
+    :param notebooks: the notebooks of each student
     :param name: name of the source, for error messages
     :returns: the assignment, empty if there is no notebook at all
     :raises UnusableUploadError: if no notebook shows an assignment, or if two assignments are
         equally frequent
     """
-    students = [one for one in seen if one]
+    students = [one for one in notebooks if one]
     votes = (found for one in students for found in {each.about for each in one} - {''})
     among = sorted(multimode(votes))
     if len(among) == 1 or not students:
@@ -100,7 +102,7 @@ def of_all(seen: Iterable[Sequence[Seen]], course: Course, name: str) -> str:
 
 
 def choose(
-    delivered: Mapping[Handed, Sequence[Seen]],
+    deliveries: Mapping[Delivery, Sequence[NotebookInfo]],
     course: Course,
     wanted: str = '',
     single: bool = False,
@@ -108,75 +110,78 @@ def choose(
     """
     Select the notebooks to collect, one per student and assignment.
 
-    :param delivered: the deliveries, each with its notebooks from :func:`look`
+    :param deliveries: the deliveries, each with its notebooks from :func:`read_notebooks`
     :param wanted: the only assignment to collect; empty to recognise it from the source
     :param single: whether the source is for one assignment, so that notebooks of others are
         mistakes
     :returns: the selected notebooks, and a row for each entry that was not, or only partly,
         collected
     """
-    fitting: dict[tuple[str, str], list[Seen]] = {}
-    for handed, seen in delivered.items():
-        goal = wanted or handed.assignment
-        if not _unusable(handed, course, wanted):
-            for name in [goal] if goal else sorted({one.about for one in seen} - {''}):
-                found = _fitting(seen, name, course, bool(goal))
-                fitting.setdefault((handed.id, name), []).extend(found)
+    fitting: dict[tuple[str, str], list[NotebookInfo]] = {}
+    for delivery, notebooks in deliveries.items():
+        goal = wanted or delivery.assignment
+        if not _unusable(delivery, course, wanted):
+            for name in [goal] if goal else sorted({one.about for one in notebooks} - {''}):
+                found = _fitting(notebooks, name, course, bool(goal))
+                fitting.setdefault((delivery.id, name), []).extend(found)
     chosen: dict[str, dict[str, Chosen]] = {}
-    reasons: dict[Seen, str] = {}
+    reasons: dict[NotebookInfo, str] = {}
     for (student, assignment), candidates in fitting.items():
-        names = {one.handed.called or one.handed.student for one in candidates}
+        names = {one.delivery.called or one.delivery.student for one in candidates}
         if len(names) > 1:  # Two students map to one id: collect neither and report the clash.
             why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
             reasons |= dict.fromkeys(candidates, why)
         elif candidates:
             best = _best(candidates, assignment, course)
             chosen.setdefault(student, {})[assignment] = best
-            reasons |= {one: _why_another(one, best.seen) for one in candidates}
+            reasons |= {one: _why_another(one, best.notebook) for one in candidates}
     rows: list[Row] = []
-    for handed, seen in delivered.items():
-        mine = chosen.get(handed.id, {})
-        rows += _others(handed, seen, course, mine, reasons, wanted, single)
+    for delivery, notebooks in deliveries.items():
+        mine = chosen.get(delivery.id, {})
+        rows += _others(delivery, notebooks, course, mine, reasons, wanted, single)
     return [best for mine in chosen.values() for best in mine.values()], rows
 
 
-def _unusable(handed: Handed, course: Course, wanted: str) -> str:
+def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
     """Return why a delivery cannot be collected, without reading its files; empty if it can."""
-    if not handed.id:
+    if not delivery.id:
         return 'no letter or digit in the name'
-    if why := handed.doubt or handed.instead:
+    if why := delivery.doubt or delivery.instead:
         return why
-    if wanted and handed.assignment and handed.assignment != wanted:
-        return f'handed in for {handed.assignment}'
-    if handed.assignment and handed.assignment not in course.assignments:
-        return f'{handed.assignment}: not an assignment of this course; name one with --assignment'
-    return '' if handed.pieces else 'no file that can be read'
+    if wanted and delivery.assignment and delivery.assignment != wanted:
+        return f'handed in for {delivery.assignment}'
+    if delivery.assignment and delivery.assignment not in course.assignments:
+        name = delivery.assignment
+        return f'{name}: not an assignment of this course; name one with --assignment'
+    return '' if delivery.files else 'no file that can be read'
 
 
-def look(handed: Handed, course: Course, wanted: str = '') -> list[Seen]:
+def read_notebooks(delivery: Delivery, course: Course, wanted: str = '') -> list[NotebookInfo]:
     """Read the notebooks of a delivery within its limits, the most likely ones first."""
-    if _unusable(handed, course, wanted):
+    if _unusable(delivery, course, wanted):
         return []
-    notebooks = [one for one in handed.pieces if one.file.name.lower().endswith('.ipynb')]
-    notebooks.sort(key=lambda one: (len(one.file.parts), one.file.parts))
-    notebooks.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
-    seen, left = [], MOST_BYTES_EACH
-    for count, piece in enumerate(notebooks):
-        one = Seen(handed, piece, named=course.named(piece.file.parts))
+    files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
+    files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
+    files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
+    notebooks, left = [], MOST_BYTES_EACH
+    for count, delivered in enumerate(files):
+        one = NotebookInfo(delivery, delivered, named=course.named(delivered.file.parts))
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
                 raise UnreadableError(
                     f'not read: only the first {count} notebooks of a delivery are read'
                 )
-            data = piece.file.read()
+            data = delivered.file.read()
             left -= len(data)
-            seen.append(replace(one, shared=course.shared(data)))
+            notebooks.append(replace(one, shared=course.shared(data)))
         except UnreadableError as error:
-            seen.append(replace(one, why=str(error)))
-    return seen
+            notebooks.append(replace(one, why=str(error)))
+    return notebooks
 
 
-def _fitting(seen: Sequence[Seen], assignment: str, course: Course, only: bool) -> list[Seen]:
+def _fitting(
+    notebooks: Sequence[NotebookInfo], assignment: str, course: Course, only: bool
+) -> list[NotebookInfo]:
     """
     Return the notebooks of a delivery that may belong to an assignment.
 
@@ -184,81 +189,82 @@ def _fitting(seen: Sequence[Seen], assignment: str, course: Course, only: bool) 
 
     :param only: whether the whole delivery was handed in for this assignment
     """
-    if found := [one for one in seen if one.content == assignment]:
+    if found := [one for one in notebooks if one.content == assignment]:
         return found
     names = ('', assignment) if only else (assignment,)
-    if any(one.why and one.named in names for one in seen):
+    if any(one.why and one.named in names for one in notebooks):
         return []  # The unreadable notebook may contain the answers.
-    named = [one for one in seen if not one.shared and one.named == assignment]
-    if not named and only and len(seen) == 1:
-        return [one for one in seen if not one.shared and not one.named]
+    named = [one for one in notebooks if not one.shared and one.named == assignment]
+    if not named and only and len(notebooks) == 1:
+        return [one for one in notebooks if not one.shared and not one.named]
     # If a lesson has no graded cells, only the name can identify its notebook.
     return named if len(named) == 1 or not course.cells[assignment] else []
 
 
-def _best(candidates: Sequence[Seen], assignment: str, course: Course) -> Chosen:
+def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -> Chosen:
     """Return the notebook to collect, with notes for the table."""
 
-    def merit(one: Seen) -> tuple[bool, float, int, bool, bool, int, bool, int]:
-        file, cells, when = one.piece.file, one.shared.get(assignment, 0), one.handed.when
+    def merit(one: NotebookInfo) -> tuple[bool, float, int, bool, bool, int, bool, int]:
+        file, cells, when = one.delivered.file, one.shared.get(assignment, 0), one.delivery.when
         return (
             cells > 0,
             when.timestamp() if when else 0.0,
             cells,
             course.of_file(file.name) == assignment,
             assignment in file.parts,
-            one.piece.turn,
+            one.delivered.turn,
             file.name == course.file_names[assignment],
             -len(file.parts),
         )
 
     # Of two files with the same name, consider only the newer one, regardless of its content.
-    by_turn = sorted(candidates, key=lambda one: one.piece.turn)
-    newest = {(one.handed.places, one.piece.file.parts): one for one in by_turn}
+    by_turn = sorted(candidates, key=lambda one: one.delivered.turn)
+    newest = {(one.delivery.places, one.delivered.file.parts): one for one in by_turn}
     best = max(newest.values(), key=merit)
-    file = best.piece.file
-    beside = [one for one in newest.values() if one.handed is best.handed]
+    file = best.delivered.file
+    beside = [one for one in newest.values() if one.delivery is best.delivery]
     older = [one for one in candidates if one is not best and _is_attempt(one, best)]
     notes = [f'the newest of {len(older) + 1}'] if older else []
     if best.shared and not all(one.shared for one in older):
         notes[0] += ' with a cell of the assignment'
     if len(beside) > 1:
         notes.append(f'{file.path}, one of {len(beside)} notebooks for the assignment')
-    notes += _said(best.handed)
+    notes += _said(best.delivery)
     if course.cells[assignment] and not best.shared:
         notes.append('it contains no cell of the assignment')
     if file.name != course.file_names[assignment]:
         notes.append(f'the file was called {file.name[:60]!r}')
-    when, about_time = _time(best.handed, best.piece, assignment)
-    due = course.due.of(best.handed.id, assignment) if when else None
-    late = late_notes(best.handed.late, when, due)
-    place = best.piece.place
-    row = _row(best.handed, assignment, place, TAKEN, (*late, *notes, *about_time), when)
+    when, about_time = _time(best.delivery, best.delivered, assignment)
+    due = course.due.of(best.delivery.id, assignment) if when else None
+    late = late_notes(best.delivery.late, when, due)
+    place = best.delivered.place
+    row = _row(best.delivery, assignment, place, TAKEN, (*late, *notes, *about_time), when)
     return Chosen(best, when, row)
 
 
-def _is_attempt(one: Seen, best: Seen) -> bool:
+def _is_attempt(one: NotebookInfo, best: NotebookInfo) -> bool:
     """Return whether a notebook is a different attempt, not another file of the same attempt."""
-    return one.handed is not best.handed or one.piece.file.parts == best.piece.file.parts
+    same_path = one.delivered.file.parts == best.delivered.file.parts
+    return one.delivery is not best.delivery or same_path
 
 
-def _why_another(one: Seen, best: Seen) -> str:
+def _why_another(one: NotebookInfo, best: NotebookInfo) -> str:
     """Return why a notebook for the same assignment was not selected."""
     if not _is_attempt(one, best):
-        return f'{one.piece.file.path[:80]}: {best.piece.file.path} counts'
+        return f'{one.delivered.file.path[:80]}: {best.delivered.file.path} counts'
     odd = best.shared and not one.shared
     return 'a different one was collected' if odd else 'a newer one was collected'
 
 
 def _time(
-    handed: Handed, piece: Piece, assignment: str
+    delivery: Delivery, delivered: DeliveredFile, assignment: str
 ) -> tuple[datetime | None, tuple[str, ...]]:
     """Return the time of delivery of a notebook, and notes about this time."""
-    if not handed.stamped:
-        return handed.when, ()
+    if not delivery.stamped:
+        return delivery.when, ()
     beside = (assignment, STAMP)  # nbgrader writes the file only here.
-    file = next((one.file for one in handed.pieces if one.file.parts == beside), None)
-    if file is None or piece.file.parts[:-1] != beside[:-1]:
+    file = next((one.file for one in delivery.files if one.file.parts == beside), None)
+    if file is None or delivered.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
         when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
@@ -269,11 +275,11 @@ def _time(
 
 
 def _others(
-    handed: Handed,
-    seen: Sequence[Seen],
+    delivery: Delivery,
+    notebooks: Sequence[NotebookInfo],
     course: Course,
     mine: Mapping[str, Chosen],
-    reasons: Mapping[Seen, str],
+    reasons: Mapping[NotebookInfo, str],
     wanted: str,
     single: bool,
 ) -> Iterator[Row]:
@@ -283,10 +289,10 @@ def _others(
     :param mine: the selected notebooks of the student, by assignment
     :param reasons: known reasons why notebooks were not selected
     """
-    goal, why = wanted or handed.assignment, _unusable(handed, course, wanted)
-    taken = {one.row.place for one in mine.values() if one.seen.handed is handed}
-    for place in handed.places:
-        there = [one for one in seen if one.piece.place == place]
+    goal, why = wanted or delivery.assignment, _unusable(delivery, course, wanted)
+    taken = {one.row.place for one in mine.values() if one.notebook.delivery is delivery}
+    for place in delivery.places:
+        there = [one for one in notebooks if one.delivered.place == place]
         left = [
             one
             for one in there
@@ -298,21 +304,21 @@ def _others(
         about = goal or next((one.about for one in left), '')
         said = [reasons.get(one) or _why_not(one, bool(mine), goal) for one in left]
         if not there and place not in taken:
-            names = [piece.file.name for piece in handed.pieces if piece.place == place]
+            names = [one.file.name for one in delivery.files if one.place == place]
             said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
         if why or said:
-            late = late_notes(handed.late, handed.when, None)
-            notes = (why or first_of(said, NAMES_SHOWN, '; '), *late, *_said(handed))
-            yield _row(handed, about, place, LEFT, notes, handed.when)
+            late = late_notes(delivery.late, delivery.when, None)
+            notes = (why or first_of(said, NAMES_SHOWN, '; '), *late, *_said(delivery))
+            yield _row(delivery, about, place, LEFT, notes, delivery.when)
 
 
-def _why_not(one: Seen, chosen: bool, goal: str) -> str:
+def _why_not(one: NotebookInfo, chosen: bool, goal: str) -> str:
     """
     Return why a notebook was not selected for any assignment.
 
     :param chosen: whether another notebook of the student was selected
     """
-    path, about = one.piece.file.path[:80], goal or one.named
+    path, about = one.delivered.file.path[:80], goal or one.named
     if one.why:
         return f'{path}: {one.why}'
     if one.content:
@@ -325,20 +331,20 @@ def _why_not(one: Seen, chosen: bool, goal: str) -> str:
     return f'{path}: {named}it contains no cell of {about or "this course"}{more}'
 
 
-def _said(handed: Handed) -> tuple[str, ...]:
+def _said(delivery: Delivery) -> tuple[str, ...]:
     """Return the notes of a delivery, and a note if the student id differs from the name."""
-    renamed = f'the name was {handed.student[:60]!r}' if handed.id != handed.student else ''
-    return (*handed.notes, *filter(None, (renamed,)))
+    renamed = f'the name was {delivery.student[:60]!r}' if delivery.id != delivery.student else ''
+    return (*delivery.notes, *filter(None, (renamed,)))
 
 
 def _row(
-    handed: Handed,
+    delivery: Delivery,
     assignment: str,
     place: str,
     done: str,
     notes: tuple[str, ...],
     when: datetime | None,
 ) -> Row:
-    person = '' if handed.person == handed.id else handed.person
+    person = '' if delivery.person == delivery.id else delivery.person
     handed_in = f'{when:%Y-%m-%d %H:%M}' if when else ''
-    return Row(handed.id, assignment, place, done, notes, person, handed_in)
+    return Row(delivery.id, assignment, place, done, notes, person, handed_in)

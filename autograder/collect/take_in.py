@@ -28,10 +28,10 @@ from autograder.collect.duplicate_names import (
 )
 from autograder.collect.owners import check_owners, owner_rule
 from autograder.collect.platforms import EXCHANGE
-from autograder.collect.recognise import handed_in
-from autograder.collect.selection import choose, Chosen, look, of_all
+from autograder.collect.recognise import find_deliveries
+from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Handed, opened
+from autograder.collect.source.deliveries import Delivery, opened
 from autograder.collect.source.times import read_time, STAMP
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.files import keep
@@ -66,19 +66,21 @@ def collect(
     course = Course(layout)
     extensions(layout)  # report a wrong file before anything is copied
     with opened(source) as tree:
-        there = handed_in(tree, course, kind, prefix)
+        there = find_deliveries(tree, course, kind, prefix)
         if there.kind == EXCHANGE:
-            check_owners(there.handed, owner_rule(layout, trust_names))
-        seen = {one: look(one, course, assignment) for one in there.handed}
-        goal = assignment or (of_all(seen.values(), course, tree.name) if there.single else '')
-        known = check_names(there.handed, read_namesakes(layout), goal)
-        chosen, others = choose(seen, course, goal, there.single)
+            check_owners(there.deliveries, owner_rule(layout, trust_names))
+        notebooks = {one: read_notebooks(one, course, assignment) for one in there.deliveries}
+        goal = assignment or (
+            most_common_assignment(notebooks.values(), course, tree.name) if there.single else ''
+        )
+        known = check_names(there.deliveries, read_namesakes(layout), goal)
+        chosen, others = choose(notebooks, course, goal, there.single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
         rows = [*_refused(tree), *there.left, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
-        taken = [(one.seen.handed, row) for one, row in done if row.done != LEFT]
+        taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
         kept = _to_keep(taken, there.kind, known, rows, layout)
         rows += _saved(kept if to.resolve() == layout.submitted.resolve() else kept[:-1])
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
@@ -89,7 +91,7 @@ Kept = tuple[Path, str, Callable[[], None]]
 
 
 def _to_keep(
-    taken: Sequence[tuple[Handed, Row]],
+    taken: Sequence[tuple[Delivery, Row]],
     kind: str,
     known: Namesakes,
     rows: Sequence[Row],
@@ -147,7 +149,7 @@ def _refused(tree: Tree) -> Iterator[Row]:
 def _take(one: Chosen, course: Course, to: Path, write: bool) -> Row:
     """Copy a notebook to nbgrader's folder, and return its row."""
     try:
-        done, said = lay(one, course.file_names[one.row.assignment], to, write)
+        done, said = write_copy(one, course.file_names[one.row.assignment], to, write)
     except OSError as error:
         done, said = LEFT, _unwritable(error)
     except UnreadableError as error:
@@ -155,7 +157,7 @@ def _take(one: Chosen, course: Course, to: Path, write: bool) -> Row:
     return replace(one.row, done=done, notes=(*filter(None, (said,)), *one.row.notes))
 
 
-def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
+def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     """
     Write a notebook and its time of delivery, unless an equal or newer copy exists.
 
@@ -174,7 +176,7 @@ def lay(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str, str]:
     wanted = f'{one.when:%Y-%m-%d %H:%M:%S} UTC\n'.encode() if one.when else None
     there, _ = read_file(notebook, file_name)
     time_there, _ = read_file(time, STAMP)
-    data = one.seen.piece.file.read()
+    data = one.notebook.delivered.file.read()
     same = there == data
     if same and wanted in (None, time_there):
         return UNCHANGED, ''

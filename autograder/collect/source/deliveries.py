@@ -67,7 +67,7 @@ def opened(source: Path) -> AbstractContextManager[Tree]:
     return trees.opened(source, BOUNDS)
 
 
-class Piece(NamedTuple):
+class DeliveredFile(NamedTuple):
     """
     One delivered file.
 
@@ -83,14 +83,14 @@ class Piece(NamedTuple):
 
 
 @dataclass(eq=False)
-class Handed:
+class Delivery:
     """
     A delivery: everything that one student handed in at one time.
 
     :param student: the student as named in the source; :attr:`id` is the student id
     :param called: the whole name in the source, if ``student`` is a part of it
     :param number: the student's number in Moodle, which differs in each assignment
-    :param pieces: the delivered files
+    :param files: the delivered files
     :param place: name of the entry of the source, if there are no files
     :param person: the student's name, if the id is not a name
     :param when: time of delivery in UTC, None if it is unknown
@@ -104,7 +104,7 @@ class Handed:
     """
 
     student: str
-    pieces: tuple[Piece, ...]
+    files: tuple[DeliveredFile, ...]
     place: str
     person: str = ''
     when: datetime | None = None
@@ -126,7 +126,7 @@ class Handed:
     @property
     def places(self) -> tuple[str, ...]:
         """Return the entries of the source that belong to the delivery, in order."""
-        return tuple(dict.fromkeys(piece.place for piece in self.pieces)) or (self.place,)
+        return tuple(dict.fromkeys(one.place for one in self.files)) or (self.place,)
 
 
 class Entry(NamedTuple):
@@ -150,10 +150,10 @@ class Entry(NamedTuple):
         """Return the name, followed by a slash if the entry is a folder."""
         return f'{self.name}/' if self.folder else self.name
 
-    def pieces(self, name: str = '', turn: int = 0) -> tuple[Piece, ...]:
+    def delivered_files(self, name: str = '', turn: int = 0) -> tuple[DeliveredFile, ...]:
         """Return the delivered files; for a file, under the name that the student chose."""
         files = (File((name,), self.files[0].read),) if name else self.files
-        return tuple(Piece(file, self.name, turn) for file in files)
+        return tuple(DeliveredFile(file, self.name, turn) for file in files)
 
 
 Level = Mapping[str, Entry]
@@ -173,7 +173,7 @@ class System(NamedTuple):
 
     expected: str
     matches: Callable[[str], object]
-    read: Callable[[Level], Iterator[Handed | Row]]
+    read: Callable[[Level], Iterator[Delivery | Row]]
     needs: str = ''
 
     def claims(self, place: Level) -> int:
