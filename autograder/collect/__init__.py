@@ -5,8 +5,8 @@ Files are written atomically, and the source is never changed.  A table lists ev
 source: collected, or why not.  Running the same command again changes nothing.
 
 ``source`` lists the files, ``recognise`` finds the platform (``platforms``) and who handed in
-what, ``selection`` selects the notebooks, and ``take_in`` copies them.  A student's id depends
-only on the name in the source.  If two people have the same name, ``duplicate_names`` refuses
-their work.  In nbgrader's exchange, any user can hand in under any name, so ``owners`` compares
-the student with the owner of the files.
+what, ``selection`` selects the notebooks, and ``copy_notebooks`` copies them.  A student's id
+depends only on the name in the source.  If two people have the same name, ``duplicate_names``
+refuses their work.  In nbgrader's exchange, any user can hand in under any name, so ``owners``
+compares the student with the owner of the files.
 """

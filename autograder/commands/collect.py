@@ -10,8 +10,8 @@ import sys
 from autograder.authoring.sample_class import take_out_sample_class
 from autograder.classroom.collected import names_to_write_to, read_not_collected
 from autograder.classroom.course_lock import alone
+from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, print_rows
-from autograder.collect.take_in import collect
 from autograder.commands import flag, FOR_REVIEW, JSON, OK, option, takes, TO_SUBMITTED
 from autograder.explaining.feedback import printable
 from autograder.layout import Layout

@@ -14,8 +14,8 @@ from conftest import ASSIGNMENT
 from nbgrader.apps.api import NbGraderAPI
 import pytest
 
+from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, TAKEN
-from autograder.collect.take_in import collect
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout
 from environment.exchange import SETTING

@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from autograder.collect import take_in as collecting
+from autograder.collect import copy_notebooks as collecting
 from autograder.collect.recognise import recognised
 from autograder.collect.source import deliveries
 from autograder.collect.source.deliveries import opened

@@ -16,8 +16,8 @@ from collect_sources import (
 )
 import pytest
 
+from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, TAKEN
-from autograder.collect.take_in import collect
 from autograder.submission.tree import UnusableUploadError
 
 

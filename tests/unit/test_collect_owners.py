@@ -15,9 +15,9 @@ from collect_sources import (
 import pytest
 
 from autograder import __main__ as command
+from autograder.collect.copy_notebooks import collect
 from autograder.collect.owners import OwnerRule, user_name
 from autograder.collect.table import LEFT, TAKEN
-from autograder.collect.take_in import collect
 from autograder.commands import OK
 from autograder.errors import GraderError
 from autograder.layout import Layout

@@ -14,7 +14,7 @@ from collect_sources import (
 import pytest
 
 from autograder.classroom.collected import Delivered, keep_delivered, read_delivered
-from autograder.collect.take_in import collect
+from autograder.collect.copy_notebooks import collect
 from autograder.exports.feedback_zip import feedback_zip, name_in_zip
 
 

@@ -24,7 +24,7 @@ from autograder.classroom.collected import (
 )
 from autograder.classroom.pages import print_table, write_class_report, write_reports
 from autograder.classroom.results_of_class import graded
-from autograder.collect.take_in import collect
+from autograder.collect.copy_notebooks import collect
 from autograder.commands import OK
 from autograder.commands.forget import traces
 from autograder.layout import Layout

@@ -6,8 +6,8 @@ from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a 
 import pytest
 
 from autograder.classroom.people import keep_people, read_people, student_named
+from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import TAKEN, UNCHANGED
-from autograder.collect.take_in import collect
 from autograder.errors import GraderError
 from autograder.submission.ids import student_id
 
