@@ -19,7 +19,7 @@ class InUseError(GraderError):
 
 
 @contextmanager
-def alone(layout: Layout, what: str) -> Iterator[None]:
+def lock_course(layout: Layout, what: str) -> Iterator[None]:
     """
     Lock the course for this process, and remove files that a killed grading left unfinished.
 
@@ -42,7 +42,7 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
                 'Try: wait until it ends, or stop it with Ctrl-C in its terminal',
             ) from error
         if os.fstat(lock).st_size:  # The previous command was killed.
-            _tidy(layout)
+            _remove_stale_files(layout)
         os.ftruncate(lock, 0)
         os.pwrite(
             lock, f'{what} since {time.strftime("%H:%M")}, process {os.getpid()}'.encode(), 0
@@ -53,7 +53,7 @@ def alone(layout: Layout, what: str) -> Iterator[None]:
         os.close(lock)
 
 
-def _tidy(layout: Layout) -> None:
+def _remove_stale_files(layout: Layout) -> None:
     """Remove unfinished files that no process is writing."""
     for folder in (layout.reports, layout.recordings):
         for path in filter(lambda path: UNFINISHED.fullmatch(path.name), folder.glob('*/.*')):

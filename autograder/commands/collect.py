@@ -9,7 +9,7 @@ import sys
 
 from autograder.authoring.sample_class import take_out_sample_class
 from autograder.classroom.collected import names_to_write_to, read_not_collected
-from autograder.classroom.course_lock import alone
+from autograder.classroom.course_lock import lock_course
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, print_rows
 from autograder.commands import flag, FOR_REVIEW, JSON, OK, option, takes, TO_SUBMITTED
@@ -52,7 +52,7 @@ def run(chosen: argparse.Namespace) -> int:
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted
     write = not chosen.dry_run
-    with alone(layout, 'a collection') if write else nullcontext():
+    with lock_course(layout, 'a collection') if write else nullcontext():
         rows = collect(
             chosen.source,
             layout,

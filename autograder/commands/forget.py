@@ -19,7 +19,7 @@ from typing import NoReturn
 from sqlalchemy import text
 
 from autograder.classroom.collected import keep_delivered, keep_not_collected, read_not_collected
-from autograder.classroom.course_lock import alone
+from autograder.classroom.course_lock import lock_course
 from autograder.classroom.people import saved_people, student_named
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.duplicate_names import keep_namesakes, read_namesakes
@@ -42,7 +42,7 @@ from autograder.submission.inbox import students_in
 def run(chosen: argparse.Namespace) -> int:
     """Print all data about some students; with ``--yes``, also remove it."""
     layout, copies = Layout.here(), []
-    with alone(layout, 'forget') if chosen.yes else nullcontext():
+    with lock_course(layout, 'forget') if chosen.yes else nullcontext():
         found = [traces(layout, student) for student in chosen.students]
         for one in found:
             print(printable('\n  '.join([f'{one.student}:', *one.lines])))

@@ -20,7 +20,7 @@ from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
 from autograder.classroom.collected import not_collected, not_listed
-from autograder.classroom.course_lock import alone
+from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import extensions, read_people
 from autograder.classroom.results_of_class import modes, ran_s, results_of_others
@@ -98,7 +98,7 @@ def run(chosen: argparse.Namespace) -> int:
     _fit_together(chosen)
     layout = Layout.here()
     told = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
-    with alone(layout, 'a grading'):
+    with lock_course(layout, 'a grading'):
         submitted = submitted_folder(layout, chosen.submitted, told)
         assignments = _assignments(layout, chosen.assignment)
         with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):

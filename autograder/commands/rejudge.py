@@ -15,7 +15,7 @@ from pathlib import Path
 import time
 from typing import Any
 
-from autograder.classroom.course_lock import alone
+from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.commands import (
@@ -53,7 +53,7 @@ from autograder.submission.inbox import discover, Submission
 def run(chosen: argparse.Namespace) -> int:
     """Judge recordings again and print the changes."""
     layout = Layout.here()
-    with alone(layout, 'rejudge --write') if chosen.write else nullcontext():
+    with lock_course(layout, 'rejudge --write') if chosen.write else nullcontext():
         accounts = rejudge_command(
             layout, chosen.assignment, chosen.submitted, chosen.write, chosen.yes
         )

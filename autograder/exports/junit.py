@@ -28,11 +28,15 @@ def junit_xml(marks: Iterable[Mark]) -> bytes:
     for mark in marks:
         result = mark.result
         if result is None:
-            suites.append(_alone(mark, 'missing', 'submission', 'skipped', mark.status))
+            suites.append(
+                _single_case_suite(mark, 'missing', 'submission', 'skipped', mark.status)
+            )
             continue
         suites.extend(_suite(result, exam) for exam in result.exams)
         if result.review:
-            suites.append(_alone(mark, 'for review', 'grading', 'error', result.review))
+            suites.append(
+                _single_case_suite(mark, 'for review', 'grading', 'error', result.review)
+            )
     for name in ('tests', 'failures', 'errors'):
         suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
     suites.set('time', f'{sum(float(suite.get("time", "0")) for suite in suites):.3f}')
@@ -63,7 +67,9 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
     return _counted(suite, seconds_of_exam(exam))
 
 
-def _alone(mark: Mark, kind: str, name: str, tag: str, message: str) -> ElementTree.Element:
+def _single_case_suite(
+    mark: Mark, kind: str, name: str, tag: str, message: str
+) -> ElementTree.Element:
     """Return a test suite with one case that has neither passed nor failed."""
     suite = _new_suite(f'{mark.assignment}/{mark.student}/{kind}')
     case = _case(suite, mark.assignment, mark.student, name)

@@ -47,7 +47,7 @@ def main(arguments: Sequence[str]) -> int:
         prepare(settings)
         if command == 'prepare':
             return 0
-        with _alone(settings):
+        with _lock_hub(settings):
             remove_old_copies(settings)
             forget_ended_proxy(settings.run / 'proxy.pid')
             return _run(settings, path)
@@ -57,7 +57,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 @contextmanager
-def _alone(settings: Settings) -> Iterator[None]:
+def _lock_hub(settings: Settings) -> Iterator[None]:
     """
     Hold the lock of a running hub: a second one would end the proxy of the first.
 

@@ -26,7 +26,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.classroom.collected import read_not_collected
-from autograder.classroom.course_lock import alone
+from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.recognise import recognised
@@ -344,7 +344,7 @@ class TestCommand:
         """``collect`` is refused during a grading; a dry run is not."""
         source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
 
-        with alone(layout, 'a grading'):
+        with lock_course(layout, 'a grading'):
             assert command.main(['collect', source]) == command.USAGE
             assert 'this course: a grading since' in capsys.readouterr().err
             assert command.main(['collect', source, '--dry-run']) == OK

@@ -25,7 +25,7 @@ from autograder.sandboxes.sandbox import Sandbox
 @pytest.fixture(autouse=True)
 def undisturbed(monkeypatch):
     """Prevent other gradings of this course by holding its lock."""
-    monkeypatch.setattr(grading, 'alone', lambda *_: nullcontext())
+    monkeypatch.setattr(grading, 'lock_course', lambda *_: nullcontext())
 
 
 def test_a_missing_folder_is_named(tmp_path, capsys):

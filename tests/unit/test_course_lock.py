@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from autograder.classroom.course_lock import alone, InUseError
+from autograder.classroom.course_lock import InUseError, lock_course
 from autograder.files import keep
 from autograder.layout import Layout
 
@@ -15,8 +15,8 @@ HOLDER = """
 import sys
 from pathlib import Path
 from autograder.layout import Layout
-from autograder.classroom.course_lock import alone
-with alone(Layout(Path(sys.argv[1])), 'a grading'):
+from autograder.classroom.course_lock import lock_course
+with lock_course(Layout(Path(sys.argv[1])), 'a grading'):
     print('held', flush=True)
     sys.stdin.read()
 """
@@ -46,10 +46,10 @@ def test_a_second_grading_is_told_who_is_there(tmp_path):
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
-            with alone(layout, 'rejudge --write'):
+            with lock_course(layout, 'rejudge --write'):
                 pass
         first.communicate()
-    with alone(layout, 'rejudge --write'):
+    with lock_course(layout, 'rejudge --write'):
         assert f'process {os.getpid()}' in (layout.work / 'lock').read_text(encoding='utf-8')
 
     assert (layout.work / 'lock').read_bytes() == b''
@@ -62,7 +62,7 @@ def test_what_a_killed_grading_left_goes(tmp_path):
         half, *others = unfinished(layout)
         first.kill()
         first.communicate()
-    with alone(layout, 'a grading'):
+    with lock_course(layout, 'a grading'):
         assert not half.exists()
         assert all(path.exists() for path in others)
 
@@ -75,7 +75,7 @@ def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
 
     def begin_to_grade(unfinished, target):
         layout.work.joinpath('lock').write_text('a grading that was killed', encoding='utf-8')
-        with alone(layout, 'a grading'):
+        with lock_course(layout, 'a grading'):
             pass
         return rename(unfinished, target)
 
@@ -88,8 +88,8 @@ def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
     """A grading that ended normally leaves nothing, so the next one does not search."""
     layout = Layout(tmp_path)
-    with alone(layout, 'a grading'):
+    with lock_course(layout, 'a grading'):
         pass
     half, *_ = unfinished(layout)
-    with alone(layout, 'a grading'):
+    with lock_course(layout, 'a grading'):
         assert half.exists()
