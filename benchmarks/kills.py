@@ -92,7 +92,7 @@ def soak(root: Path, names: Sequence[str], kills: int, seed: int, seconds: int) 
     layout = reduced_course.build(root / 'course', publishers(names), seconds)
     # Make the grader record results during the run even for such a small class.
     entry = layout.root / 'autograder' / 'gradebook' / 'live_entry.py'
-    reduced_course.replace_once(entry, 'TOGETHER = 10', 'TOGETHER = 2')
+    reduced_course.replace_once(entry, 'BATCH_SIZE = 10', 'BATCH_SIZE = 2')
     chance, account = random.Random(seed), Account()
     began = time.monotonic()
     peace = _facts(layout, _start(layout))

@@ -30,7 +30,7 @@ from autograder.errors import GraderError, of_system, UsageError
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
 from autograder.gradebook.database import refuse_damaged
-from autograder.gradebook.live_entry import Entering, Guard
+from autograder.gradebook.live_entry import Guard, LiveEntry
 from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import Engine, grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
@@ -261,13 +261,13 @@ class Grading:
         others: Sequence[SubmissionResult] = ()
         if self.submitted.resolve() != layout.submitted.resolve():
             others = results_of_others(layout, assignment, {one.student for one in class_})
-        entering = Entering(layout, lesson, self.guard)
-        enter = entering.add if self.enters else lambda graded: None
+        entry = LiveEntry(layout, lesson, self.guard)
+        enter = entry.add if self.enters else lambda graded: None
         began = time.monotonic()
         with progress(len(class_) * len(lesson.exams), assignment) as show:
             graded = grade_class(class_, lesson, self.engine, self.jobs, show, enter)
         runs_s = time.monotonic() - began
-        new, refused = entering.finish()
+        new, refused = entry.finish()
         results = [one.result for one in graded]
         lowered = self.guard.lowered_in(assignment)
         parts = [

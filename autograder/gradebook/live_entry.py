@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from nbformat import NotebookNode
     from nbgrader.api import SubmittedAssignment
 
-TOGETHER = 10
+BATCH_SIZE = 10
 """Number of submissions entered together; the fixed cost is then a tenth of the entry time."""
 
 
@@ -159,7 +159,7 @@ class Guard:
         ).rstrip()
 
 
-class Entering:
+class LiveEntry:
     """
     Enter results while other submissions run.
 
@@ -183,7 +183,7 @@ class Entering:
                 self.waiting.pop()
             else:
                 self.begin()
-            if len(self.waiting) >= TOGETHER:
+            if len(self.waiting) >= BATCH_SIZE:
                 self._enter()
         except Exception:  # noqa: BLE001 - A failed entry must not stop the other runs.
             self.works = False
@@ -227,7 +227,7 @@ def enter(
     layout: Layout, lesson: Lesson, graded: Sequence[Graded], guard: Guard
 ) -> tuple[int, str]:
     """Enter new results in the gradebook; return their number, and why some were not entered."""
-    entering = Entering(layout, lesson, guard)
+    entry = LiveEntry(layout, lesson, guard)
     for one in graded:
-        entering.add(one)
-    return entering.finish()
+        entry.add(one)
+    return entry.finish()

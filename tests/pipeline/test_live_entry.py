@@ -8,9 +8,8 @@ from gradebooks import CHECK, grade, hand_in, scores
 import pytest
 
 from autograder.errors import GraderError
-from autograder.gradebook import journal
-from autograder.gradebook import live_entry as entering
-from autograder.gradebook.live_entry import Entering, Guard
+from autograder.gradebook import journal, live_entry
+from autograder.gradebook.live_entry import Guard, LiveEntry
 from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.submission.inbox import discover
 
@@ -44,14 +43,14 @@ def class_(course):
 def run(course, engine, on_graded):
     lesson = load_lesson(course, ASSIGNMENT, engine)
     there = discover(course.submitted, ASSIGNMENT, lesson.notebook, course.assignments())
-    book = Entering(course, lesson, Guard(course))
+    book = LiveEntry(course, lesson, Guard(course))
     grade_class(there, lesson, engine, 1, on_graded=lambda graded: on_graded(book, graded))
     return book.finish()
 
 
 def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
     """No submission is entered twice, and the journal is that of one complete grading."""
-    monkeypatch.setattr(entering, 'TOGETHER', 2)
+    monkeypatch.setattr(live_entry, 'BATCH_SIZE', 2)
     engine = Held()
     early: list[str] = []
 
@@ -69,8 +68,8 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
 
 
 def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, monkeypatch):
-    monkeypatch.setattr(entering, 'TOGETHER', 2)
-    engine, real = Held(), entering.record
+    monkeypatch.setattr(live_entry, 'BATCH_SIZE', 2)
+    engine, real = Held(), live_entry.record
     engine.free.set()
     asked: list[list[str]] = []
 
@@ -80,9 +79,9 @@ def test_a_gradebook_that_refuses_meanwhile_is_asked_again_at_the_end(class_, mo
             raise GraderError('locked')
         real(layout, lesson, graded)
 
-    monkeypatch.setattr(entering, 'record', busy_at_first)
+    monkeypatch.setattr(live_entry, 'record', busy_at_first)
 
-    assert run(class_, engine, Entering.add) == (3, '')
+    assert run(class_, engine, LiveEntry.add) == (3, '')
     assert asked == [['ann', 'bob'], ['ann', 'bob', 'cho']]
 
 
@@ -91,7 +90,7 @@ def test_a_gradebook_that_cannot_be_reached_costs_no_result(class_):
     engine = Held()
     engine.free.set()
 
-    new, refused = run(class_, engine, Entering.add)
+    new, refused = run(class_, engine, LiveEntry.add)
 
     assert new == 3
     assert 'gradebook.db: the gradebook is damaged: ' in refused
