@@ -60,7 +60,7 @@ def safe_name(student: str) -> str:
     return name[: LONGEST_NAME - len(end)] + end
 
 
-def keep(path: Path, data: bytes, mode: int = 0o666, lasting: bool = True) -> None:
+def write_atomically(path: Path, data: bytes, mode: int = 0o666, lasting: bool = True) -> None:
     """
     Write a file atomically.
 

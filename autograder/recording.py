@@ -32,7 +32,7 @@ from typing import Any
 import zlib
 
 from autograder.errors import RecordingInvalid
-from autograder.files import keep
+from autograder.files import write_atomically
 
 FORMAT = 'ros2-course-recording'
 VERSION = 3
@@ -207,7 +207,7 @@ class Recording:
 
     def save(self, path: Path) -> None:
         """Write the recording to a file, atomically even if the process is killed."""
-        keep(path, self.to_bytes())
+        write_atomically(path, self.to_bytes())
 
     @classmethod
     def load(cls, path: Path) -> Recording:

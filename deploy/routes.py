@@ -25,7 +25,7 @@ from typing import Any
 
 import psutil
 
-from autograder.files import json_bytes, keep
+from autograder.files import json_bytes, write_atomically
 from deploy.hub.first_lesson import LessonFailed, teach
 from environment.places import PROJECT
 
@@ -334,9 +334,9 @@ def write(name: str = '', **changes: str) -> None:
     rows = json.loads(ROWS.read_text(encoding='utf-8'))
     for row in rows:
         row.update(changes if row['name'] == name else {})
-    keep(ROWS, json_bytes(rows))
+    write_atomically(ROWS, json_bytes(rows))
     before, rest = PAGE.read_text(encoding='utf-8').split(BEGIN)
-    keep(PAGE, f'{before}{BEGIN}{table(rows)}{END}{rest.split(END)[1]}'.encode())
+    write_atomically(PAGE, f'{before}{BEGIN}{table(rows)}{END}{rest.split(END)[1]}'.encode())
 
 
 def execute(name: str) -> dict[str, str]:

@@ -20,7 +20,7 @@ from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.explaining.feedback import number
 from autograder.explaining.feedback_html import section_id
-from autograder.files import json_bytes, keep
+from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout, lesson_files
 from autograder.submission.outline import Outline, Part, read_outline
 from roslab.errors import RoslabError
@@ -80,7 +80,7 @@ def remember(kind: str, name: str, result: float, tries: int = 0) -> None:
             results[kind][name] = result
             if tries:
                 results['tries'][name] = results['tries'].get(name, 0) + tries
-            keep(path, json_bytes({'about': ABOUT, **results}))
+            write_atomically(path, json_bytes({'about': ABOUT, **results}))
     except (GraderError, OSError, RoslabError) as error:
         say(f'progress() will not show this result. {error}')
 

@@ -19,7 +19,7 @@ from nbclient.exceptions import CellExecutionError
 import nbformat
 from nbformat import NotebookNode
 
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.layout import Layout, lesson_files
 from autograder.submission.outline import FACTS
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
@@ -55,7 +55,7 @@ def execute(path: Path) -> None:
     today = date.today()
     facts = notebook.metadata.setdefault(FACTS, {})
     facts['executed'] = f'with {KERNEL_TITLE} on {today.day} {today:%B %Y}'
-    keep(path, f'{nbformat.writes(notebook)}\n'.encode())
+    write_atomically(path, f'{nbformat.writes(notebook)}\n'.encode())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -16,7 +16,7 @@ from typing import Any
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from autograder.errors import GraderError
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.layout import Layout
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 from environment.places import FILE
@@ -55,7 +55,7 @@ def new_course(folder: Path) -> list[Path]:
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix='.new_course_') as aside:
         Path(aside).chmod(0o755)  # The user inside the sandbox must be able to read the folder.
         for path, text in files.items():
-            keep(Path(aside, path), text.encode())
+            write_atomically(Path(aside, path), text.encode())
         shutil.copytree(aside, folder, dirs_exist_ok=True)
     return [Path(path) for path in files]
 
@@ -91,7 +91,7 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
         if (layout.root / path).exists():
             raise GraderError(f'{path}: this file already exists.', 'Try: a different name')
     for path, text in files.items():
-        keep(layout.root / path, text.encode())
+        write_atomically(layout.root / path, text.encode())
     return list(files)
 
 

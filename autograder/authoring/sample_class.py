@@ -21,7 +21,7 @@ import tempfile
 from typing import Any
 
 from autograder.errors import GraderError
-from autograder.files import keep, refuse_existing
+from autograder.files import refuse_existing, write_atomically
 from autograder.layout import Layout
 from autograder.results import first_of
 from autograder.submission.cells import body_of
@@ -158,7 +158,7 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
         (path for path, data in made.items() if read_file(path, path.name)[0] != data), force
     )
     for path, data in made.items():
-        keep(path, data)
+        write_atomically(path, data)
     return len(made)
 
 

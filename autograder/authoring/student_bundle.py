@@ -9,7 +9,7 @@ import re
 
 from autograder.exam.catalog import for_assignment, load
 from autograder.explaining.worked_answers import encoded, FOLDER
-from autograder.files import keep, packable, zip_bytes
+from autograder.files import packable, write_atomically, zip_bytes
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of, read_release
 from environment import packed_package
@@ -91,7 +91,7 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
         files[f'{package}/{packed_package.FILE}'] = packed, 0o644
     if answers:
         files |= {name: (data, 0o644) for name, data in answer_files(layout).items()}
-    keep(bundle, zip_bytes({f'{TOP}/{name}': file for name, file in files.items()}))
+    write_atomically(bundle, zip_bytes({f'{TOP}/{name}': file for name, file in files.items()}))
     return len(files)
 
 

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 
 from autograder.classroom.people import class_list
 from autograder.classroom.tables import read_note
-from autograder.files import json_bytes, keep
+from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
 
@@ -88,7 +88,7 @@ def keep_delivered(layout: Layout, found: Deliveries, without: str = '') -> None
     data: dict[str, dict[str, dict[str, str]]] = {}
     for (assignment, student), one in sorted(kept.items()):
         data.setdefault(assignment, {})[student] = asdict(one)
-    keep(layout.delivered, json_bytes(data))
+    write_atomically(layout.delivered, json_bytes(data))
 
 
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
@@ -113,7 +113,7 @@ def keep_not_collected(layout: Layout, found: Iterable[NotCollected], without: s
             known[one.student, one.assignment] = one
     kept = [asdict(known[key]) for key in sorted(known) if key[0] != without]
     if kept or layout.not_collected.exists():
-        keep(layout.not_collected, json_bytes(kept))
+        write_atomically(layout.not_collected, json_bytes(kept))
 
 
 def not_collected(

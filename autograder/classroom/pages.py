@@ -24,7 +24,7 @@ from autograder.classroom.results_of_class import ClassResults, has_mark, lacks,
 from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, ClassNumbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
-from autograder.files import keep, safe_name
+from autograder.files import safe_name, write_atomically
 from autograder.layout import Layout
 from autograder.results import shortened, SubmissionResult
 from drawing import svg
@@ -75,17 +75,17 @@ def write_reports(
     """
     pages = folder / assignment
     data = json.dumps([result.to_json() for result in results], indent=1)
-    keep(pages / 'results.json', f'{data}\n'.encode())
+    write_atomically(pages / 'results.json', f'{data}\n'.encode())
     (pages / 'students').mkdir(exist_ok=True)
     templates = _templates()
     student = templates.get_template('student.html.j2')
     for result in results:
         page = with_unique_ids(student.render(result=result))
-        keep(pages / page_name(result.student), page.encode(), lasting=False)
+        write_atomically(pages / page_name(result.student), page.encode(), lasting=False)
     index = templates.get_template('index.html.j2')
     facts = _common(results, summary, people, missing)
     page = index.render(assignment=assignment, results=results, **facts)
-    keep(pages / 'index.html', page.encode(), lasting=False)
+    write_atomically(pages / 'index.html', page.encode(), lasting=False)
     written = {page_name(result.student) for result in results}
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
@@ -99,7 +99,7 @@ def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') 
     missing = not_collected(layout, graded.assignment, {one.student for one in graded.results})
     numbers = class_numbers(layout, graded)
     page = class_page(graded, numbers, summary, read_people(layout), missing)
-    keep(path, page.encode('utf-8', 'replace'))
+    write_atomically(path, page.encode('utf-8', 'replace'))
     return path
 
 

@@ -17,7 +17,7 @@ import unicodedata
 
 from autograder.classroom.tables import parse_table, read_bytes, read_note
 from autograder.errors import GraderError
-from autograder.files import json_bytes, keep
+from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.ids import named_id
 
@@ -166,7 +166,7 @@ def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
     known = saved_people(layout)
     merged = dict(sorted({**known, **_clean(names)}.items()))
     if merged != known:
-        keep(layout.people, json_bytes(merged))
+        write_atomically(layout.people, json_bytes(merged))
 
 
 def _clean(names: Mapping[str, Any]) -> dict[str, str]:

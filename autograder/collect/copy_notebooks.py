@@ -34,7 +34,7 @@ from autograder.collect.source.course import Course
 from autograder.collect.source.deliveries import Delivery, opened
 from autograder.collect.source.times import read_time, STAMP
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
 from autograder.submission.tree import Tree, UnreadableError
@@ -191,9 +191,9 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
             # notebook must not keep the old time.
             time.unlink()
         if wanted is not None and wanted != time_there:
-            keep(time, wanted)
+            write_atomically(time, wanted)
         if not same:
-            keep(notebook, data)
+            write_atomically(notebook, data)
     if there is None:
         return TAKEN if time_there is None else REPLACED, ''
     return REPLACED, '' if same or (new and old) else 'it is unknown which one is newer'

@@ -15,7 +15,7 @@ import json
 from typing import NamedTuple
 
 from autograder.collect.source.deliveries import Delivery
-from autograder.files import json_bytes, keep
+from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
 from autograder.submission.tree import UnusableUploadError
@@ -116,4 +116,4 @@ def keep_namesakes(
     ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
     data = json_bytes({'numbers': ordered, 'shared': sorted(known.shared)})
     if data != read_file(layout.namesakes, '')[0]:
-        keep(layout.namesakes, data)
+        write_atomically(layout.namesakes, data)

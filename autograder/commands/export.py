@@ -30,7 +30,7 @@ from autograder.exports.gradescope import autograder_zip, VISIBILITIES
 from autograder.exports.junit import junit_xml
 from autograder.exports.marks import AUTOMATIC, GRADEBOOK, Mark, marks, SOURCES
 from autograder.exports.table import checks_csv, marks_csv
-from autograder.files import keep, refuse_existing
+from autograder.files import refuse_existing, write_atomically
 from autograder.layout import Layout
 from autograder.sandboxes.isolation import MODES, WEAK
 
@@ -73,7 +73,7 @@ def run(chosen: argparse.Namespace) -> int:
     data, left_out, said = make(layout, chosen, path)
     if data:
         refuse_existing([path], chosen.force)
-        keep(path, data, 0o600 if make is _autograder else 0o644)
+        write_atomically(path, data, 0o600 if make is _autograder else 0o644)
         print(path)
     if said:
         print(printable(said))

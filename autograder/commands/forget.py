@@ -27,7 +27,7 @@ from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import short
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.files import json_bytes, keep
+from autograder.files import json_bytes, write_atomically
 from autograder.gradebook.database import keep_copy, query
 from autograder.gradebook.journal import journal, noted
 from autograder.gradebook.record import forget_made
@@ -147,7 +147,7 @@ def forget(layout: Layout, student: str) -> Path | None:
         keep_namesakes(layout, known, ())
     people = saved_people(layout)
     if people.pop(student, ''):
-        keep(layout.people, json_bytes(people))
+        write_atomically(layout.people, json_bytes(people))
     return copy
 
 

@@ -24,7 +24,7 @@ from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.explaining.feedback import causes_once, number, printable
 from autograder.exports.marks import automatic
-from autograder.files import json_bytes, keep, packable, zip_bytes
+from autograder.files import json_bytes, packable, write_atomically, zip_bytes
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -175,7 +175,7 @@ def main(arguments: Sequence[str]) -> int:
         layout = Layout.here()
         settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
         result = grade(layout, settings['assignment'], root / 'submission', settings['allow_weak'])
-        keep(results, json_bytes(results_of(result, settings['visibility'])))
+        write_atomically(results, json_bytes(results_of(result, settings['visibility'])))
     except GraderError as error:
         print(f'No verdict, so no score: {error}', flush=True)
         return 1

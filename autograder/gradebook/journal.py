@@ -22,7 +22,7 @@ from typing import Any
 from sqlalchemy import inspect, text
 
 from autograder.classroom.people import extensions
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.gradebook.database import connected, gradebook_file, load_config, query, refused
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
@@ -197,7 +197,7 @@ def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
             for student, data in known.items()
             if student not in students
         ]
-        keep(path, b''.join(lines))
+        write_atomically(path, b''.join(lines))
 
 
 def shown(layout: Layout, assignment: str) -> Rows:

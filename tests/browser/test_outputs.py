@@ -10,7 +10,7 @@ from lab_page import choose, open_notebook, run_all, solved
 import pytest
 
 from autograder.authoring.student_bundle import answer_files
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.simulated import TopicRecord
 from roslab.timeline_picture import timeline
@@ -49,13 +49,13 @@ THUMB_PX = 16
 def completed(course: Path) -> Path:
     """Return the course with worked answers, a failed check and a table of log lines."""
     for name, data in answer_files(Layout(course)).items():
-        keep(course / name, data)
+        write_atomically(course / name, data)
     lesson = course / 'solutions' / ASSIGNMENT / 'temperature_monitor.ipynb'
     content = lesson.read_text(encoding='utf-8')
     for old, new in FOR_07:
         assert content.count(old) == 1, old
         content = content.replace(old, new)
-    keep(lesson, content.encode())
+    write_atomically(lesson, content.encode())
     return course
 
 

@@ -87,7 +87,7 @@ def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
 
 def test_a_full_disk_under_the_reports_leaves_the_table(class_, monkeypatch):
     """The table still shows every student, and the earlier reports remain."""
-    monkeypatch.setattr(pages, 'keep', no_room)
+    monkeypatch.setattr(pages, 'write_atomically', no_room)
     table, said = graded(class_)
 
     assert said.startswith(f'{class_.reports}: the disk is full. Try: free space on it')

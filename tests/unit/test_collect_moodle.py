@@ -131,7 +131,7 @@ class TestMoodle:
         def full(*_):
             raise OSError(28, 'No space left on device')
 
-        monkeypatch.setattr('autograder.collect.duplicate_names.keep', full)
+        monkeypatch.setattr('autograder.collect.duplicate_names.write_atomically', full)
 
         rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 

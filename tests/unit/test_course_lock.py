@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from autograder.classroom.course_lock import InUseError, lock_course
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.layout import Layout
 
 HOLDER = """
@@ -80,7 +80,7 @@ def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
         return rename(unfinished, target)
 
     monkeypatch.setattr(Path, 'replace', begin_to_grade)
-    keep(path, b'whole')
+    write_atomically(path, b'whole')
 
     assert path.read_bytes() == b'whole'
 

@@ -6,11 +6,11 @@ from hypothesis import given, settings, strategies
 import pytest
 
 from autograder.errors import GraderError
-from autograder.files import keep, LONGEST_NAME, refuse_existing, safe_name
+from autograder.files import LONGEST_NAME, refuse_existing, safe_name, write_atomically
 
 
 def test_a_file_is_written_with_its_folder_and_nothing_else(tmp_path):
-    keep(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
+    write_atomically(tmp_path / 'new' / 'marks.csv', b'data', mode=0o600)
 
     assert (tmp_path / 'new' / 'marks.csv').read_bytes() == b'data'
     assert os.listdir(tmp_path / 'new') == ['marks.csv']
@@ -25,7 +25,7 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path):
     with pytest.raises(GraderError, match=r'already exists\. Try: --force'):
         refuse_existing([path], force=False)
     refuse_existing([path], force=True)
-    keep(path, b'new')
+    write_atomically(path, b'new')
     assert path.read_bytes() == b'new'
 
 
@@ -39,7 +39,7 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(os, 'fsync', full)
 
     with pytest.raises(OSError, match='No space'):
-        keep(path, b'new')
+        write_atomically(path, b'new')
     assert path.read_bytes() == b'old'
     assert os.listdir(tmp_path) == ['marks.csv']
 
@@ -47,7 +47,7 @@ def test_a_failed_write_leaves_the_old_file_whole(tmp_path, monkeypatch):
 def test_a_file_that_need_not_last_does_not_wait_for_the_disk(tmp_path, monkeypatch):
     monkeypatch.setattr(os, 'fsync', None)
 
-    keep(tmp_path / 'page.html', b'new', lasting=False)
+    write_atomically(tmp_path / 'page.html', b'new', lasting=False)
 
     assert (tmp_path / 'page.html').read_bytes() == b'new'
     assert os.listdir(tmp_path) == ['page.html']
@@ -75,7 +75,7 @@ def test_a_long_id_is_a_file_name_all_the_same(tmp_path, letter, count):
     assert len(set(names)) == 3
     for name in names:
         assert len(name.encode()) <= LONGEST_NAME
-        keep(tmp_path / f'{name}.html', b'x')
+        write_atomically(tmp_path / f'{name}.html', b'x')
 
 
 def test_short_names_stay_as_they_are():

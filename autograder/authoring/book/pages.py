@@ -17,7 +17,7 @@ from traitlets.config import Config
 
 from autograder.authoring.execute import executed
 from autograder.authoring.lesson_frame import lesson_map, outlines, START_HERE
-from autograder.files import keep
+from autograder.files import write_atomically
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of
 
@@ -67,7 +67,7 @@ def write_pages(layout: Layout, folder: Path) -> list[Path]:
 
 def _write(notebook: nbformat.NotebookNode, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    keep(path, f'{nbformat.writes(notebook)}\n'.encode())
+    write_atomically(path, f'{nbformat.writes(notebook)}\n'.encode())
 
 
 def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbformat.NotebookNode:
