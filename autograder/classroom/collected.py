@@ -74,7 +74,7 @@ def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
         return {}
 
 
-def keep_delivered(layout: Layout, found: Deliveries, without: str = '') -> None:
+def save_delivered(layout: Layout, found: Deliveries, without: str = '') -> None:
     """
     Save names; a new delivery of a student replaces the old one.
 
@@ -100,7 +100,7 @@ def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
         return ()
 
 
-def keep_not_collected(layout: Layout, found: Iterable[NotCollected], without: str = '') -> None:
+def save_not_collected(layout: Layout, found: Iterable[NotCollected], without: str = '') -> None:
     """
     Add entries; keep only the latest entry per student and assignment.
 

@@ -156,7 +156,7 @@ def _folded(name: str) -> str:
     return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
 
 
-def keep_people(layout: Layout, names: Mapping[str, str]) -> None:
+def save_people(layout: Layout, names: Mapping[str, str]) -> None:
     """
     Save display names; a new name of a student replaces the old name.
 

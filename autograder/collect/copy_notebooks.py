@@ -15,16 +15,16 @@ from pathlib import Path
 
 from autograder.classroom.collected import (
     Delivered,
-    keep_delivered,
-    keep_not_collected,
     NotCollected,
+    save_delivered,
+    save_not_collected,
 )
-from autograder.classroom.people import extensions, keep_people
+from autograder.classroom.people import extensions, save_people
 from autograder.collect.duplicate_names import (
     check_names,
-    keep_namesakes,
     Namesakes,
     read_namesakes,
+    save_namesakes,
 )
 from autograder.collect.owners import check_owners, owner_rule
 from autograder.collect.platforms import EXCHANGE
@@ -81,7 +81,7 @@ def collect(
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        kept = _to_keep(taken, there.kind, known, rows, layout)
+        kept = _records_to_save(taken, there.kind, known, rows, layout)
         rows += _saved(kept if to.resolve() == layout.submitted.resolve() else kept[:-1])
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
@@ -90,7 +90,7 @@ Kept = tuple[Path, str, Callable[[], None]]
 """A file for later commands, what it contains, and the function that writes it."""
 
 
-def _to_keep(
+def _records_to_save(
     taken: Sequence[tuple[Delivery, Row]],
     kind: str,
     known: Namesakes,
@@ -102,12 +102,12 @@ def _to_keep(
     people = {row.student: row.person for _, row in taken if row.person}
     numbers = [(one, row.assignment) for one, row in taken]
     left = list(_not_collected(rows, layout))
-    numbers_of_moodle = partial(keep_namesakes, layout, known, numbers)
+    numbers_of_moodle = partial(save_namesakes, layout, known, numbers)
     return [
-        (layout.delivered, 'names of files', partial(keep_delivered, layout, places)),
-        (layout.people, 'names', partial(keep_people, layout, people)),
+        (layout.delivered, 'names of files', partial(save_delivered, layout, places)),
+        (layout.people, 'names', partial(save_people, layout, people)),
         (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
-        (layout.not_collected, 'the list', partial(keep_not_collected, layout, left)),
+        (layout.not_collected, 'the list', partial(save_not_collected, layout, left)),
     ]
 
 

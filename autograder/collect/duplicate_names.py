@@ -98,7 +98,7 @@ def _doubt(one: Delivery, known: Namesakes, assignment: str) -> str:
     return ''
 
 
-def keep_namesakes(
+def save_namesakes(
     layout: Layout, known: Namesakes, taken: Iterable[tuple[Delivery, str]]
 ) -> None:
     """

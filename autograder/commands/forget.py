@@ -18,11 +18,11 @@ from typing import NoReturn
 
 from sqlalchemy import text
 
-from autograder.classroom.collected import keep_delivered, keep_not_collected, read_not_collected
+from autograder.classroom.collected import read_not_collected, save_delivered, save_not_collected
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.people import saved_people, student_named
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.duplicate_names import keep_namesakes, read_namesakes
+from autograder.collect.duplicate_names import read_namesakes, save_namesakes
 from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import short
 from autograder.errors import GraderError
@@ -137,14 +137,14 @@ def forget(layout: Layout, student: str) -> Path | None:
         place = _forgotten(layout) / f'{student}_{now}'
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
-    keep_not_collected(layout, (), without=student)
-    keep_delivered(layout, {}, without=student)
+    save_not_collected(layout, (), without=student)
+    save_delivered(layout, {}, without=student)
     forget_made(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)
     known = read_namesakes(layout)
     if known.numbers.pop(student, None):
-        keep_namesakes(layout, known, ())
+        save_namesakes(layout, known, ())
     people = saved_people(layout)
     if people.pop(student, ''):
         write_atomically(layout.people, json_bytes(people))

@@ -9,7 +9,7 @@ import pytest
 
 from autograder.authoring.sample_class import take_out_sample_class
 from autograder.classroom.pages import write_reports
-from autograder.classroom.people import keep_people, read_people
+from autograder.classroom.people import read_people, save_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.source.times import due_dates
 from autograder.commands.forget import forget, traces
@@ -289,7 +289,7 @@ def names_students_whose_names_are_known(course: Layout) -> None:
     """Names that an instructor has written are not changed."""
     for student in ('1001', '1002', '1003'):
         hand_in(course, student)
-    keep_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
+    save_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
     grade(course)
     with book(course) as gradebook:
         found = {one.id: (one.last_name, one.first_name) for one in gradebook.students}
@@ -355,7 +355,7 @@ def forgets_a_student(course: Layout) -> None:
     """All results are removed, the submission is moved, and other students are unchanged."""
     for student in ('1001', '1002'):
         hand_in(course, student)
-    keep_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
+    save_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
     grade(course)
     by_hand(course, '1001', 4)
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('1001', '1002')]

@@ -19,8 +19,8 @@ from autograder.classroom.pages import print_table, write_class_report, write_re
 from autograder.classroom.people import (
     class_list,
     extensions,
-    keep_people,
     read_people,
+    save_people,
     saved_people,
 )
 from autograder.classroom.results_of_class import ClassResults, graded
@@ -46,7 +46,7 @@ def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
 
 def test_names_of_the_list_are_shown_but_not_saved(listed):
     """The names of the list replace those of the platform, which shortens them."""
-    keep_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
+    save_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
 
     assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}
     assert saved_people(listed) == {'zoe': 'zedzoe', 'eve': 'adamseve'}

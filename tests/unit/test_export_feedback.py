@@ -13,7 +13,7 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.classroom.collected import Delivered, keep_delivered, read_delivered
+from autograder.classroom.collected import Delivered, read_delivered, save_delivered
 from autograder.collect.copy_notebooks import collect
 from autograder.exports.feedback_zip import feedback_zip, name_in_zip
 
@@ -87,7 +87,7 @@ def test_a_dry_run_saves_no_names_and_forget_removes_them(tmp_path, layout):
     assert not layout.delivered.exists()
 
     collect(source, layout, layout.submitted)
-    keep_delivered(layout, {}, without='1001')
+    save_delivered(layout, {}, without='1001')
     assert (TALK, '1001') not in read_delivered(layout)
     assert (TALK, '1002') in read_delivered(layout)
     layout.delivered.write_bytes(b'[1]')

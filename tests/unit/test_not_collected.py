@@ -16,11 +16,11 @@ from rich.console import Console
 
 from autograder import __main__ as command
 from autograder.classroom.collected import (
-    keep_not_collected,
     names_to_write_to,
     not_collected,
     NotCollected,
     read_not_collected,
+    save_not_collected,
 )
 from autograder.classroom.pages import print_table, write_class_report, write_reports
 from autograder.classroom.results_of_class import graded
@@ -92,7 +92,7 @@ def test_damaged_list_is_empty_and_can_be_written(damage, layout):
     layout.not_collected.write_bytes(damage)
 
     assert read_not_collected(layout) == ()
-    keep_not_collected(layout, [NotCollected('ann', TALK, PDF)])
+    save_not_collected(layout, [NotCollected('ann', TALK, PDF)])
     assert kept(layout) == [('ann', TALK, PDF)]
 
 
@@ -102,7 +102,7 @@ class TestShown:
     @pytest.fixture
     def missing(self, layout):
         """Return two deliveries, one with a name and with markup in it."""
-        keep_not_collected(
+        save_not_collected(
             layout,
             [
                 NotCollected('1001', TALK, PDF, 'Ann <b>', '2026-03-01 12:00'),
@@ -155,7 +155,7 @@ def test_forgotten_student_leaves_the_list(tmp_path, layout):
     (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
     lines = traces(layout, '1004').lines
 
-    keep_not_collected(layout, (), without='1004')
+    save_not_collected(layout, (), without='1004')
 
     assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
     assert f'reports: Not collected: {PDF}.' in lines

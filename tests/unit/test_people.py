@@ -5,7 +5,7 @@ import json
 from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a fixture
 import pytest
 
-from autograder.classroom.people import keep_people, read_people, student_named
+from autograder.classroom.people import read_people, save_people, student_named
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import TAKEN, UNCHANGED
 from autograder.errors import GraderError
@@ -57,7 +57,7 @@ def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
 
 
 def test_names_are_text_of_one_line(layout):
-    keep_people(
+    save_people(
         layout,
         {
             '1': 'Ann\x1b[31m\n Ex\u202eample\x00',
@@ -91,7 +91,7 @@ def test_a_damaged_file_is_no_trouble(data, known, layout):
     layout.people.write_bytes(data)
     assert read_people(layout) == known
 
-    keep_people(layout, {'9': 'Zoë'})
+    save_people(layout, {'9': 'Zoë'})
     assert read_people(layout) == {**known, '9': 'Zoë'}
 
 
@@ -110,14 +110,14 @@ def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
 )
 def test_student_is_found_by_id_or_name(name, student, layout):
     """Capitals and spaces do not count, and an id comes before a name."""
-    keep_people(layout, {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'})
+    save_people(layout, {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'})
 
     assert student_named(layout, name, {'1001', '1002', 'Bo'}) == student
 
 
 def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layout):
     """The message lists the ids; only the given students count."""
-    keep_people(layout, {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'})
+    save_people(layout, {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'})
     students = {'1001', '1002', '1003'}
 
     with pytest.raises(
