@@ -65,7 +65,7 @@ def marked(text: str) -> str:
     return '\n'.join(lines)
 
 
-class _Clocked(observing._Watched):
+class _Clocked(observing._RunLoop):
     """The grader's own loop, which also stores the arrival times of the marks."""
 
     marks: Marks = {}  # noqa: RUF012 - one run at a time, so one table is enough
@@ -75,19 +75,19 @@ class _Clocked(observing._Watched):
         self.marks['sandbox'] = time.monotonic()
         super().__init__(*parts)
 
-    def _recorded(self, data: bytes) -> None:
+    def _read_events(self, data: bytes) -> None:
         before = len(self.events)
-        super()._recorded(data)
+        super()._read_events(data)
         now = time.monotonic()
         if self.ready_s:
             self.marks.setdefault('probe ready', self.ready_s)
         for event in self.events[before:]:
             self.marks.setdefault(event['event'], now)
 
-    def _look_around(self) -> None:
+    def _record_surroundings(self) -> None:
         pids = *self.student.pids, self.probe.pid, self.clock.driver.pid
         _Clocked.cpu_s = used_ns(*pids) / 1e9
-        super()._look_around()
+        super()._record_surroundings()
 
     def _read(self, pipes: Any, key: Any) -> None:
         super()._read(pipes, key)
@@ -152,7 +152,7 @@ def main() -> None:
     solved = read_release(layout.solutions / exam.assignment / name)
     files = {exam.scenario.file: marked(answer_files(solved)[exam.name].body)}
     sandbox = strongest()
-    observing._Watched = _Clocked  # type: ignore[misc, assignment]
+    observing._RunLoop = _Clocked  # type: ignore[misc, assignment]
     whole_run(exam, files, sandbox)  # read everything from disk once before measuring
     runs = [
         (floor_run(exam, files, sandbox), whole_run(exam, files, sandbox)) for _ in range(count)

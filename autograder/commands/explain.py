@@ -23,7 +23,7 @@ from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import number, points_of, printable
 from autograder.explaining.live import live_line
 from autograder.exports.as_json import submission_json
-from autograder.grading.examine import again
+from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import load_lesson, open_one
 from autograder.judging.deviation import deviation
 from autograder.layout import Layout
@@ -168,7 +168,7 @@ def _now(
     exam_result: ExamResult,
 ) -> str:
     """Judge the check once more and return a sentence that compares the verdicts."""
-    result, why = again(layout.recordings, exam, files, exam_result)
+    result, why = judge_again(layout.recordings, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
     for check in result.checks:

@@ -34,7 +34,7 @@ from autograder.explaining.feedback import number, printable
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.live_entry import enter, Guard
 from autograder.gradebook.record import refuse_unfit_points
-from autograder.grading.examine import again
+from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult
@@ -75,7 +75,7 @@ lists the checks whose verdict, points or maximum have changed, and ``kept`` say
 points are kept, empty if all exams were judged again.
 """
 Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
-"""Outcomes of :func:`again`, by exam, digest of the files, and recording with isolation mode."""
+"""Outcomes of :func:`judge_again`, by exam, digest of the files, recording and isolation mode."""
 
 
 def rejudge_command(
@@ -164,7 +164,7 @@ def _rejudged(
         # Equal files get equal verdicts, so an untouched stub is judged once for the whole class.
         key = exam.name, files_digest(theirs), (last.recording, last.mode) if last else None
         if key not in known:
-            known[key] = again(layout.recordings, exam, theirs, last)
+            known[key] = judge_again(layout.recordings, exam, theirs, last)
         result, kept = known[key]
         if result is None:
             return f'{exam.name}: {kept}'

@@ -68,7 +68,7 @@ def run(chosen: argparse.Namespace) -> int:
         sandbox,
         layout.recordings,
         fresh=chosen.fresh,
-        told=_show if chosen.live else None,
+        on_event=_show if chosen.live else None,
     ):
         results.append(result)
         if not chosen.json:
@@ -179,26 +179,26 @@ def quick_look(
     recordings: Path,
     *,
     fresh: bool = False,
-    told: Callable[[Event], None] | None = None,
+    on_event: Callable[[Event], None] | None = None,
 ) -> Iterator[tuple[Look, ExamResult]]:
     """
     Run the exams in parallel, or one after another if their events are shown.
 
-    :param told: function to call with each event of a run as it happens
+    :param on_event: function to call with each event of a run as it happens
     :returns: each exam with its result, in the given order
     :raises GraderError: if the grader itself fails, so that there is no verdict
     """
 
     def run(look: Look) -> ExamResult:
-        if told and look.exam.scenario.program in ('build', 'package'):
-            told({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
+        if on_event and look.exam.scenario.program in ('build', 'package'):
+            on_event({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
         result = examine(
             look.exam,
             look.files,
             sandbox=sandbox,
             recordings=recordings,
-            fresh=fresh or told is not None,
-            told=told,
+            fresh=fresh or on_event is not None,
+            on_event=on_event,
         )
         if look.notebook:
             return result if look.problems else name_missing(result, look.files)
@@ -206,7 +206,7 @@ def quick_look(
         recording = Recording.load(path) if result.recording else None
         return explained(look.exam, name_missing(result, look.files), recording, look.files)
 
-    workers = 1 if told else len(found)
+    workers = 1 if on_event else len(found)
     pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)
     try:
         yield from zip(found, pool.map(run, found))

@@ -25,7 +25,7 @@ def examine(
     sandbox: Sandbox,
     recordings: Path | None = None,
     fresh: bool = False,
-    told: Callable[[Event], None] | None = None,
+    on_event: Callable[[Event], None] | None = None,
     place: Place | None = None,
 ) -> ExamResult:
     """
@@ -36,7 +36,7 @@ def examine(
         visible checks
     :param recordings: folder in which recordings are stored; None stores nothing
     :param fresh: run even if a recording is stored
-    :param told: called with each event as it happens; not called for runs in ``place``
+    :param on_event: called with each event as it happens; not called for runs in ``place``
     :param place: the workers that run the program; None runs it in this thread
     :raises GraderError: if the grader failed, so that there is no verdict
     """
@@ -46,11 +46,11 @@ def examine(
         )
     if result := without_recording(exam, files, sandbox.mode):
         return result
-    kept = recorded(exam, files, sandbox, recordings, fresh=fresh, told=told, place=place)
-    return replace(judged(exam, files, kept.recording, kept.timing), recording=kept.name)
+    kept = recorded(exam, files, sandbox, recordings, fresh=fresh, on_event=on_event, place=place)
+    return replace(judge_recording(exam, files, kept.recording, kept.timing), recording=kept.name)
 
 
-def again(
+def judge_again(
     recordings: Path, exam: Exam, files: Mapping[str, str], old: ExamResult | None
 ) -> tuple[ExamResult | None, str]:
     """
@@ -76,10 +76,10 @@ def again(
         return None, 'the files have changed since the recording; run grade'
     if recording.header.get('scenario') != exam.scenario_digest()[:32]:
         return None, 'the scenario of the exam has changed, not only its checks; run grade'
-    return replace(judged(exam, files, recording), recording=old.recording), ''
+    return replace(judge_recording(exam, files, recording), recording=old.recording), ''
 
 
-def judged(
+def judge_recording(
     exam: Exam,
     files: Mapping[str, str],
     recording: Recording,
@@ -123,7 +123,7 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
         return _without(exam, missing)
     if worth_running(exam, files):
         return None
-    return judged(exam, files, Recording(header(exam.name, mode), ()))
+    return judge_recording(exam, files, Recording(header(exam.name, mode), ()))
 
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:

@@ -19,7 +19,7 @@ from autograder.errors import ProbeFailed, RecordingInvalid, TooBusy
 from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
-from autograder.runs.task import outcome_of, Place, task_of
+from autograder.runs.task import parse_outcome, Place, task_of
 from autograder.runs.version import environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -48,7 +48,7 @@ def recorded(
     recordings: Path | None = None,
     *,
     fresh: bool = False,
-    told: Callable[[Event], None] | None = None,
+    on_event: Callable[[Event], None] | None = None,
     place: Place | None = None,
 ) -> Kept:
     """
@@ -57,7 +57,7 @@ def recorded(
     :param files: relative path to text
     :param recordings: folder in which recordings are stored; None stores nothing
     :param fresh: run even if a recording is stored
-    :param told: called with each event as it happens; not called for runs in ``place``
+    :param on_event: called with each event as it happens; not called for runs in ``place``
     :param place: the workers that run the program; None runs it in this thread
     :raises GraderError: if the grader failed
     """
@@ -71,11 +71,11 @@ def recorded(
     def once() -> Outcome:
         scenario = exam.scenario.to_json()
         if place is None:
-            return observe(exam.name, scenario, files, sandbox, told)
-        return outcome_of(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
+            return observe(exam.name, scenario, files, sandbox, on_event)
+        return parse_outcome(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
 
     def run() -> Outcome:
-        recording, timing = _once_or_twice(once)
+        recording, timing = _run_with_retry(once)
         notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
         notes['made_with'] = dict(made_with())
         notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
@@ -86,10 +86,10 @@ def recorded(
         return Kept(*run())
     parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
     path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
-    return Kept(*_kept_or_run(path, fresh, run), path.name)
+    return Kept(*_load_or_run(path, fresh, run), path.name)
 
 
-def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
+def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
     if path.exists() and not fresh:
         with suppress(RecordingInvalid):  # a damaged file or an older format: record again
             return Recording.load(path), {}
@@ -98,7 +98,7 @@ def _kept_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
     return recording, timing
 
 
-def _once_or_twice(once: Callable[[], Outcome]) -> Outcome:
+def _run_with_retry(once: Callable[[], Outcome]) -> Outcome:
     """Run once; if the probe failed or something outside ended the run, repeat it once."""
     with suppress(ProbeFailed, TooBusy):
         recording, timing = once()

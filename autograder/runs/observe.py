@@ -33,8 +33,8 @@ from environment.ros import RosEnvironment
 
 KEPT_OUTPUT = 64 * 1024
 LARGEST_RECORDING = 32 << 20
-LEAVES_S = 60.0  # timeout for the exit of a sandbox, which normally takes milliseconds
-OF_A_CHECK = {
+EXIT_TIMEOUT_S = 60.0  # timeout for the exit of a sandbox, which normally takes milliseconds
+CHECK_FILES = {
     str(HERE / name): f'/grader/{name}' for name in ('probe/probe_wire.py', 'simulated.py')
 }
 """Grader files that the sandbox shows to a check written by a student."""
@@ -72,8 +72,8 @@ def program_for(
         return Program(argv, binds, course_messages=not own), PACKAGE_LIMITS
     argv = [python, '/grader/inside/run_node.py']
     if scenario['program'] == 'check':
-        binds |= OF_A_CHECK
-        argv += ['/grader/inside/ask_check.py', *OF_A_CHECK.values()]
+        binds |= CHECK_FILES
+        argv += ['/grader/inside/ask_check.py', *CHECK_FILES.values()]
     argv += [f'/submission/{scenario["file"]}']
     return Program([*argv, *_ros_arguments(scenario)], binds), Limits()
 
@@ -85,7 +85,7 @@ def _ros_arguments(scenario: Mapping[str, Any]) -> list[str]:
 
 
 @contextmanager
-def laid_out(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
+def submission_folder(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
     """
     Yield a temporary folder with the student's files, and an empty home folder.
 
@@ -112,7 +112,7 @@ def observe(
     scenario: Mapping[str, Any],
     files: Mapping[str, str],
     sandbox: Sandbox,
-    told: Callable[[Mapping[str, Any]], None] | None = None,
+    on_event: Callable[[Mapping[str, Any]], None] | None = None,
 ) -> tuple[Recording, dict[str, float]]:
     """
     Run a student's files through a scenario and record the run.
@@ -120,7 +120,7 @@ def observe(
     :param exam_name: for the recording's header
     :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
     :param files: relative path to text
-    :param told: called with each event as it happens
+    :param on_event: called with each event as it happens
     :returns: the recording, and wall-clock times [s] that no verdict may use
     :raises ProbeFailed: if the probe failed, so that there is no evidence
     :raises SandboxUnavailable: if the sandbox cannot be started
@@ -130,22 +130,22 @@ def observe(
     with (
         sandbox.turn(),
         nullcontext(os.sched_getaffinity(0)) if builds else one_processor() as processors,
-        laid_out(files) as (submission, home),
+        submission_folder(files) as (submission, home),
         virtual_clock(2) as clock,
     ):
         program, limits = program_for(scenario, submission, sandbox.ros)
         student = start_program(sandbox, program, limits, home, clock, builds)
         try:
-            watched = _Watched(student, limits, scenario, sandbox, clock)
-            watched.exam, watched.told, watched.processors = exam_name, told, processors
-            events = watched.run()
+            loop = _RunLoop(student, limits, scenario, sandbox, clock)
+            loop.exam, loop.on_event, loop.processors = exam_name, on_event, processors
+            events = loop.run()
         finally:
             student.kill()
-    timing = {'run_s': time.monotonic() - began, 'ready_s': watched.ready_s - began}
+    timing = {'run_s': time.monotonic() - began, 'ready_s': loop.ready_s - began}
     return Recording(header(exam_name, sandbox.mode), events), timing
 
 
-class _Watched:
+class _RunLoop:
     """One run: the loop that reads the output of the probe and of the student's program."""
 
     def __init__(
@@ -167,7 +167,7 @@ class _Watched:
         self.scenario = scenario
         self.exam = ''
         self.events: list[dict[str, Any]] = []
-        self.told: Callable[[Mapping[str, Any]], None] | None = None
+        self.on_event: Callable[[Mapping[str, Any]], None] | None = None
         self.processors: set[int] = set()
         self.pending = b''
         self.recorded = 0
@@ -191,9 +191,9 @@ class _Watched:
         """
         try:
             self._loop()
-            self._hear_of_its_end()
-            self._look_around()
-            self._nobody_else_ended_it()
+            self._record_end()
+            self._record_surroundings()
+            self._raise_if_ended_externally()
         finally:
             said = self.probe.end()
         self._read_the_rest()
@@ -215,7 +215,7 @@ class _Watched:
         self._keep_event(self._process_event())
         return self.events if self.ended_ns is None else _until(self.events, self.ended_ns)
 
-    def _hear_of_its_end(self) -> None:
+    def _record_end(self) -> None:
         """Record the exit of the program if, in virtual time, it ended before its scenario."""
         over = self.events[-1] if self.events else {}
         if over.get('event') != 'end':
@@ -226,7 +226,7 @@ class _Watched:
             return
         self.ended_ns = ended_ns - self.released_ns
         if self.exit is None:
-            self.exit = self.student.process.wait(LEAVES_S)
+            self.exit = self.student.process.wait(EXIT_TIMEOUT_S)
 
     def _loop(self) -> None:
         # A random name for the probe's node, which no program can predict.
@@ -263,11 +263,11 @@ class _Watched:
             pipes.unregister(key.fileobj)
             self.done = self.done or key.data == 'probe'
         elif key.data == 'probe':
-            self._recorded(data)
+            self._read_events(data)
         else:
-            self._keep(key.data, data)
+            self._keep_output(key.data, data)
 
-    def _keep(self, name: str, data: bytes) -> None:
+    def _keep_output(self, name: str, data: bytes) -> None:
         """Add data to the output, of which the start and the end (with the traceback) are kept."""
         self.printed += len(data)
         kept = self.output[name] + data
@@ -281,11 +281,11 @@ class _Watched:
             stream = getattr(self.student.process, name)
             os.set_blocking(stream.fileno(), False)
             try:
-                self._keep(name, os.read(stream.fileno(), 1 << 20))
+                self._keep_output(name, os.read(stream.fileno(), 1 << 20))
             except BlockingIOError:
                 continue
 
-    def _recorded(self, data: bytes) -> None:
+    def _read_events(self, data: bytes) -> None:
         self.recorded += len(data)
         *lines, self.pending = (self.pending + data).split(b'\n')
         for line in lines:
@@ -310,8 +310,8 @@ class _Watched:
 
     def _keep_event(self, event: dict[str, Any]) -> None:
         self.events.append(event)
-        if self.told is not None:
-            self.told(event)
+        if self.on_event is not None:
+            self.on_event(event)
 
     def _student_ended(self) -> None:
         self.exit = self.student.process.wait()
@@ -328,7 +328,7 @@ class _Watched:
         except BrokenPipeError:
             pass  # the probe has already ended
 
-    def _nobody_else_ended_it(self) -> None:
+    def _raise_if_ended_externally(self) -> None:
         """Raise if the machine or another program ended the student's program."""
         if self.killed or self.exit is None:
             return
@@ -338,7 +338,7 @@ class _Watched:
         if self.student.namespaces and self.exit < 0:
             raise ProbeFailed(f'Another program ended the sandbox with signal {-self.exit}.')
 
-    def _look_around(self) -> None:
+    def _record_surroundings(self) -> None:
         """Record what the probe cannot see: other ROS domains, and processes left running."""
         if self.student.home is None:  # otherwise, the program shares the machine's network
             self.domains = other_domains(ports(self.student.pid))

@@ -52,7 +52,7 @@ def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mo
     return json.dumps({'version': version(), **task}).encode()
 
 
-def outcome_of(answer: bytes) -> tuple[Recording, dict[str, float]]:
+def parse_outcome(answer: bytes) -> tuple[Recording, dict[str, float]]:
     """
     Read the answer of :func:`run_task`.
 
@@ -71,7 +71,8 @@ def run_task(task: bytes) -> bytes:
     Run a student's program in a sandbox on this machine and return the recording.
 
     :param task: made by :func:`task_of`
-    :returns: the answer for :func:`outcome_of`; a fault of the grader is also returned, not raised
+    :returns: the answer for :func:`parse_outcome`; a fault of the grader is also returned, not
+        raised
     """
     try:
         recording, timing = _run(json.loads(task))

@@ -17,7 +17,7 @@ from autograder.exam import catalog
 from autograder.exam.scenario import Advance, Scenario
 from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs.observe import laid_out, observe
+from autograder.runs.observe import observe, submission_folder
 from autograder.sandboxes import choose, sandbox
 from autograder.sandboxes.confined import Limits, Program
 from autograder.sandboxes.forked import INSIDE
@@ -80,7 +80,7 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
             'port': server.getsockname()[1],
         }
         files = {'x.py': HOSTILE, 'facts.json': json.dumps(facts)}
-        with box.turn(), laid_out(files) as (submission, home):
+        with box.turn(), submission_folder(files) as (submission, home):
             argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')
             confined = box.start(
                 Program(argv, {**INSIDE, str(submission): '/submission'}), Limits(), home

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 import autograder
-from autograder.runs.observe import laid_out
+from autograder.runs.observe import submission_folder
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confined import Limits, Program
 from autograder.sandboxes.forked import INSIDE
@@ -46,7 +46,7 @@ def gone(pidfd: int, seconds: float) -> bool:
 @pytest.mark.parametrize('moment', ['held', 'running'])
 def test_nothing_outlives_a_killed_grader(moment):
     endless = 'print("up", flush=True)\nwhile True:\n    pass\n'
-    with laid_out({'x.py': endless}) as (submission, _):
+    with submission_folder({'x.py': endless}) as (submission, _):
         grader = subprocess.Popen(
             [sys.executable, '-c', LAUNCHER, *INSIDE, str(submission), moment],
             stdin=subprocess.PIPE,

@@ -18,7 +18,7 @@ from autograder.results import ExamResult, Verdict
 from autograder.runs.version import version
 from tests.judgement import kept
 from tests.judgement.kept import run_all, table, write_or_compare
-from tests.judgement.properties import moved_by_text, telling, unreadable
+from tests.judgement.properties import moved_by_text, revealed_inputs, unreadable
 from tests.judgement.references import digest, Exercise, exercises, LAYOUT
 from tests.judgement.samples import (
     counted,
@@ -93,7 +93,7 @@ def _improper(sample: Sample, result: ExamResult) -> Iterator[str]:
     """Yield violations of the rules that hold for every submission."""
     exam = sample.exercise.exam
     yield from unreadable(result)
-    yield from telling(exam, result)
+    yield from revealed_inputs(exam, result)
     if result.recording:
         path = LAYOUT.recordings / exam.name / result.recording
         yield from moved_by_text(exam, sample.files, Recording.load(path))

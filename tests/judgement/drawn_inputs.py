@@ -23,7 +23,7 @@ def texts_of(check: CheckResult) -> str:
     return '\n'.join((check.expected, check.observed, check.cause, check.try_this))
 
 
-def told_of(exam: Exam, text: str) -> list[str]:
+def revealed_values(exam: Exam, text: str) -> list[str]:
     """Return the drawn values, times and namespace that a text reveals."""
     words = {word.casefold() for word in _WORD.findall(text.replace('/', ' '))}
     space = namespace_of(exam.scenario).strip('/')

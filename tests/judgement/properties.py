@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping
 
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import causes_once, check_lines, MOST_LINES, WIDTH
-from autograder.grading.examine import judged
+from autograder.grading.examine import judge_recording
 from autograder.recording import Recording
 from autograder.results import ExamResult, Verdict
-from tests.judgement.drawn_inputs import texts_of, told_of
+from tests.judgement.drawn_inputs import revealed_values, texts_of
 from tests.judgement.rewritten import blanked, commented, rewritten
 
 
@@ -20,11 +20,11 @@ def unreadable(result: ExamResult) -> Iterator[str]:
             yield f'{check.check}: {lines}'
 
 
-def telling(exam: Exam, result: ExamResult) -> Iterator[str]:
+def revealed_inputs(exam: Exam, result: ExamResult) -> Iterator[str]:
     """Yield the inputs that failed checks reveal: a student could hard-code them and resubmit."""
     for check in result.failed:
-        if told := told_of(exam, texts_of(check)):
-            yield f'{check.check}: tells {told}'
+        if revealed := revealed_values(exam, texts_of(check)):
+            yield f'{check.check}: tells {revealed}'
 
 
 def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) -> Iterator[str]:
@@ -32,7 +32,7 @@ def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) ->
     # The line numbers in the feedback are those of the text that has run.
     events = [{**event, 'line': None} for event in recording.events]
     recording = Recording(recording.header, events)
-    due, silent = (judged(exam, text, recording) for text in (files, blanked(files)))
+    due, silent = (judge_recording(exam, text, recording) for text in (files, blanked(files)))
     for check, other in zip(due.checks, silent.checks):
         if check.points != other.points:
             yield f'{check.check}: other points without the text'
@@ -40,6 +40,6 @@ def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) ->
     if 'Traceback' not in str(recording.process.get('stderr', '')):
         ways.append(rewritten)
     for way in ways:
-        for check, other in zip(due.checks, judged(exam, way(files), recording).checks):
+        for check, other in zip(due.checks, judge_recording(exam, way(files), recording).checks):
             if (check.points, check.cause_id) != (other.points, other.cause_id):
                 yield f'{check.check}: {check.cause_id}, but {other.cause_id} if {way.__name__}'

@@ -36,8 +36,10 @@ rclpy.spin(node)
 """
 
 
-def graded(text: str, told: Callable[[Event], None] | None = None) -> ExamResult:
-    return examine(catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), told=told)
+def graded(text: str, on_event: Callable[[Event], None] | None = None) -> ExamResult:
+    return examine(
+        catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), on_event=on_event
+    )
 
 
 class Killer:

@@ -15,7 +15,7 @@ from autograder.grading.pipeline import end_runs, THREADS
 from autograder.runs import grading_folder as folders
 from autograder.runs import task as tasks
 from autograder.runs.grading_folder import grading_folder
-from autograder.runs.task import outcome_of, run_task, task_of
+from autograder.runs.task import parse_outcome, run_task, task_of
 from autograder.runs.version import difference, version
 from autograder.sandboxes.choose import strongest
 
@@ -66,7 +66,7 @@ class TestTask:
         monkeypatch.setattr(tasks, 'version', lambda: other)
 
         with pytest.raises(GraderError, match=r'Python: expected 3\.\S+, got 2\.7\.18'):
-            outcome_of(run_task(task))
+            parse_outcome(run_task(task))
 
     def test_our_own_fault_keeps_its_kind(self, monkeypatch):
         """The error is raised again in this process, as if it had happened here."""
@@ -78,7 +78,7 @@ class TestTask:
         task = task_of('talker', SCENARIO, {}, strongest().mode)
 
         with pytest.raises(TooBusy, match='The machine was too busy'):
-            outcome_of(run_task(task))
+            parse_outcome(run_task(task))
 
     def test_a_defect_of_ours_is_no_crash_of_the_worker(self, monkeypatch):
         """The worker answers, and the submission is for review."""
@@ -86,7 +86,7 @@ class TestTask:
         task = task_of('talker', SCENARIO, {}, strongest().mode)
 
         with pytest.raises(GraderError, match='ZeroDivisionError'):
-            outcome_of(run_task(task))
+            parse_outcome(run_task(task))
 
     def test_a_version_differs_by_name(self):
         """A missing entry is a difference too."""
@@ -115,7 +115,7 @@ def test_a_grading_that_is_stopped_ends_its_runs_and_records_nothing(tmp_path):
             {'talker.py': BUSY},
             sandbox=strongest(),
             recordings=tmp_path,
-            told=lambda event: event['event'] == 'message' and seen.set(),
+            on_event=lambda event: event['event'] == 'message' and seen.set(),
         )
         assert seen.wait(60)
         threads.shutdown(wait=False)

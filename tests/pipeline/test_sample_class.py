@@ -24,7 +24,7 @@ from autograder.recording import Recording
 from autograder.results import ExamResult, SubmissionResult
 from autograder.submission.inbox import Submission
 from tests.judgement import agreement
-from tests.judgement.properties import moved_by_text, telling, unreadable
+from tests.judgement.properties import moved_by_text, revealed_inputs, unreadable
 from tests.judgement.references import exercises
 from tests.judgement.samples import counted, expected_verdicts, samples, UNTOUCHED, verdicts_of
 from tests.pipeline.test_recording_schema import invalid_lines
@@ -152,7 +152,7 @@ def test_every_failing_text_is_short_and_tells_nothing_that_was_drawn(assignment
     wrong = [
         (name, exam.name, line)
         for name, exam, result in judged_exams(assignment)
-        for line in (*unreadable(result), *telling(exam, result))
+        for line in (*unreadable(result), *revealed_inputs(exam, result))
     ]
 
     assert wrong == []

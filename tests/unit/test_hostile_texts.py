@@ -6,7 +6,7 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.exam.exam import Run
-from autograder.grading.examine import judged
+from autograder.grading.examine import judge_recording
 from autograder.judging.causes.ended import why_it_ended, why_late
 from autograder.recording import header, Recording
 from autograder.submission.package import with_node_files
@@ -73,4 +73,4 @@ def test_a_giant_event_of_a_managed_node_breaks_no_check():
     events = [{'event': 'graph', 'when': when, **graph} for when in ('start', 'end')]
     events = [{'clock_ns': None, **one} for one in (*events, *answers)]
     files = dict.fromkeys(exam.requires, 'x = 1')
-    assert judged(exam, files, Recording(header(exam.name, 'bwrap-root'), events)).checks
+    assert judge_recording(exam, files, Recording(header(exam.name, 'bwrap-root'), events)).checks

@@ -11,7 +11,7 @@ from autograder.exam.scenario import Scenario
 from autograder.grading.examine import examine
 from autograder.recording import header, Recording
 from autograder.runs import kept as module
-from autograder.runs.kept import _kept_or_run
+from autograder.runs.kept import _load_or_run
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},
@@ -41,8 +41,8 @@ def test_a_kept_recording_is_read_and_nothing_is_run(path):
     """A stored recording is read any number of times."""
     runs = Runs()
 
-    first, _ = _kept_or_run(path, False, runs)
-    second, _ = _kept_or_run(path, False, runs)
+    first, _ = _load_or_run(path, False, runs)
+    second, _ = _load_or_run(path, False, runs)
 
     assert runs.count == 1
     assert list(first.lines()) == list(second.lines())
@@ -55,7 +55,7 @@ def test_a_recording_that_was_cut_off_is_made_again(path, left):
     WHOLE.save(path)
     path.write_bytes(path.read_bytes()[:left])
 
-    _kept_or_run(path, False, runs)
+    _load_or_run(path, False, runs)
 
     assert runs.count == 1
     assert Recording.load(path).process['exit'] == 0
@@ -68,7 +68,7 @@ def test_lines_that_were_lost_are_noticed_though_the_rest_is_sound(path):
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b''.join([lines[0], *lines[2:]]))
 
-    _kept_or_run(path, False, runs)
+    _load_or_run(path, False, runs)
 
     assert runs.count == 1
 
@@ -79,7 +79,7 @@ def test_a_recording_of_an_older_format_is_made_again(path):
     path.parent.mkdir()
     path.write_bytes(WHOLE.to_bytes().replace(b'"version": 3', b'"version": 1'))
 
-    _kept_or_run(path, False, runs)
+    _load_or_run(path, False, runs)
 
     assert runs.count == 1
     assert Recording.load(path).header['version'] == 3
@@ -90,7 +90,7 @@ def test_a_run_that_was_killed_leaves_nothing_under_its_name(path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        _kept_or_run(path, False, dies)
+        _load_or_run(path, False, dies)
 
     assert not path.exists()
 

@@ -21,7 +21,7 @@ from autograder.judging.causes.redaction import namespace_of, own_words, quoted
 from autograder.judging.judge import judge
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.results import CheckResult, Verdict
-from tests.judgement.drawn_inputs import NAMES, sent_by, texts_of, told_of
+from tests.judgement.drawn_inputs import NAMES, revealed_values, sent_by, texts_of
 
 NODES = {
     'harbour': ('harbour/lookout', 'harbour/keeper'),
@@ -250,7 +250,7 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
     told = [
         (program, check.check, secret, texts_of(check))
         for program, _, check in found
-        for secret in told_of(exam, texts_of(check))
+        for secret in revealed_values(exam, texts_of(check))
     ]
 
     assert told == []
@@ -287,7 +287,7 @@ def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
     exam = alone(catalog.load(name))
     exam.hidden, exam.facts = False, {**exam.facts, 'secret': False}
 
-    assert any(told_of(exam, texts_of(check)) for _, _, check in failures(exam))
+    assert any(revealed_values(exam, texts_of(check)) for _, _, check in failures(exam))
 
 
 @pytest.mark.parametrize('name', NAMES)
