@@ -20,7 +20,7 @@ from autograder.authoring.sample_class import compose, samples
 from autograder.grading.pipeline import load_lesson, SandboxEngine
 from autograder.layout import Layout
 from autograder.recording import Recording
-from autograder.runs.kept import recorded
+from autograder.runs.stored_runs import load_or_record
 from autograder.sandboxes.choose import strongest
 from autograder.submission.extract import extract
 from autograder.submission.submission import open_submission
@@ -84,7 +84,7 @@ def _run_of(program: tuple[str, str, str]) -> Any:
     opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')
     files = extract(opened, lesson.exams, lesson.release, lesson.notebook)[name].files
     exam = next(one for one in lesson.exams if one.name == name)
-    run = partial(recorded, exam, files, sandbox)
+    run = partial(load_or_record, exam, files, sandbox)
 
     def once(_: int) -> tuple[str, float]:
         began = time.monotonic()

@@ -12,7 +12,7 @@ from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
 from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.runs.kept import files_digest, recorded
+from autograder.runs.stored_runs import files_digest, load_or_record
 from autograder.runs.task import Place
 from autograder.sandboxes.isolation import MODES, not_protected
 from autograder.sandboxes.sandbox import Sandbox
@@ -46,8 +46,12 @@ def examine(
         )
     if result := without_recording(exam, files, sandbox.mode):
         return result
-    kept = recorded(exam, files, sandbox, recordings, fresh=fresh, on_event=on_event, place=place)
-    return replace(judge_recording(exam, files, kept.recording, kept.timing), recording=kept.name)
+    stored = load_or_record(
+        exam, files, sandbox, recordings, fresh=fresh, on_event=on_event, place=place
+    )
+    return replace(
+        judge_recording(exam, files, stored.recording, stored.timing), recording=stored.name
+    )
 
 
 def judge_again(
@@ -96,8 +100,8 @@ def judge_recording(
     checks = judge(exam, run)
     known = recording.header
     if not timing:
-        kept = {'kept_run_s': known['run_s']} if 'run_s' in known else {}
-        timing = {**kept, **({'repeated': 1.0} if known.get('repeated') else {})}
+        stored = {'kept_run_s': known['run_s']} if 'run_s' in known else {}
+        timing = {**stored, **({'repeated': 1.0} if known.get('repeated') else {})}
     mode = str(known.get('mode', ''))
     return ExamResult(
         exam.name,

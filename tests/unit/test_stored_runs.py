@@ -10,8 +10,8 @@ from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
 from autograder.grading.examine import examine
 from autograder.recording import header, Recording
-from autograder.runs import kept as module
-from autograder.runs.kept import _load_or_run
+from autograder.runs import stored_runs as module
+from autograder.runs.stored_runs import _load_or_run
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},
@@ -128,9 +128,9 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
     first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
     again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
 
-    kept = Recording.load(tmp_path / 'talker' / first.recording)
-    assert kept.header['run_s'] == first.timing['run_s'] == 1.25
-    assert kept.header['made_with'] == {'grader': '79c8bf8'}
+    stored = Recording.load(tmp_path / 'talker' / first.recording)
+    assert stored.header['run_s'] == first.timing['run_s'] == 1.25
+    assert stored.header['made_with'] == {'grader': '79c8bf8'}
     assert set(again.timing) == {'kept_run_s', 'judge_s'}
     assert again.ran_s == first.ran_s == 1.25
     assert replace(again, timing={}) == replace(first, timing={})

@@ -28,7 +28,7 @@ Outcome = tuple[Recording, dict[str, float]]
 
 
 @dataclass(frozen=True)
-class Kept:
+class StoredRun:
     """
     A recording, with its timing and the name of its file.
 
@@ -41,7 +41,7 @@ class Kept:
     name: str = ''
 
 
-def recorded(
+def load_or_record(
     exam: Exam,
     files: Mapping[str, str],
     sandbox: Sandbox,
@@ -50,7 +50,7 @@ def recorded(
     fresh: bool = False,
     on_event: Callable[[Event], None] | None = None,
     place: Place | None = None,
-) -> Kept:
+) -> StoredRun:
     """
     Return the recording of some files in the scenario of an exam.
 
@@ -83,10 +83,10 @@ def recorded(
         return Recording({**recording.header, **notes}, recording.events), timing
 
     if recordings is None:
-        return Kept(*run())
+        return StoredRun(*run())
     parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
     path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
-    return Kept(*_load_or_run(path, fresh, run), path.name)
+    return StoredRun(*_load_or_run(path, fresh, run), path.name)
 
 
 def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
