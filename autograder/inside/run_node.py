@@ -24,8 +24,8 @@ import sys
 import types
 
 import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
-from lean_start import lean  # type: ignore[import-not-found]
-from steady_rclpy import steady  # type: ignore[import-not-found]
+from lazy_imports import lean  # type: ignore[import-not-found]
+from rclpy_patches import steady  # type: ignore[import-not-found]
 
 INSIDE = Path('/grader/inside')
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')

@@ -49,7 +49,7 @@ def command(file: Path) -> list[str]:
     with file.open('rb') as script:
         first = script.readline(200)
     if first.startswith(b'#!') and b'python' in first:
-        return [sys.executable, str(Path(__file__).with_name('steady_rclpy.py')), str(file)]
+        return [sys.executable, str(Path(__file__).with_name('rclpy_patches.py')), str(file)]
     return [str(file)]
 
 

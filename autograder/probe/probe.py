@@ -19,7 +19,7 @@ sys.path.append(os.path.join(os.path.dirname(sys.path[0]), 'inside'))
 gc.disable()  # imported modules are never garbage
 # ruff: noqa: E402
 
-from lean_start import lean  # type: ignore[import-not-found]  # in inside/
+from lazy_imports import lean  # type: ignore[import-not-found]  # in inside/
 
 lean()  # before the first import of a ROS package
 

@@ -24,7 +24,7 @@ from autograder.errors import ProbeFailed
 from autograder.recording import header, Recording
 from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
-from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.forked import INSIDE, PROBE, start_program, STUDENT
 from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.processes import family, oom_kills, other_domains, ports, running
@@ -150,7 +150,7 @@ class _RunLoop:
 
     def __init__(
         self,
-        student: Confined,
+        student: ConfinedProgram,
         limits: Limits,
         scenario: Mapping[str, Any],
         sandbox: Sandbox,

@@ -23,7 +23,7 @@ from environment.ros import FILE_NAME, further_messages
 RUNS_PROGRAMS = (
     *('clock/*.[ch]', 'clock/virtual_clock.py', 'fastdds.xml', 'sandboxes/seccomp/*.bpf'),
     *('inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
-    *('runs/stored_runs.py', 'runs/observe.py', 'runs/watchdog.py', 'sandboxes/confined.py'),
+    *('runs/stored_runs.py', 'runs/observe.py', 'runs/watchdog.py', 'sandboxes/confinement.py'),
     *('sandboxes/forked.py', 'sandboxes/fork_server.py', 'sandboxes/landlock.py'),
     *('sandboxes/probes.py', 'sandboxes/processes.py', 'sandboxes/sandbox.py'),
     'simulated.py',

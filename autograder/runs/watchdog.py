@@ -11,7 +11,7 @@ import time
 
 from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import TooBusy
-from autograder.sandboxes.confined import Confined, Limits
+from autograder.sandboxes.confinement import ConfinedProgram, Limits
 from autograder.sandboxes.processes import (
     proportional,
     ready_to_run,
@@ -47,7 +47,7 @@ class Watchdog:
 
     def __init__(
         self,
-        student: Confined,
+        student: ConfinedProgram,
         others: Sequence[int],
         limits: Limits,
         clock: VirtualClock,

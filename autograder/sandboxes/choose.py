@@ -16,7 +16,7 @@ import tempfile
 from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock, VirtualClock
 from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
-from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.forked import INSIDE, PROBE, start_program
 from autograder.sandboxes.probes import start_probe
 from autograder.sandboxes.sandbox import HERE, Sandbox
@@ -116,7 +116,7 @@ def try_out(sandbox: Sandbox) -> None:
         raise SandboxUnavailable(what, isolation.fix_for(error))
 
 
-def _answer(sandbox: Sandbox, confined: Confined, clock: VirtualClock) -> tuple[str, str]:
+def _answer(sandbox: Sandbox, confined: ConfinedProgram, clock: VirtualClock) -> tuple[str, str]:
     """Start the probe, release the program, and return what it printed and its last error."""
     probe = start_probe(sandbox, confined, clock.places[PROBE].fileno())
     clock.begin()

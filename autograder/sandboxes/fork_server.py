@@ -24,7 +24,7 @@ import weakref
 from autograder.clock.virtual_clock import built
 from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import sandbox as sandboxes
-from autograder.sandboxes.confined import end_group, Limits, Program
+from autograder.sandboxes.confinement import end_group, Limits, Program
 from autograder.sandboxes.isolation import fix_for
 from autograder.sandboxes.sandbox import Sandbox
 

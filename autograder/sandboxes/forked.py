@@ -13,7 +13,7 @@ import socket
 from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.sandboxes import landlock
-from autograder.sandboxes.confined import Confined, KILLED, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.fork_server import Fork, free_server, load_together, Loaded
 from autograder.sandboxes.probes import compile_code, loaded_probe
 from autograder.sandboxes.processes import family
@@ -36,7 +36,7 @@ def start_program(
     home: Path,
     clock: VirtualClock,
     builds: bool = False,
-) -> Confined:
+) -> ConfinedProgram:
     """
     Start the program of a run, which waits for :meth:`Confined.release`.
 
@@ -60,7 +60,7 @@ def start_program(
 
 def _start_fork(
     sandbox: Sandbox, program: Program, limits: Limits, home: Path, place: int
-) -> Confined:
+) -> ConfinedProgram:
     loaded = Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
     load_together(sandbox, loaded_probe(sandbox), loaded)
     server = free_server(sandbox, loaded)
@@ -93,7 +93,7 @@ def _start_fork(
     return confined
 
 
-def _open_namespaces(confined: Confined) -> list[int]:
+def _open_namespaces(confined: ConfinedProgram) -> list[int]:
     """Return descriptors of all namespaces of a sandbox, in the order in which to enter them."""
     for kind in FURTHER:
         confined.namespaces[kind] = open_namespace(confined.pid, kind)
@@ -106,7 +106,7 @@ def _open_namespaces(confined: Confined) -> list[int]:
     return [confined.namespaces[kind] for kind in order if kind in confined.namespaces]
 
 
-def _became(confined: Confined, fork: Fork) -> None:
+def _became(confined: ConfinedProgram, fork: Fork) -> None:
     """Control the fork in place of the launcher."""
     confined.fork, confined.on_end = fork.pid, fork.server.ended
     for stream in (confined.process.stdout, confined.process.stderr):

@@ -18,7 +18,7 @@ from typing import Any
 
 from autograder.sandboxes import landlock
 from autograder.sandboxes import sandbox as sandboxes
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
 from autograder.sandboxes.fork_server import Fork, free_server, Loaded
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
@@ -78,7 +78,7 @@ def loaded_probe(sandbox: Sandbox) -> Loaded:
     return Loaded(Program((sandbox.ros.python, START), binds), boxed)
 
 
-def start_probe(sandbox: Sandbox, student: Confined, place: int) -> Probe:
+def start_probe(sandbox: Sandbox, student: ConfinedProgram, place: int) -> Probe:
     """
     Start a probe, which waits for its scenario.
 
@@ -102,7 +102,7 @@ def start_probe(sandbox: Sandbox, student: Confined, place: int) -> Probe:
     return Probe(fork, giving)
 
 
-def _order(sandbox: Sandbox, loaded: Loaded, student: Confined) -> dict[str, Any]:
+def _order(sandbox: Sandbox, loaded: Loaded, student: ConfinedProgram) -> dict[str, Any]:
     folder, domain = Path('/grader') if loaded.boxed else HERE, student.domain
     return {
         'argv': (),

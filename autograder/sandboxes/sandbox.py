@@ -25,7 +25,7 @@ from typing import Any
 
 from autograder.errors import SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
-from autograder.sandboxes.confined import Confined, end_group, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, end_group, Limits, Program
 from autograder.sandboxes.isolation import fix_for
 from environment.ros import ros_environment, RosEnvironment
 
@@ -165,7 +165,7 @@ class Sandbox:
 
     def start(
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
-    ) -> Confined:
+    ) -> ConfinedProgram:
         """
         Start a confined program, which waits for :meth:`Confined.release`.
 
@@ -216,11 +216,11 @@ class Sandbox:
         if not self.facts.root:
             # Do not use nsenter -t PID: bubblewrap's process enters a nested user namespace later.
             namespaces['user'] = fcntl.ioctl(net, NS_GET_USERNS)
-        return Confined(process, gate, pid, pidfd, namespaces)
+        return ConfinedProgram(process, gate, pid, pidfd, namespaces)
 
     def _start_weak(
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int]
-    ) -> Confined:
+    ) -> ConfinedProgram:
         claimed = landlock.claim_free_domain()
         argv, variables = self.outside(program, home, claimed.domain, limits)
         if self.facts.landlock:
@@ -236,7 +236,7 @@ class Sandbox:
                 argv, pass_fds=inherited, env=variables, cwd=home, **{**PIPES, 'stdin': theirs}
             )
         pidfd = os.pidfd_open(process.pid)
-        confined = Confined(process, gate, process.pid, pidfd, home=home)
+        confined = ConfinedProgram(process, gate, process.pid, pidfd, home=home)
         confined.supervised, confined.claimed = self.facts.landlock, claimed
         return confined
 

@@ -29,7 +29,7 @@ from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult
 from autograder.runs import observe, watchdog
-from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release

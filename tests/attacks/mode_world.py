@@ -19,7 +19,7 @@ from autograder.grading.examine import examine
 from autograder.layout import Layout
 from autograder.runs.observe import observe, submission_folder
 from autograder.sandboxes import choose, sandbox
-from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.forked import INSIDE
 
 HOSTILE = """

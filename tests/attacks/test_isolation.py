@@ -12,7 +12,7 @@ import pytest
 import autograder
 from autograder.runs.observe import submission_folder
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.forked import INSIDE
 from autograder.sandboxes.processes import usage
 
@@ -21,7 +21,7 @@ pytestmark = [pytest.mark.attacks, pytest.mark.ros]
 LAUNCHER = """
 import sys
 from pathlib import Path
-from autograder.sandboxes.confined import Limits, Program
+from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.processes import family
 from autograder.sandboxes.choose import strongest
 box = strongest()

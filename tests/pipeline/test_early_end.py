@@ -9,7 +9,7 @@ import subprocess
 import pytest
 
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
 from autograder.sandboxes.probes import start_probe
 
 pytestmark = [pytest.mark.pipeline]
@@ -20,7 +20,7 @@ def test_files_of_the_host_are_not_charged_to_a_sandbox_that_is_not_ready():
     gate, theirs = socket.socketpair()
     with subprocess.Popen(['cat'], stdin=theirs) as process:
         theirs.close()
-        held = Confined(process, gate, process.pid, os.pidfd_open(process.pid))
+        held = ConfinedProgram(process, gate, process.pid, os.pidfd_open(process.pid))
         try:
             assert held.files() == (0, 0)
         finally:

@@ -13,7 +13,7 @@ from autograder.exam.scenario import Advance, Scenario
 from autograder.runs import observe
 from autograder.runs.observe import observe as run
 from autograder.sandboxes.choose import strongest, usable
-from autograder.sandboxes.confined import Limits
+from autograder.sandboxes.confinement import Limits
 from autograder.sandboxes.sandbox import Sandbox
 
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros]

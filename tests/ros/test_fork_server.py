@@ -16,7 +16,7 @@ from autograder.grading.examine import examine
 from autograder.results import ExamResult
 from autograder.sandboxes import fork_server
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
 from autograder.sandboxes.fork_server import ForkServer
 from autograder.sandboxes.forked import INSIDE, start_program, STUDENT
 from autograder.sandboxes.probes import loaded_probe, start_probe
@@ -173,7 +173,7 @@ def facts_of(sandbox: Sandbox, folder: Path, forked: bool) -> dict:
         return _facts(student)
 
 
-def _facts(student: Confined) -> dict:
+def _facts(student: ConfinedProgram) -> dict:
     try:
         student.release()
         said, error = student.process.communicate(timeout=60)

@@ -14,7 +14,7 @@ from autograder.runs import observe
 from autograder.sandboxes import forked
 from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.choose import strongest, try_out
-from autograder.sandboxes.confined import Confined, Limits, Program
+from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
 
 pytestmark = [pytest.mark.ros]
 
@@ -51,7 +51,7 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
 
 def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):
     """A delay before the start of the program says nothing about the student's code."""
-    monkeypatch.setattr(Confined, 'release', lambda self: None)
+    monkeypatch.setattr(ConfinedProgram, 'release', lambda self: None)
 
     scenario = catalog.load('talker').scenario.to_json()
     with pytest.raises(ProbeFailed, match='had not begun when the run ended: no_node'):

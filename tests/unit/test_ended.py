@@ -10,7 +10,7 @@ from autograder.judging.causes import ended as causes
 from autograder.recording import Recording
 from autograder.runs.observe import LARGEST_RECORDING, PACKAGE_LIMITS
 from autograder.runs.watchdog import BUSY_S
-from autograder.sandboxes.confined import Limits
+from autograder.sandboxes.confinement import Limits
 
 TOPIC, TYPE = '/temperature_topic', 'temp_monitor_pkg/msg/Temperature'
 

@@ -14,7 +14,7 @@ from autograder.errors import SandboxUnavailable
 from autograder.explaining.feedback import exam_text
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 from autograder.sandboxes import choose, isolation, landlock, sandbox
-from autograder.sandboxes.confined import Confined, Program
+from autograder.sandboxes.confinement import ConfinedProgram, Program
 from autograder.sandboxes.isolation import fix_for, System
 from environment import ros_domain
 from environment.ros import RosEnvironment
@@ -238,7 +238,7 @@ def test_what_a_program_wrote_is_counted_without_a_file_system_of_its_own(tmp_pa
     (tmp_path / 'deep' / 'er' / 'file').write_bytes(b'x' * 8192)
     (tmp_path / 'link').symlink_to('/usr')
 
-    count, size = Confined(None, None, 0, 0, home=tmp_path).files()
+    count, size = ConfinedProgram(None, None, 0, 0, home=tmp_path).files()
 
     assert count == 4
     assert size >= 8192

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from autograder.runs import watchdog
-from autograder.sandboxes.confined import Limits
+from autograder.sandboxes.confinement import Limits
 
 PROGRAM, PROBE = 1, 2
 

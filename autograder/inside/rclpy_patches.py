@@ -11,7 +11,7 @@ An executor stores its nodes in a set, whose order depends on their addresses in
 of two nodes are due at the same time, either callback may run first.  With this patch, an executor
 serves its nodes in the order in which they were added.
 
-Usage as a program: steady_rclpy.py SCRIPT [arguments], for the executables of a package.
+Usage as a program: rclpy_patches.py SCRIPT [arguments], for the executables of a package.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ import sys
 import types
 from typing import Any
 
-from lean_start import lean  # type: ignore[import-not-found]  # next to this file
+from lazy_imports import lean  # type: ignore[import-not-found]  # next to this file
 
 
 def steady() -> None:

@@ -10,7 +10,7 @@ from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros]
 
-STEADY = Path(HERE, 'inside', 'steady_rclpy.py')
+STEADY = Path(HERE, 'inside', 'rclpy_patches.py')
 # Handle a list of waitables as an executor does, while another thread destroys one of them.
 PROGRAM = """
 import rclpy

@@ -77,7 +77,7 @@ class Program:
 
 
 @dataclass
-class Confined:
+class ConfinedProgram:
     """
     A started program and the means to control it.
 

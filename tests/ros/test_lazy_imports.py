@@ -11,7 +11,7 @@ from autograder.runs.observe import HERE
 pytestmark = [pytest.mark.ros]
 
 LEAN = f'import sys\nsys.path.insert(0, {str(Path(HERE, "inside"))!r})\n'
-LEAN += 'from lean_start import lean\nlean()\n'
+LEAN += 'from lazy_imports import lean\nlean()\n'
 
 
 def said(program: str) -> str:
