@@ -54,11 +54,11 @@ def run(chosen: argparse.Namespace) -> int:
     from autograder.exam import catalog
     from autograder.grading.examine import examine
     from autograder.submission.package import (
+        describe_files,
         name_missing,
         own_files,
         read_handed_in,
         read_package,
-        what_is_there,
         with_node_files,
     )
 
@@ -72,7 +72,7 @@ def run(chosen: argparse.Namespace) -> int:
         found = files = with_node_files(read_handed_in(chosen.files), exam.requires)
     missing = [name for name in exam.requires if name not in files]
     if missing and not chosen.json:
-        there = what_is_there(found)
+        there = describe_files(found)
         raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
     sandbox = sandbox_for(chosen.visible)
     kept = _kept_builds(exam) if chosen.visible else None

@@ -33,9 +33,9 @@ from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import extract
 from autograder.submission.notebook import read_release
 from autograder.submission.package import (
+    describe_files,
     name_missing,
     read_handed_in,
-    what_is_there,
     with_node_files,
 )
 from autograder.submission.reading import read_file
@@ -155,7 +155,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     if not found:
         wanted = sorted({name for exam in chosen for name in exam.requires})
         raise UnusableUploadError(
-            f'{path}: expected one of {", ".join(wanted)}, got {what_is_there(files)}.',
+            f'{path}: expected one of {", ".join(wanted)}, got {describe_files(files)}.',
             'Try: --exam with the name of one exam; then the script may have any name.',
         )
     return found

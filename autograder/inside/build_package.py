@@ -16,7 +16,7 @@ import sys
 import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
 
 
-def add_what_no_cell_is(folder: Path, package: str) -> None:
+def add_package_files(folder: Path, package: str) -> None:
     """
     Add the files that ``ros2 pkg create`` makes to a Python package from a notebook.
 
@@ -45,7 +45,7 @@ def build(source: str, package: str) -> Path:
     workspace = Path('/tmp/ws') if not os.environ.get('TMPDIR') else Path(os.environ['TMPDIR'])
     copy = workspace / 'src' / package
     shutil.copytree(source, copy)
-    add_what_no_cell_is(copy, package)
+    add_package_files(copy, package)
     command = ['colcon', '--log-base', str(workspace / 'log'), 'build', '--merge-install']
     command += ['--base-paths', str(workspace / 'src')]
     command += ['--build-base', str(workspace / 'build')]

@@ -53,7 +53,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
 
 
-def by_number(number: int, *arguments: Any) -> int:
+def system_call(number: int, *arguments: Any) -> int:
     """
     Make a system call for which the C library has no function, and return its result.
 
@@ -82,7 +82,7 @@ def landlock_version() -> int:
 
     :raises OSError: ENOSYS if the kernel has no Landlock, EOPNOTSUPP if Landlock is disabled
     """
-    return by_number(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
+    return system_call(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
 
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
@@ -99,7 +99,7 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     attributes += [TCP] if known >= TCP_FROM else []
     attributes += [SCOPE] if known >= SCOPE_FROM else []
     packed = struct.pack(f'={len(attributes)}Q', *attributes)
-    ruleset = by_number(CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0))
+    ruleset = system_call(CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0))
     reading = EXECUTE | READ_FILE | READ_DIR
     for name, rights in (('read', reading), ('list', READ_DIR), ('write', everything & ~EXECUTE)):
         for path in rules[name]:
@@ -109,8 +109,8 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
             wanted = rights & everything & (everything if folder else OF_FILES)
             rule = struct.pack('=Qi', wanted, descriptors[path])
             where = ctypes.c_int(ruleset), ctypes.c_int(PATH_BENEATH)
-            by_number(ADD_RULE, *where, rule, ctypes.c_uint(0))
-    by_number(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
+            system_call(ADD_RULE, *where, rule, ctypes.c_uint(0))
+    system_call(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
 
 
 def filter_of(rules: dict[str, Any]) -> bytes:
@@ -153,7 +153,7 @@ def give_up(rules: dict[str, Any], code: bytes) -> None:
         os.closerange(below + 1, above)
 
 
-def become(rules: dict[str, Any], command: list[str]) -> NoReturn:
+def confine_and_execute(rules: dict[str, Any], command: list[str]) -> NoReturn:
     """Confine this process and replace it by the program."""
     os.setsid()
     give_up(rules, filter_of(rules))
@@ -238,7 +238,7 @@ def main() -> None:
     if child == 0:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         try:
-            become(rules, command)
+            confine_and_execute(rules, command)
         except OSError as error:
             sys.exit(f'confine: {error}')
     nothing = os.open(os.devnull, os.O_RDWR)

@@ -47,14 +47,14 @@ def serve() -> list[str]:
             sys.exit()
         pid = os.fork()
         if pid == 0:
-            return _become(json.loads(order), grader, files)
+            return _set_up_fork(json.loads(order), grader, files)
         for file in files:
             os.close(file)
         _, status = os.waitpid(pid, 0)
         grader.send(b'%d' % os.waitstatus_to_exitcode(status))
 
 
-def _become(order: dict[str, Any], grader: socket.socket, files: list[int]) -> list[str]:
+def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int]) -> list[str]:
     """
     Turn this fork into a process of a run.
 

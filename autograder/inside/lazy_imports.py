@@ -26,25 +26,25 @@ import types
 from typing import Any
 
 GENERATOR = 'rosidl_generator_py.generate_py_impl'
-LATER = ('numpy', 'yaml')
+LAZY_MODULES = ('numpy', 'yaml')
 MIDDLEWARE = 'librmw_fastrtps_cpp.so'
 
 
-def lean() -> None:
+def use_lazy_imports() -> None:
     """Replace slow modules in this process, before it imports rclpy."""
     # None in sys.modules makes an import raise ModuleNotFoundError.
     sys.modules[GENERATOR] = None  # type: ignore[assignment]
-    for name in LATER:
+    for name in LAZY_MODULES:
         spec = importlib.util.find_spec(name) if name not in sys.modules else None
         if spec is not None:
-            sys.modules[name] = _Later(spec)
+            sys.modules[name] = _LazyModule(spec)
     with suppress(ImportError, OSError):  # if this fails, rclpy loads the middleware itself
         from _ctypes import dlopen
 
         dlopen(MIDDLEWARE, os.RTLD_NOW)
 
 
-class _Later(types.ModuleType):
+class _LazyModule(types.ModuleType):
     """
     A module that is imported when one of its attributes is first used.
 

@@ -24,15 +24,15 @@ import sys
 import types
 from typing import Any
 
-from lazy_imports import lean  # type: ignore[import-not-found]  # next to this file
+from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]  # next to this file
 
 
-def steady() -> None:
+def patch_rclpy() -> None:
     """Patch rclpy when the program imports it; an import here could hide a missing import."""
-    sys.meta_path.insert(0, _Patching())
+    sys.meta_path.insert(0, _PatchFinder())
 
 
-class _Patching:
+class _PatchFinder:
     """
     An import hook that patches the modules of rclpy in :data:`PATCHES` when they are loaded.
 
@@ -62,7 +62,7 @@ class _Patching:
         return spec
 
 
-def bear_destroyed_events(module: Any) -> None:
+def skip_destroyed_events(module: Any) -> None:
     """
     Make event handlers skip an event that was destroyed in the meantime.
 
@@ -74,19 +74,19 @@ def bear_destroyed_events(module: Any) -> None:
     destroyed = rclpy_implementation.InvalidHandle
     add_to_wait_set, take_data = handler.add_to_wait_set, handler.take_data
 
-    def add_if_there(self: Any, wait_set: Any) -> None:
+    def add_unless_destroyed(self: Any, wait_set: Any) -> None:
         try:
             add_to_wait_set(self, wait_set)
         except destroyed:
             self._event_index = None  # for rclpy, None means "not in a wait set"
 
-    def take_if_there(self: Any) -> Any:
+    def take_unless_destroyed(self: Any) -> Any:
         try:
             return take_data(self)
         except destroyed:
             return None
 
-    handler.add_to_wait_set, handler.take_data = add_if_there, take_if_there
+    handler.add_to_wait_set, handler.take_data = add_unless_destroyed, take_unless_destroyed
 
 
 def keep_order_of_nodes(module: Any) -> None:
@@ -110,14 +110,14 @@ def keep_order_of_nodes(module: Any) -> None:
 
 
 PATCHES: dict[str, Callable[[Any], None]] = {
-    'rclpy.event_handler': bear_destroyed_events,
+    'rclpy.event_handler': skip_destroyed_events,
     'rclpy.executors': keep_order_of_nodes,
 }
 
 
 if __name__ == '__main__':
-    lean()
-    steady()
+    use_lazy_imports()
+    patch_rclpy()
     sys.argv = sys.argv[1:]
     sys.path[0] = str(Path(sys.argv[0]).parent)
     runpy.run_path(sys.argv[0], run_name='__main__')

@@ -24,8 +24,8 @@ import sys
 import types
 
 import gate  # type: ignore[import-not-found]  # next to this file, inside the sandbox
-from lazy_imports import lean  # type: ignore[import-not-found]
-from rclpy_patches import steady  # type: ignore[import-not-found]
+from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]
+from rclpy_patches import patch_rclpy  # type: ignore[import-not-found]
 
 INSIDE = Path('/grader/inside')
 NO_PACKAGE = ('test', 'tests', 'launch', 'config')
@@ -43,7 +43,7 @@ def outside_definitions(tree: ast.AST) -> Iterator[ast.AST]:
             yield from outside_definitions(child)
 
 
-def leaves_main_to_others(tree: ast.Module) -> bool:
+def never_calls_main(tree: ast.Module) -> bool:
     """Return whether the file neither calls ``main`` nor checks ``__name__``."""
     names = {node.id for node in outside_definitions(tree) if isinstance(node, ast.Name)}
     return not names & {'main', '__name__'}
@@ -66,7 +66,7 @@ def join_packages(folder: Path) -> list[Path]:
     return packages
 
 
-def load_what_nodes_need() -> None:
+def import_common_modules() -> None:
     """
     Import what every node imports, while the probe is still starting.
 
@@ -103,9 +103,9 @@ def arguments_of_fork() -> list[str]:
 def main() -> None:
     """Run the file that the command line names."""
     gc.disable()  # imported modules are never garbage
-    lean()
-    steady()
-    load_what_nodes_need()
+    use_lazy_imports()
+    patch_rclpy()
+    import_common_modules()
     gc.freeze()
     if len(sys.argv) == 1:
         sys.argv += arguments_of_fork()
@@ -123,7 +123,7 @@ def main() -> None:
     module.__file__ = path
     sys.modules['__main__'] = module
     exec(compile(source, path, 'exec'), module.__dict__)
-    if leaves_main_to_others(tree) and callable(getattr(module, 'main', None)):
+    if never_calls_main(tree) and callable(getattr(module, 'main', None)):
         module.main()
 
 

@@ -26,7 +26,7 @@ def executable(prefix: Path, package: str, name: str) -> Path | None:
     return next(filter(_runs, (folder / name, folder / f'{name}.py')), None)
 
 
-def what_is_there(prefix: Path, package: str) -> dict[str, list[str]]:
+def list_executables(prefix: Path, package: str) -> dict[str, list[str]]:
     """
     Return the names of the existing executables, at most 20 of each kind.
 
@@ -63,7 +63,7 @@ def main() -> None:
         sys.exit(NOT_BUILT)
     file = executable(prefix, package, name)
     if file is None:
-        print(MARK + json.dumps(what_is_there(prefix, package)), file=sys.stderr)
+        print(MARK + json.dumps(list_executables(prefix, package)), file=sys.stderr)
         sys.exit(NO_EXECUTABLE)
     share = str(prefix / 'share' / package)
     argv = [*command(file), *(one.replace('{share}', share) for one in arguments)]

@@ -8,7 +8,7 @@ no other file of the grader.
 import gc
 import os
 
-import probe  # type: ignore[import-not-found]  # first, because it calls lean()
+import probe  # type: ignore[import-not-found]  # first, because it calls use_lazy_imports()
 
 # isort: split
 import forks  # type: ignore[import-not-found]  # in inside/

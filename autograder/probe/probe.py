@@ -19,9 +19,9 @@ sys.path.append(os.path.join(os.path.dirname(sys.path[0]), 'inside'))
 gc.disable()  # imported modules are never garbage
 # ruff: noqa: E402
 
-from lazy_imports import lean  # type: ignore[import-not-found]  # in inside/
+from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]  # in inside/
 
-lean()  # before the first import of a ROS package
+use_lazy_imports()  # before the first import of a ROS package
 
 from probe_run import Probe  # type: ignore[import-not-found]  # next to this file
 

@@ -13,7 +13,7 @@ from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import TooBusy
 from autograder.sandboxes.confinement import ConfinedProgram, Limits
 from autograder.sandboxes.processes import (
-    proportional,
+    pss_bytes,
     ready_to_run,
     states,
     usage,
@@ -105,7 +105,7 @@ class Watchdog:
         return ''
 
     def _too_large(self, resident: int) -> str:
-        if resident > self.limits.memory and proportional(*self.student.pids) > self.limits.memory:
+        if resident > self.limits.memory and pss_bytes(*self.student.pids) > self.limits.memory:
             return 'memory_limit'
         count, size = self.student.files()
         if count > self.limits.inodes:

@@ -38,7 +38,7 @@ def start_program(
     builds: bool = False,
 ) -> ConfinedProgram:
     """
-    Start the program of a run, which waits for :meth:`Confined.release`.
+    Start the program of a run, which waits for :meth:`ConfinedProgram.release`.
 
     :param program: Python, a script of the grader that serves forks or builds a package, and their
         arguments
@@ -82,7 +82,7 @@ def _start_fork(
                     'filter': str(landlock.filter_file()),
                 },
             }
-            _became(confined, server.fork(order, theirs.fileno(), others))
+            _attach_fork(confined, server.fork(order, theirs.fileno(), others))
     except OSError as error:  # the sandbox has ended, and its namespaces with it
         confined.kill()
         what = f'The sandbox ended before the program began: {error}.'
@@ -106,7 +106,7 @@ def _open_namespaces(confined: ConfinedProgram) -> list[int]:
     return [confined.namespaces[kind] for kind in order if kind in confined.namespaces]
 
 
-def _became(confined: ConfinedProgram, fork: Fork) -> None:
+def _attach_fork(confined: ConfinedProgram, fork: Fork) -> None:
     """Control the fork in place of the launcher."""
     confined.fork, confined.on_end = fork.pid, fork.server.ended
     for stream in (confined.process.stdout, confined.process.stderr):

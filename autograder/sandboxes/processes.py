@@ -12,7 +12,7 @@ import time
 
 # Ports of RTPS: 7400 + 250 x domain for discovery; 10 + 2 x N above that for participant N.
 FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
-AT_RANDOM = 32768  # first ephemeral port, which Linux assigns to sockets without a port: ip(7)
+FIRST_EPHEMERAL_PORT = 32768  # Linux assigns ports from here on to unbound sockets: ip(7)
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 
@@ -92,7 +92,7 @@ def other_domains(used: set[int]) -> list[int]:
         if first not in used:
             continue
         own = [first + port for port in OWN_PORTS[::2]]
-        if first >= AT_RANDOM:
+        if first >= FIRST_EPHEMERAL_PORT:
             own = [port for port in own if port + 1 in used]
         if any(port in used for port in own):
             found.append(domain)
@@ -118,7 +118,7 @@ def _count(path: str, wanted: bytes) -> int:
     return 0
 
 
-def proportional(*pids: int) -> int:
+def pss_bytes(*pids: int) -> int:
     """
     Return the memory of processes and their descendants; shared pages count once [bytes].
 

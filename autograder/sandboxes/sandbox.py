@@ -167,7 +167,7 @@ class Sandbox:
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int] = ()
     ) -> ConfinedProgram:
         """
-        Start a confined program, which waits for :meth:`Confined.release`.
+        Start a confined program, which waits for :meth:`ConfinedProgram.release`.
 
         Call this method from a thread that outlives the program, because the kernel ends the
         sandbox when the thread that started it ends.

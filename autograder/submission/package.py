@@ -218,7 +218,7 @@ def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def what_is_there(files: Mapping[str, str]) -> str:
+def describe_files(files: Mapping[str, str]) -> str:
     """Return the names of the first files of a package, for a message about a missing file."""
     if not files:
         return 'no file of a package'
@@ -234,7 +234,7 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
     """
     return with_missing_file(
         result,
-        observed=what_is_there(files),
+        observed=describe_files(files),
         cause='The file was not saved in the folder that is checked.',
         try_this='Save the file in that folder, then check again.',
     )

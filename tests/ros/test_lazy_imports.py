@@ -10,12 +10,12 @@ from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros]
 
-LEAN = f'import sys\nsys.path.insert(0, {str(Path(HERE, "inside"))!r})\n'
-LEAN += 'from lazy_imports import lean\nlean()\n'
+PREPARED = f'import sys\nsys.path.insert(0, {str(Path(HERE, "inside"))!r})\n'
+PREPARED += 'from lazy_imports import use_lazy_imports\nuse_lazy_imports()\n'
 
 
 def said(program: str) -> str:
-    command = [sys.executable, '-c', LEAN + program]
+    command = [sys.executable, '-c', PREPARED + program]
     ran = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     return ran.stdout.strip()
 

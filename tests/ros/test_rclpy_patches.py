@@ -10,7 +10,7 @@ from autograder.runs.observe import HERE
 
 pytestmark = [pytest.mark.ros]
 
-STEADY = Path(HERE, 'inside', 'rclpy_patches.py')
+PATCHES = Path(HERE, 'inside', 'rclpy_patches.py')
 # Handle a list of waitables as an executor does, while another thread destroys one of them.
 PROGRAM = """
 import rclpy
@@ -56,7 +56,7 @@ def test_plain_rclpy_dies_of_it(program: str):
 
 def test_the_launcher_leaves_a_destroyed_event_out(program: str):
     """The same happens in rclpy with subscriptions, timers, services and clients."""
-    assert said(str(STEADY), program) == 'left out False None'
+    assert said(str(PATCHES), program) == 'left out False None'
 
 
 def test_nothing_is_imported_for_the_program(tmp_path: Path):
@@ -64,7 +64,7 @@ def test_nothing_is_imported_for_the_program(tmp_path: Path):
     file = tmp_path / 'script.py'
     file.write_text('import sys\nprint(sorted(m for m in sys.modules if "rclpy" in m), __name__)')
 
-    assert said(str(STEADY), str(file)) == '[] __main__'
+    assert said(str(PATCHES), str(file)) == '[] __main__'
 
 
 MANY = """
@@ -85,4 +85,4 @@ def test_nodes_are_served_in_the_order_in_which_they_were_added(tmp_path: Path):
     file = tmp_path / 'many.py'
     file.write_text(MANY)
 
-    assert said(str(STEADY), str(file)) == '4 5 6 7 8 9 10 11 0 1 2 3'
+    assert said(str(PATCHES), str(file)) == '4 5 6 7 8 9 10 11 0 1 2 3'

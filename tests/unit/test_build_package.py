@@ -28,7 +28,7 @@ def written(folder, *files):
 def test_cells_become_a_package(build_package, tmp_path):
     """A node goes into the inner folder, and every other file stays where it is."""
     folder = written(tmp_path, 'setup.py', 'a.py', 'config/a.yaml')
-    build_package.add_what_no_cell_is(folder, 'pack')
+    build_package.add_package_files(folder, 'pack')
 
     assert names(folder) == ['config/a.yaml', 'pack/__init__.py', 'pack/a.py', 'setup.py']
     assert (folder / 'resource' / 'pack').is_file()
@@ -45,6 +45,6 @@ def test_cells_become_a_package(build_package, tmp_path):
 def test_whole_package_stays_as_it_is(build_package, tmp_path, files):
     """The grader adds nothing to a whole package: its mistakes are the student's."""
     before = names(written(tmp_path, *files))
-    build_package.add_what_no_cell_is(tmp_path, 'pack')
+    build_package.add_package_files(tmp_path, 'pack')
 
     assert names(tmp_path) == before
