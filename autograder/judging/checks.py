@@ -28,7 +28,7 @@ from autograder.judging.causes.ended import (
 from autograder.judging.causes.redaction import own_words
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 SECOND = 1_000_000_000
 

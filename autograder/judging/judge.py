@@ -14,7 +14,7 @@ from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 _OF_A_CHECK = 'check_'  # prefix of a cause if a learner's check repeats a mistake of nodes
 

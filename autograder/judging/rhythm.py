@@ -15,7 +15,7 @@ from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import SECOND
 from autograder.recording import Event
 from autograder.submission.code.acts import place_of
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""

@@ -9,7 +9,7 @@ from autograder.judging.causes.text_table import acts_by_cause, FOLDER
 from autograder.judging.rows import ANSWER
 from autograder.submission.code.acts import OPERATORS, place_of, STATEMENTS
 from autograder.submission.code.known_acts import ACTS
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 NODE = """\
 import rclpy

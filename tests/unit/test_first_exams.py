@@ -6,7 +6,7 @@ from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import courier, harbour, night_watch, running_mean, talker
 from autograder.judging.judge import closest
 from autograder.recording import ERROR, INFO, Recording, WARN
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 SECONDS = 21
 DEPTH_10 = {'reliability': 'RELIABLE', 'durability': 'VOLATILE'}

@@ -7,7 +7,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.judging.judge import closest, judge, worth_running
 from autograder.recording import Recording
 from autograder.results import Verdict
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 NOTHING = Recording({}, ())
 

@@ -22,7 +22,7 @@ from autograder.judging.judge import closest
 from autograder.judging.numbers import shown, why_not_numbered
 from autograder.judging.rows import delays, require_warnings, why_other_answer
 from autograder.recording import ERROR, Recording, WARN
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 ENDS = (
     {'event': 'end', 'reason': 'complete', 'clock_ns': 20 * 10**9},

@@ -19,7 +19,7 @@ from autograder.judging.causes import ended, lifecycle
 from autograder.judging.judge import closest
 from autograder.judging.rows import Followed
 from autograder.recording import ERROR, INFO, Recording, WARN
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 DISTANCES = replace(sensor_watch.exam.asks['distances'], inputs=(1.25,))
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})

@@ -13,7 +13,7 @@ from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.judge import closest
 from autograder.judging.rows import share
 from autograder.recording import ERROR, INFO, Recording, WARN
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
 TIMER = 'self.create_timer(1.0, self.publish_reading)\n'

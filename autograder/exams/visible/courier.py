@@ -20,7 +20,7 @@ from autograder.judging.checks import require_field, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import endpoints_at, seconds_after_join
 from autograder.recording import Event
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 NODE = '/courier'
 TOPIC = '/parcels'

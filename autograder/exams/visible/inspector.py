@@ -18,7 +18,7 @@ from autograder.exam.words import Causes
 from autograder.judging.checks import SECOND
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'
 STRING, EMPTY = 'std_msgs/msg/String', 'std_msgs/msg/Empty'

@@ -29,7 +29,7 @@ from autograder.judging.claims import hears, node
 from autograder.judging.numbers import shown
 from autograder.judging.rows import Followed, followed, require_warnings, share, warnings_after
 from autograder.recording import ERROR, Event, INFO, WARN
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'

@@ -15,7 +15,7 @@ from autograder.judging.causes.builds import why_no_program
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.text_table import cause_of, rows_of, why_by_code
 from autograder.judging.causes.tracebacks import traceback_of
-from autograder.submission.code.learners_code import Code, pause_in_callback
+from autograder.submission.code.source_code import Code, pause_in_callback
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _IN_VAIN = 'Failed to trigger lifecycle state machine transition'

@@ -12,7 +12,7 @@ from autograder.judging.causes.ended import why_no_configure, why_no_verdict
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.unknown_names import homes
 from autograder.submission.code.acts import place_of
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 READ_ONCE = cause_of('read_once')
 SILENT_REFUSAL = cause_of('silent_refusal')

@@ -17,8 +17,8 @@ from autograder.judging.causes.redaction import quoted
 from autograder.judging.causes.text_table import cause_of, why_by_code
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.recording import ERROR, Event, LEVELS
-from autograder.submission.code.learners_code import Code, leaves_out, logs_with_python
 from autograder.submission.code.program import last_name
+from autograder.submission.code.source_code import Code, leaves_out, logs_with_python
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]

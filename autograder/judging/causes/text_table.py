@@ -8,7 +8,7 @@ from typing import NamedTuple
 from autograder.exam.exam import Cause, Run
 from autograder.exam.words import about_of, Causes, rows
 from autograder.submission.code.acts import find
-from autograder.submission.code.learners_code import Code
+from autograder.submission.code.source_code import Code
 
 FOLDER = Path(__file__).parent
 cause_of = Causes(FOLDER / 'by_evidence.txt').of

@@ -23,7 +23,7 @@ Words without a bar between them are alternatives.  A word has one of these form
 ``one+``       an act, but only if it has several places
 =============  ====================================================================
 
-As in :mod:`.learners_code`, the results affect only messages.
+As in :mod:`.source_code`, the results affect only messages.
 """
 
 import ast
@@ -33,7 +33,6 @@ from typing import NamedTuple
 
 from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
-from autograder.submission.code.learners_code import Code
 from autograder.submission.code.program import (
     FUNCTIONS,
     is_stored,
@@ -41,6 +40,7 @@ from autograder.submission.code.program import (
     names_in,
     Program,
 )
+from autograder.submission.code.source_code import Code
 
 OPERATORS: Mapping[str, type[ast.AST]] = {
     '%': ast.Mod,

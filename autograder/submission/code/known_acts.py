@@ -1,7 +1,7 @@
 """
 Find the acts of a program that a single word of code does not show, such as a short queue.
 
-As in :mod:`.learners_code`, the code is never run, and the results affect only messages.
+As in :mod:`.source_code`, the code is never run, and the results affect only messages.
 """
 
 import ast

@@ -2,8 +2,8 @@
 
 import pytest
 
-from autograder.submission.code import learners_code
-from autograder.submission.code.learners_code import (
+from autograder.submission.code import source_code
+from autograder.submission.code.source_code import (
     Code,
     FieldUse,
     leaves_out,
@@ -140,7 +140,7 @@ class TestPauses:
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []
-        monkeypatch.setattr(learners_code, '_pause', looked.append)
+        monkeypatch.setattr(source_code, '_pause', looked.append)
 
         assert pause_in_callback({'n.py': f'{chain}\n{given}\n'}) is None
         assert len(looked) == 200
