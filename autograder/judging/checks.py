@@ -19,13 +19,13 @@ from typing import Any
 from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.judging.causes.ended import (
-    died_in_vain,
+    ended_after_refusal,
     why_no_endpoint,
     why_no_message,
     why_no_node,
     why_silent,
 )
-from autograder.judging.causes.redaction import own_words
+from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
 from autograder.submission.code.source_code import Code
@@ -239,7 +239,7 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 def _own_value(run: Run, value: Any) -> str:
     """Return the value of a field as text, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
-        return own_words(run, value, 'a different text')[:40]
+        return safe_quotation(run, value, 'a different text')[:40]
     return 'a different value' if run.secret else repr(value)[:40]
 
 
@@ -359,7 +359,7 @@ def require_answers(
 
 
 def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
-    if answer.get('reason') != 'no_service' or died_in_vain(run):
+    if answer.get('reason') != 'no_service' or ended_after_refusal(run):
         return None
     return cause_of('no_service', service=service)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from autograder.errors import GraderError, line_in
 from autograder.exam.exam import Cause, Check, Exam, Failed, Run
 from autograder.exam.specification import Slip
-from autograder.judging.causes.ended import how_to_look
+from autograder.judging.causes.ended import how_to_investigate
 from autograder.judging.causes.missing_logs import lines_of_code
 from autograder.judging.causes.redaction import without_arguments
 from autograder.judging.causes.text_table import acts_by_cause
@@ -87,7 +87,7 @@ def _judge_one(
 
 def _failed(exam: Exam, check: Check, run: Run, failure: Failed) -> CheckResult:
     code = Code(run.files)
-    why = closest(code, failure.why or Cause('', '', how_to_look(run)))
+    why = closest(code, failure.why or Cause('', '', how_to_investigate(run)))
     return CheckResult(
         check.name,
         check.title,

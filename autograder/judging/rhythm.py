@@ -218,7 +218,7 @@ def just_before(run: Run, found: Sequence[Event], place: int) -> str:
 
 def _rhythm(what: str, count: int, gaps: Sequence[float], due: float) -> str:
     """Return a description of the number of messages and the gaps between them."""
-    if is_flood(count, due):
+    if is_far_too_many(count, due):
         return f'far more {what}s'
     if not gaps:
         return f'one {what}' if count else f'no {what}'
@@ -286,6 +286,6 @@ def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Caus
     return cause_of(situation, **words, about=[f'{mean_s:.4g}'], closer=closer)
 
 
-def is_flood(count: float, due: float) -> bool:
+def is_far_too_many(count: float, due: float) -> bool:
     """Return whether a count is far too high, so that feedback should not show it."""
     return count > FLOOD * max(due, 1.0)

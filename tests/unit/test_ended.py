@@ -300,10 +300,10 @@ def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
 
 def test_without_a_cause_it_is_said_how_to_look():
     """The message shortens a topic to its last part, so that the namespace stays hidden."""
-    assert "echo('chatter')" in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
-    assert 'xkcdq' not in causes.how_to_look(run(endpoints=[end('/xkcdq/chatter')]))
-    assert 'logs()' in causes.how_to_look(run())
-    assert causes.how_to_look(run(nodes=())) == ''
+    assert "echo('chatter')" in causes.how_to_investigate(run(endpoints=[end('/xkcdq/chatter')]))
+    assert 'xkcdq' not in causes.how_to_investigate(run(endpoints=[end('/xkcdq/chatter')]))
+    assert 'logs()' in causes.how_to_investigate(run())
+    assert causes.how_to_investigate(run(nodes=())) == ''
 
 
 @pytest.mark.parametrize('limit', sorted(causes.LIMITS))

@@ -17,7 +17,7 @@ from autograder.exam import catalog
 from autograder.exam.exam import Exam, Run
 from autograder.exam.scenario import Advance, Call, Feed, Join, Look, Mark, Offer
 from autograder.explaining.picture_data import pictures
-from autograder.judging.causes.redaction import namespace_of, own_words, quoted
+from autograder.judging.causes.redaction import namespace_of, redacted, safe_quotation
 from autograder.judging.judge import judge
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.results import CheckResult, Verdict
@@ -365,9 +365,9 @@ class TestWords:
         """Words in the student's code are the student's own."""
         run = Run({'a.py': code}, Recording({}, events), facts)
 
-        assert own_words(run, 'a map', 'another text') == shown
+        assert safe_quotation(run, 'a map', 'another text') == shown
 
     def test_numbers_of_a_quoted_line_are_left_out(self):
         """They are left out only if they may be inputs."""
-        assert quoted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
-        assert quoted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'
+        assert redacted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
+        assert redacted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'

@@ -11,7 +11,7 @@ from autograder.submission.code.source_code import (
     Pause,
     pause_in_callback,
     use_of_field,
-    without_texts,
+    without_strings,
 )
 
 BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
@@ -37,14 +37,14 @@ class TestTexts:
     )
     def test_only_code_is_left(self, code, left):
         """The code in the braces of an f-string stays."""
-        found = without_texts(code)
+        found = without_strings(code)
 
         assert found.count('\n') == code.count('\n')
         assert found.replace(' ', '').strip() == left.replace(' ', '').strip()
 
     @pytest.mark.parametrize('code', ['a = (', "a = 'open\n", 'if a:\n  b\n c\n', '\x00'])
     def test_what_is_no_python_stays_as_it_is(self, code):
-        assert without_texts(code) == code
+        assert without_strings(code) == code
         assert not Code({'n.py': code}).calls
 
     def test_texts_and_calls_are_found_in_python_files_only(self):

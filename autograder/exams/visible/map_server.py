@@ -18,7 +18,7 @@ from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, in_order, Rule, Specification
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
-from autograder.judging.causes.redaction import own_words
+from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.checks import SECOND, why_not_reached
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import seconds_between
@@ -176,7 +176,7 @@ def _why_other_maps(run: Run) -> Cause | None:
     if others and bare[0] in bare[1:]:
         return WHY['text_changed']
     if others:
-        said = own_words(run, others[0][:40], 'A published map')
+        said = safe_quotation(run, others[0][:40], 'A published map')
         return WHY.of('wrong_text', said=said)
     joined = [one['clock_ns'] for one in run.recording.of('joined', listener='late')]
     at_join = [one for one in run.recording.messages('/map') if one['clock_ns'] in joined]
@@ -242,7 +242,7 @@ def _named(run: Run, text: str) -> str:
     surveys = run.asked('maps').inputs
     if run.secret and text in surveys:
         return f'survey {list(dict.fromkeys(surveys)).index(text) + 1}'
-    return repr(text) if text == FIRST else own_words(run, text[:40], 'a different text')
+    return repr(text) if text == FIRST else safe_quotation(run, text[:40], 'a different text')
 
 
 def _shown(run: Run, texts: Sequence[str]) -> str:

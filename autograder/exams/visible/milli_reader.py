@@ -20,7 +20,7 @@ from autograder.exam.scenario import Advance, feeds, RosClock, Scenario
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.words import Causes
-from autograder.judging.causes.redaction import own_words
+from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.checks import require_field
 from autograder.judging.claims import node, one_for_one, passes
 from autograder.judging.rows import published, rows, shown_values
@@ -112,7 +112,7 @@ def names_unit_and_sensor(run: Run) -> None:
         unnamed = all('' in asked.answers[one] for one in wrong)
         raise Failed(
             expected='the description of the Num in sensor_id',
-            observed=own_words(run, next(others, ''), 'a different text')[:60],
+            observed=safe_quotation(run, next(others, ''), 'a different text')[:60],
             why=asked.cause(came, place) or (WHY['fills_empty'] if unnamed else WHY['sensor_id']),
         )
 

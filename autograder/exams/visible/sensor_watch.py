@@ -22,7 +22,7 @@ from autograder.exam.specification import each, Specification
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
-from autograder.judging.causes.redaction import quoted
+from autograder.judging.causes.redaction import redacted
 from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.claims import node, requests
 from autograder.judging.numbers import numbers_in, rounded
@@ -117,7 +117,7 @@ def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
     then = [line for line in own_logs(run, NODE) if line['after_input'] == index]
     other = next((str(line['text']) for line in then if line['level'] == INFO), '')
     if other:
-        return WHY.of('number_not_shown', about=[other], said=quoted(run, other))
+        return WHY.of('number_not_shown', about=[other], said=redacted(run, other))
     distance = asked.inputs[index]
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
     # line.

@@ -23,7 +23,7 @@ from autograder.judging.checks import require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import (
     GRAIN_S,
-    is_flood,
+    is_far_too_many,
     why_disturbed,
     why_other_rhythm,
     why_paced,
@@ -80,7 +80,7 @@ def publishes_once_per_second(run: Run) -> None:
     right, wrong_ns = _seconds_in_rhythm(run, [event['clock_ns'] for event in found])
     if wrong_ns is None:
         return
-    many = 'far more' if is_flood(len(found), seconds) else len(found)
+    many = 'far more' if is_far_too_many(len(found), seconds) else len(found)
     raise Failed(
         expected=f'{seconds} messages in {seconds} s of ROS time, one in every second',
         observed=f'{many} messages; first difference in second {right + 1}',
@@ -168,7 +168,7 @@ def readings_are_plausible(run: Run) -> None:
     # If a node floods the topic, a value that grows with each message leaves the range: judge only
     # as many readings as expected.
     due = int(run.facts['seconds'])
-    first = values[:due] if is_flood(len(values), due) else values
+    first = values[:due] if is_far_too_many(len(values), due) else values
     odd = [value for value in first if not COLDEST_C <= value <= HOTTEST_C]
     if odd:
         shown = f'{odd[0]:.4g}' if math.isfinite(odd[0]) else str(odd[0])

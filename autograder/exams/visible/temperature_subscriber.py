@@ -16,7 +16,7 @@ from autograder.exam.scenario import feeds, Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exams.readings import Reading, slips, warns, WHY
-from autograder.judging.causes.ended import close_name, nobody_answers, why_silent
+from autograder.judging.causes.ended import close_name, no_node_answered, why_silent
 from autograder.judging.causes.missing_logs import (
     why_elsewhere,
     why_error_logged,
@@ -267,7 +267,7 @@ def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
 def _goes_on(run: Run) -> None:
     """Fail unless the node still logs the last reading and answers requests."""
     last = sent(run)[-1]
-    if not last.logs or nobody_answers(run):
+    if not last.logs or no_node_answered(run):
         raise Failed(
             expected='a node that keeps running after every reading',
             observed='no log line afterwards',

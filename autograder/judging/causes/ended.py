@@ -18,7 +18,7 @@ from autograder.judging.causes.tracebacks import traceback_of
 from autograder.submission.code.source_code import Code, pause_in_callback
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
-_IN_VAIN = 'Failed to trigger lifecycle state machine transition'
+_REFUSED_TRANSITION = 'Failed to trigger lifecycle state machine transition'
 
 _THREAD = 'Exception in thread '
 """Start of Python's message about an exception that ended a thread."""
@@ -40,7 +40,7 @@ def why_it_ended(run: Run) -> Cause | None:
     if cause := why_no_program(run) or why_no_verdict(run):
         return cause
     code = recording.process.get('exit')
-    if code is None or died_in_vain(run):
+    if code is None or ended_after_refusal(run):
         return None
     if (trace := traceback_of(run)) is not None:
         return exception_cause(trace)
@@ -66,13 +66,13 @@ def why_killed(limit: str, what: str) -> Cause:
     return Cause(limit, text, f'Look for {row.try_this}.')
 
 
-def died_in_vain(run: Run) -> bool:
+def ended_after_refusal(run: Run) -> bool:
     """
     Return whether the program ended because it requested a transition that its state forbids.
 
     This follows from an earlier refusal and is not a cause.
     """
-    return _IN_VAIN in str(run.recording.process.get('stderr', ''))
+    return _REFUSED_TRANSITION in str(run.recording.process.get('stderr', ''))
 
 
 def close_name(wanted: str, names: Iterable[str]) -> str:
@@ -138,7 +138,7 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
 
 def why_no_configure(code: Code) -> Cause | None:
     """Explain a lifecycle node without on_configure(), and name its most similar method."""
-    if code.makes('on_configure'):
+    if code.defines('on_configure'):
         return None
     near = close_name('on_configure', code.functions)
     meant = f' Your {near}() has a similar name.' if near else ''
@@ -168,7 +168,7 @@ def why_no_verdict(run: Run) -> Cause | None:
 def why_silent(run: Run) -> Cause | None:
     """Explain why a node with the right endpoints publishes nothing."""
     ended = why_it_ended(run)
-    if not ended and died_in_vain(run):
+    if not ended and ended_after_refusal(run):
         return None
     if ended and ended.cause_id not in LIMITS:
         return ended
@@ -176,12 +176,12 @@ def why_silent(run: Run) -> Cause | None:
     thread = why_thread_ended(run)
     if other := thread or ended or why_other_is_spun(run):
         return other
-    if not nobody_answers(run):
+    if not no_node_answered(run):
         return why_late(run)
     return why_it_sleeps(run) or why_by_code('idle', run)
 
 
-def nobody_answers(run: Run) -> bool:
+def no_node_answered(run: Run) -> bool:
     """Return whether the probe sent a request to every node at the end, and none responded."""
     asked = run.recording.of('asked')
     return bool(asked) and not any(event['answered'] for event in asked)
@@ -196,7 +196,7 @@ def why_thread_ended(run: Run) -> Cause | None:
     said = str(run.recording.process.get('stderr', ''))
     for thread in said.split(_THREAD, _MOST_THREADS)[1:]:
         trace, spins = traceback_of(run, thread), _SPINS.search(thread)
-        idle = not run.recording.nodes or nobody_answers(run)
+        idle = not run.recording.nodes or no_node_answered(run)
         if trace is not None and trace.line and (spins or idle):
             why = exception_cause(trace)
             which = 'the thread that spins the node' if spins else 'a thread of your program'
@@ -244,7 +244,7 @@ def why_no_message(run: Run) -> Cause:
     return why_silent(run) or why_by_code('no_message', run)
 
 
-def how_to_look(run: Run) -> str:
+def how_to_investigate(run: Run) -> str:
     """
     Return how to investigate if no cause is certain, with tools that show what the grader saw.
 

@@ -53,7 +53,7 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     if taken is not None and len(taken) < 2:
         return cause_of('callback_arguments', name=name, first=(*taken, 'self')[0])
     known = homes()
-    missing = next((one for one in known if one in code.unmade), '')
+    missing = next((one for one in known if one in code.undefined_names), '')
     if missing:
         return cause_of('missing_import', name=missing, callback=name, home=known[missing])
     return cause_of('refused', name=name)

@@ -13,7 +13,7 @@ import re
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
-from autograder.judging.causes.redaction import quoted
+from autograder.judging.causes.redaction import redacted
 from autograder.judging.causes.text_table import cause_of, why_by_code
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.recording import ERROR, Event, LEVELS
@@ -149,14 +149,14 @@ def why_exception_logged(run: Run, lines: Sequence[Event]) -> Cause | None:
     """
     text = next((str(one['text']) for one in lines if one['level'] == ERROR), '')
     attribute = _ATTRIBUTE.search(text)
-    if attribute and quoted(run, attribute[0]) == attribute[0]:
+    if attribute and redacted(run, attribute[0]) == attribute[0]:
         return exception_cause(Traceback(f'AttributeError: {attribute[0]}', None))
     return why_error_logged(run, text) if _PYTHON.search(text) else None
 
 
 def why_error_logged(run: Run, text: str) -> Cause:
     """Return a cause that quotes an ERROR line of the node."""
-    return cause_of('logged_error', text=quoted(run, text))
+    return cause_of('logged_error', text=redacted(run, text))
 
 
 def why_no_line(run: Run, call: str) -> Cause:

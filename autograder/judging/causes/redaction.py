@@ -44,7 +44,7 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
     if not space and not values:
         return check
 
-    def told(text: str) -> str:
+    def redact(text: str) -> str:
         for value in values:
             text = re.sub(rf'(?<![\w.]){value}(?![\w.]*\d)', '…', text)
         if not space:
@@ -55,14 +55,14 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
 
     return replace(
         check,
-        expected=told(check.expected),
-        observed=told(check.observed),
-        cause=told(check.cause),
-        try_this=told(check.try_this),
+        expected=redact(check.expected),
+        observed=redact(check.observed),
+        cause=redact(check.cause),
+        try_this=redact(check.try_this),
     )
 
 
-def own_words(run: Run, text: str, instead: str) -> str:
+def safe_quotation(run: Run, text: str, instead: str) -> str:
     """
     Return a quotation of the student's node if it cannot repeat a hidden input.
 
@@ -76,7 +76,7 @@ def own_words(run: Run, text: str, instead: str) -> str:
     return instead
 
 
-def quoted(run: Run, text: str) -> str:
+def redacted(run: Run, text: str) -> str:
     """Return a logged text without the numbers and strings that a hidden exam sent."""
     text = ' '.join(text.split())
     if run.secret:
@@ -90,13 +90,13 @@ def drawn_values(run: Run) -> Iterator[Any]:
     """Yield the values in the inputs, and the fractional numbers in the service requests."""
     for event in run.recording.of('input'):
         yield from _leaves(event['data'])
-    for event in asked(run):
+    for event in recorded_requests(run):
         # Omit integers: they are also ids of transitions, or part of texts such as 'takes 0
         # arguments'.
         yield from (one for one in _leaves(event['request']) if isinstance(one, float) and one % 1)
 
 
-def asked(run: Run) -> list[Event]:
+def recorded_requests(run: Run) -> list[Event]:
     """Return the service calls with a recorded request, in order."""
     calls = run.recording.of('answer') + run.recording.of('no_answer')
     return [event for event in calls if event.get('request')]

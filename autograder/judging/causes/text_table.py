@@ -110,9 +110,9 @@ def _creates_node(code: Code) -> bool:
 
 _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'catches_all': lambda code: any(find(one, 'catch_all') for one in code.programs),
-    'ends_itself': lambda code: code.ends_itself,
-    'loops': lambda code: code.loops,
-    'serves': lambda code: 'spin' in code.calls or code.loops,
+    'ends_itself': lambda code: code.can_exit,
+    'loops': lambda code: code.has_loop,
+    'serves': lambda code: 'spin' in code.calls or code.has_loop,
     'spins': lambda code: any(name.startswith('spin') for name in code.names),
     'creates_executor': lambda code: any(name.endswith('Executor') for name in code.calls),
     'overrides_activate': lambda code: (

@@ -14,7 +14,7 @@ import re
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
-from autograder.submission.code.source_code import without_texts
+from autograder.submission.code.source_code import without_strings
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'
@@ -70,12 +70,12 @@ class Traceback:
     @cached_property
     def bare_code(self) -> str:
         """Return the line without its comments and strings."""
-        return without_texts(self.code)
+        return without_strings(self.code)
 
     @cached_property
     def bare(self) -> str:
         """Return all of the student's code without its comments and strings."""
-        return without_texts(self.source)
+        return without_strings(self.source)
 
     @cached_property
     def own(self) -> frozenset[str]:

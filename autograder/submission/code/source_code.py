@@ -30,7 +30,7 @@ _LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
 
 
 @lru_cache(maxsize=64)  # tokenising a line with thousands of f-strings takes a second
-def without_texts(code: str) -> str:
+def without_strings(code: str) -> str:
     """Return code with its comments and strings (except f-strings) replaced by blanks."""
     lines = [list(line) for line in io.StringIO(code)]
     with suppress(tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
@@ -86,7 +86,7 @@ class Code:
         """Return all defined functions and methods by name."""
         return {node.name: node for node in self.nodes if isinstance(node, FUNCTIONS)}
 
-    def makes(self, name: str) -> bool:
+    def defines(self, name: str) -> bool:
         """Return whether a name is defined, assigned, or in quotes (as for ``setattr``)."""
         return name in self.functions or any(
             (isinstance(one, ast.Constant) and one.value == name)
@@ -102,7 +102,7 @@ class Code:
         return [one.arg for one in (*function.args.posonlyargs, *function.args.args)]
 
     @property
-    def unmade(self) -> frozenset[str]:
+    def undefined_names(self) -> frozenset[str]:
         """Return the names that are used but neither imported nor defined in the files."""
         used = {one.id for one in self.nodes if isinstance(one, ast.Name)}
         made = {one.id for one in self.nodes if isinstance(one, ast.Name) and is_stored(one)}
@@ -114,12 +114,12 @@ class Code:
         return frozenset() if '*' in made else frozenset(used - made - set(self.functions))
 
     @property
-    def loops(self) -> bool:
+    def has_loop(self) -> bool:
         """Return whether there is a ``while`` or ``for`` loop; comprehensions do not count."""
         return any(isinstance(node, (ast.While, ast.For, ast.AsyncFor)) for node in self.nodes)
 
     @property
-    def ends_itself(self) -> bool:
+    def can_exit(self) -> bool:
         """Return whether the code can exit, other than by the usual ``sys.exit(main())``."""
         exits = (call for name in ('exit', '_exit', 'quit') for call in self.calls.get(name, ()))
         given = (call.args[0] if call.args else None for call in exits)
