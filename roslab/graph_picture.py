@@ -249,5 +249,5 @@ def _edge(points: list[tuple[float, float]], edge: Edge) -> str:
         (x1, y1), (x2, y2) = points[0], points[1]
         parts.append(svg.shape('cross', (x1 + x2) / 2, (y1 + y2) / 2, 4.5, colour))
     word = 'publishes' if edge.outward else 'subscribes'
-    told = f'{edge.node} {word} {edge.topic}'
-    return f'<g><title>{svg.escape(told)}</title>{"".join(parts)}</g>'
+    title = f'{edge.node} {word} {edge.topic}'
+    return f'<g><title>{svg.escape(title)}</title>{"".join(parts)}</g>'

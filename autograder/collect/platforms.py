@@ -104,9 +104,11 @@ def _read_canvas(level: Level) -> Iterator[Delivery | Row]:
         else:
             whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
             yield unclaimed(name, f'the owner is unclear: {whose}; rename the file')
-    for user, told in users.items():
+    for user, entries in users.items():
         notes = (f'user {user}, according to the other files',)
-        yield from _of_user(level, user, told, () if told.keys() <= settled.keys() else notes)
+        yield from _of_user(
+            level, user, entries, () if entries.keys() <= settled.keys() else notes
+        )
 
 
 def _fitting(
@@ -140,13 +142,13 @@ def _fitting(
 
 
 def _of_user(
-    level: Level, user: str, told: Mapping[str, Reading], notes: tuple[str, ...]
+    level: Level, user: str, entries: Mapping[str, Reading], notes: tuple[str, ...]
 ) -> Iterator[Delivery]:
     """Yield each typed answer of a user, and all files as one delivery, newest first."""
-    late = 'Canvas' if any(one.late for one in told.values()) else ''
-    person = max(told.values(), key=lambda one: int(one.attachment or 0)).name
+    late = 'Canvas' if any(one.late for one in entries.values()) else ''
+    person = max(entries.values(), key=lambda one: int(one.attachment or 0)).name
     files: list[DeliveredFile] = []
-    for name, one in told.items():
+    for name, one in entries.items():
         if one.attachment:
             files += level[name].delivered_files(_AGAIN.sub('', one.file), int(one.attachment))
         else:

@@ -97,12 +97,12 @@ def run(chosen: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _fit_together(chosen)
     layout = Layout.here()
-    told = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
+    console = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
     with lock_course(layout, 'a grading'):
-        submitted = submitted_folder(layout, chosen.submitted, told)
+        submitted = submitted_folder(layout, chosen.submitted, console)
         assignments = _assignments(layout, chosen.assignment)
-        with grading_folder(), _engine(layout, chosen, told) as (engine, jobs):
-            grading = Grading(layout, submitted, engine, jobs, told, Guard(layout, chosen.yes))
+        with grading_folder(), _engine(layout, chosen, console) as (engine, jobs):
+            grading = Grading(layout, submitted, engine, jobs, console, Guard(layout, chosen.yes))
             grading.refuse_loss(assignments)
             results, trouble = grading.all(assignments)
     if not results:
@@ -146,7 +146,7 @@ def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> Usag
 
 @contextmanager
 def _engine(
-    layout: Layout, chosen: argparse.Namespace, told: Console
+    layout: Layout, chosen: argparse.Namespace, console: Console
 ) -> Iterator[tuple[Engine, int]]:
     """Yield the engine that runs exams, local or on a cluster, and the number of parallel runs."""
     if chosen.cluster:
@@ -154,23 +154,25 @@ def _engine(
 
         with cluster_engine(chosen.cluster, layout, chosen.fresh) as engine:
             assert engine.place is not None
-            told.print(f'{engine.place.width} parallel runs on {chosen.cluster}.', highlight=False)
+            console.print(
+                f'{engine.place.width} parallel runs on {chosen.cluster}.', highlight=False
+            )
             yield engine, max(engine.place.width, AHEAD)
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
-    yield engine, warn_if_weak(engine, chosen.jobs or _processors(), told)
+    yield engine, warn_if_weak(engine, chosen.jobs or _processors(), console)
 
 
-def warn_if_weak(engine: Engine, jobs: int, told: Console) -> int:
+def warn_if_weak(engine: Engine, jobs: int, console: Console) -> int:
     """Warn about weak isolation; return how many runs may be parallel: one if it is weak."""
     mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
     if not not_protected(mode):
         return jobs
-    told.print(banner(mode), style='bold red', highlight=False, markup=False)
+    console.print(banner(mode), style='bold red', highlight=False, markup=False)
     return 1
 
 
-def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path:
+def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> Path:
     """Return the folder to grade; in a new course, first fill it with the sample class."""
     if chosen is not None:
         if not chosen.is_dir():
@@ -183,7 +185,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, told: Console) -> Path
                 'collect SOURCE, or python -m autograder sample-class for the example submissions'
             )
         count = write_sample_class(layout, layout.submitted)
-        told.print(
+        console.print(
             f'autograder/_work/submitted was empty, so the {count} example submissions from '
             'tests/submissions were copied there.',
             highlight=False,
@@ -212,7 +214,7 @@ class Grading:
     submitted: Path
     engine: Engine
     jobs: int
-    told: Console
+    console: Console
     guard: Guard
 
     @property
@@ -277,7 +279,7 @@ class Grading:
         ]
         unwritten = self._report(assignment, results, others, ' '.join(parts))
         for line in lowered if len(lowered) > MAX_NAMED else ():
-            self.told.print(f'  {line}', highlight=False, markup=False)
+            self.console.print(f'  {line}', highlight=False, markup=False)
         return results, ' '.join(dict.fromkeys(filter(None, (refused, unwritten))))
 
     def _about_marks(self, lowered: Sequence[str], not_entered: int) -> Iterator[str]:
@@ -316,7 +318,7 @@ class Grading:
 
         :returns: why the reports could not be written; empty if they were
         """
-        layout, told = self.layout, self.told
+        layout, console = self.layout, self.console
         everybody = sorted((*results, *others), key=lambda one: one.student)
         missing = not_collected(layout, assignment, {one.student for one in everybody})
         unwritten = where = ''
@@ -324,10 +326,10 @@ class Grading:
             where = short(write_all_reports(layout, assignment, everybody, summary), layout)
         except OSError as error:  # Print the table first, then report the error.
             unwritten = str(of_system(error, str(layout.reports)))
-        print_table(told, assignment, results, read_people(layout), missing)
-        told.print(summary, highlight=False, markup=False)
+        print_table(console, assignment, results, read_people(layout), missing)
+        console.print(summary, highlight=False, markup=False)
         if where:
-            told.print(f'Reports: {where}', highlight=False, soft_wrap=True)
+            console.print(f'Reports: {where}', highlight=False, soft_wrap=True)
         return unwritten
 
 

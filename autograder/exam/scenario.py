@@ -219,9 +219,9 @@ class Call(Step):
 
     def to_json(self) -> dict[str, Any]:
         """Return the step in the format that the probe reads, with the service's full name."""
-        told = {**super().to_json(), 'service': self.name}
-        del told['node']
-        return told
+        step = {**super().to_json(), 'service': self.name}
+        del step['node']
+        return step
 
     def sends(self) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
         """Yield the request."""

@@ -91,7 +91,7 @@ def causes_once(result: ExamResult) -> tuple[CheckResult, ...]:
 # -- one check -------------------------------------------------------------------------------
 
 
-def told(check: CheckResult) -> list[tuple[str, str]]:
+def feedback_items(check: CheckResult) -> list[tuple[str, str]]:
     """
     Return the feedback items of a check as pairs of name and text, in order.
 
@@ -154,7 +154,7 @@ def check_lines(check: CheckResult) -> list[str]:
 
     :param check: from :func:`causes_once`
     """
-    items = (_wrapped(name, text) for name, text in told(check))
+    items = (_wrapped(name, text) for name, text in feedback_items(check))
     return [*_title_lines(check), *(line for lines in items for line in lines)]
 
 

@@ -12,7 +12,13 @@ import re
 from types import MappingProxyType
 from urllib.parse import quote
 
-from autograder.explaining.feedback import causes_once, points_of, printable, remarks, told
+from autograder.explaining.feedback import (
+    causes_once,
+    feedback_items,
+    points_of,
+    printable,
+    remarks,
+)
 from autograder.explaining.picture_svg import picture_html
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
 
@@ -72,7 +78,7 @@ def _check(check: CheckResult, result: ExamResult, lessons: Lessons) -> str:
     facts = ''.join(
         f'<dt style="{_TERM}">{name}</dt><dd style="{_TEXT}">{_fact(name, text, check, lessons)}'
         '</dd>'
-        for name, text in told(check)
+        for name, text in feedback_items(check)
     )
     body = f'<dl style="{_LIST}">{facts}</dl>' if facts else ''
     picture = picture_html(result.pictures.get(check.check, {}))

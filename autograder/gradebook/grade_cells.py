@@ -41,7 +41,7 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
         exam = exams[_exam_name(cell)]
         problems = [*general, *_about(result, exam, nb)]
         general = []
-        cell.outputs = [_told(exam, problems), _score(score)]
+        cell.outputs = [_feedback_output(exam, problems), _score(score)]
         cell.execution_count = 1
 
 
@@ -81,7 +81,7 @@ def _text(text: str) -> NotebookNode:
     return new_output('stream', name='stdout', text=text)
 
 
-def _told(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
+def _feedback_output(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
     """Return a cell output with the feedback, as text and as HTML with pictures."""
     data = {
         'text/plain': exam_text(exam, problems),

@@ -82,8 +82,8 @@ def _files_in(folder: Path) -> tuple[Path, ...]:
     names = [file.name for file in sorted(folder.glob('*.mcap'))]
     if about.is_file():
         try:
-            told = yaml.safe_load(about.read_text(encoding='utf-8'))
-            names = list(told['rosbag2_bagfile_information']['relative_file_paths'])
+            metadata = yaml.safe_load(about.read_text(encoding='utf-8'))
+            names = list(metadata['rosbag2_bagfile_information']['relative_file_paths'])
         except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError):
             raise BagError(f'{about}: this is not the metadata of a bag.') from None
     if not names:
@@ -155,8 +155,8 @@ def _topics_of(file: Path, summary: Summary) -> Iterator[BagTopic]:
 def _distro(reader: SeekingReader) -> str:
     for record in reader.iter_metadata():
         if record.name == 'rosbag2':
-            told = yaml.safe_load(record.metadata.get('serialized_metadata', '')) or {}
-            found = record.metadata.get('ROS_DISTRO') or told.get('ros_distro')
+            metadata = yaml.safe_load(record.metadata.get('serialized_metadata', '')) or {}
+            found = record.metadata.get('ROS_DISTRO') or metadata.get('ros_distro')
             if found:
                 return str(found)
     return ''

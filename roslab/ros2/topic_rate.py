@@ -103,9 +103,9 @@ def _report(
         node.create_subscription(kind, args.topic_name, callback, qos, raw=True)
         if greeting:
             print(greeting, flush=True)
-        told_at, told = time.monotonic(), 0
+        shown_at, shown = time.monotonic(), 0
         while True:
             rclpy.spin_once(node, timeout_sec=0.1)
-            if arrived > told and time.monotonic() - told_at >= _BETWEEN_S and (line := text()):
+            if arrived > shown and time.monotonic() - shown_at >= _BETWEEN_S and (line := text()):
                 print(line, flush=True)
-                told_at, told = time.monotonic(), arrived
+                shown_at, shown = time.monotonic(), arrived

@@ -16,7 +16,7 @@ from autograder.authoring.exam_mistakes import lesson_headings, no_section, read
 from autograder.classroom.pages import page_name, write_reports
 from autograder.commands import OK
 from autograder.exam import catalog
-from autograder.explaining.feedback import causes_once, check_lines, told
+from autograder.explaining.feedback import causes_once, check_lines, feedback_items
 from autograder.gradebook.record import record
 from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
@@ -71,7 +71,7 @@ def result(course):
 def said(result):
     """Return all facts that feedback on the exam must contain, in order."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
-    words = [fact for check in causes_once(exam) for fact in told(check)]
+    words = [fact for check in causes_once(exam) for fact in feedback_items(check)]
     assert {name for name, _ in words} == {
         *('expected', 'observed', 'likely cause', 'try', 'read'),
         'waits for',

@@ -11,8 +11,8 @@ from autograder.explaining.feedback import (
     causes_once,
     check_lines,
     exam_text,
+    feedback_items,
     MOST_LINES,
-    told,
     WIDTH,
 )
 from autograder.explaining.feedback_html import exam_html, section_id
@@ -51,7 +51,7 @@ def test_a_failed_check_says_five_things_in_order():
 
 
 def test_what_is_not_known_is_not_said():
-    assert [name for name, _ in told(failing(cause='', try_this=' '))] == [
+    assert [name for name, _ in feedback_items(failing(cause='', try_this=' '))] == [
         'expected',
         'observed',
         'read',
@@ -65,8 +65,8 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
     first = replace(waiting, check='rate', title='It speaks.', waits_for='')
     both = causes_once(ExamResult('talker', (first, waiting)))
 
-    assert [told(check) for check in both] == [[], [('waits for', 'It speaks.')]]
-    assert told(waiting) == [('waits for', 'rate')]
+    assert [feedback_items(check) for check in both] == [[], [('waits for', 'It speaks.')]]
+    assert feedback_items(waiting) == [('waits for', 'rate')]
 
 
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
@@ -87,7 +87,7 @@ def test_all_parts_may_be_long():
     check = failing(**dict.fromkeys(('expected', 'observed', 'cause', 'try_this', 'read'), LONG))
 
     assert len(check_lines(check)) <= MOST_LINES
-    assert len(told(check)) == 5
+    assert len(feedback_items(check)) == 5
 
 
 def test_cause_is_printed_once_and_then_referred_to():
@@ -121,7 +121,7 @@ def test_html_says_the_same_words(text):
     soup = BeautifulSoup(page, 'html.parser')
     facts = [(name.text, text.text) for name, text in zip(soup('dt'), soup('dd'))]
 
-    assert facts == told(check)
+    assert facts == feedback_items(check)
 
 
 def test_words_of_a_program_stay_words():

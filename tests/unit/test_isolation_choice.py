@@ -137,15 +137,15 @@ def test_a_banner_says_what_is_not_protected():
 
 def test_a_weak_mode_runs_one_submission_at_a_time():
     """The banner is printed and the number of runs is one; full isolation keeps the number."""
-    told = Console(file=io.StringIO(), width=200)
+    console = Console(file=io.StringIO(), width=200)
 
     def engine(mode):
         return SimpleNamespace(sandbox=SimpleNamespace(mode=mode))
 
-    assert warn_if_weak(engine('bwrap-root'), 4, told) == 4
-    assert told.file.getvalue() == ''
-    assert warn_if_weak(engine('landlock'), 4, told) == 1
-    assert 'WEAK ISOLATION' in told.file.getvalue()
+    assert warn_if_weak(engine('bwrap-root'), 4, console) == 4
+    assert console.file.getvalue() == ''
+    assert warn_if_weak(engine('landlock'), 4, console) == 1
+    assert 'WEAK ISOLATION' in console.file.getvalue()
 
 
 def weak_result() -> SubmissionResult:
@@ -160,12 +160,12 @@ def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
     result = weak_result()
     write_reports(tmp_path, '03_topics', [result])
     pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
-    told = Console(file=io.StringIO(), width=200)
-    print_table(told, '03_topics', [result])
+    console = Console(file=io.StringIO(), width=200)
+    print_table(console, '03_topics', [result])
 
     assert len(pages) == 3
     assert all('the network is shared' in page for page in pages)
-    assert 'WEAK ISOLATION: landlock' in ' '.join(told.file.getvalue().split())
+    assert 'WEAK ISOLATION: landlock' in ' '.join(console.file.getvalue().split())
     assert 'weak isolation (landlock)' in exam_text(result.exams[0])
     assert SubmissionResult.from_json(result.to_json()) == result
 

@@ -137,21 +137,21 @@ def refuses_a_senseless_limit(run: Run) -> None:
 
 def tells_why(run: Run) -> None:
     """For each refusal, it logs one ERROR line that contains the limit."""
-    refused, told = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
+    refused, logged = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
     last = run.during('not a number')
     done = [field_of(one, 'success') for one in last.recording.answers(CHANGE)]
     ready = [field_of(one, 'results.0.successful') for one in last.recording.answers(SETTING)]
     asked = [*done[:1], *ready] == [True, True]  # NaN was set after a cleanup
     taken = asked and done[1:] == [True]
     if asked:
-        refused, told = (*refused, math.nan), [*told, *own_logs(last, NODE, ERROR)]
-    found = [str(line['text']) for line in told]
+        refused, logged = (*refused, math.nan), [*logged, *own_logs(last, NODE, ERROR)]
+    found = [str(line['text']) for line in logged]
     if len(found) != len(refused) or not all(map(shows, found, refused)):
         raise Failed(
             expected=f'{len(refused)} refusals, each with one ERROR line that shows the limit',
             observed=lines(len(found), ERROR) + '; NaN was accepted' * taken,
             why=WHY['accepts_nan'] if taken else _why_untold(run, found, refused),
-            shown_by=told,
+            shown_by=logged,
         )
 
 
@@ -187,8 +187,8 @@ def _why_still_refused(run: Run) -> Cause:
     states = part.recording.messages(EVENTS)
     if any(field_of(one, 'goal_state.label') == 'errorprocessing' for one in states):
         return lifecycle.why_refused(run, 'configure')
-    told = own_logs(part, NODE, ERROR)
-    again = any(shows(line['text'], *run.facts['refused']) for line in told)
+    logged = own_logs(part, NODE, ERROR)
+    again = any(shows(line['text'], *run.facts['refused']) for line in logged)
     return lifecycle.READ_ONCE if again else WHY['still_refuses']
 
 

@@ -299,7 +299,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
 
 def build(runs: Sequence[MadeRun]) -> Exam:
     """Return the exam for some runs, in the order in which they are sent."""
-    told = [{'data': json.dumps(one.simulation.to_json())} for one in runs]
+    messages = [{'data': json.dumps(one.simulation.to_json())} for one in runs]
     exam = Exam(
         'warning_check',
         title='A check of recorded runs',
@@ -310,7 +310,7 @@ def build(runs: Sequence[MadeRun]) -> Exam:
             file=FILE,
             watch={ANSWERS: TYPE},
             feed={RUNS: TYPE},
-            steps=(Feed(RUNS, told),),
+            steps=(Feed(RUNS, messages),),
         ),
         read=EXERCISE,
         facts={'runs': [one.simulation for one in runs]},
