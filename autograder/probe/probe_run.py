@@ -241,8 +241,8 @@ class Probe:
         assert self.clock is not None
         due_ns = self.began_ns + self.ticks * every_ns
         if now_ns >= due_ns:
-            told_ns = round(clock['begins_s'] * SECOND) + self.ticks * step_ns
-            seconds, rest = divmod(told_ns, SECOND)
+            ros_ns = round(clock['begins_s'] * SECOND) + self.ticks * step_ns
+            seconds, rest = divmod(ros_ns, SECOND)
             self.clock.publish(Clock(clock=Time(sec=seconds, nanosec=rest)))
             self.ticks += 1
             due_ns += every_ns
@@ -255,7 +255,7 @@ class Probe:
         self.began_ns = time.monotonic_ns()
         reason = 'complete'
         try:
-            if not self._somebody_comes():
+            if not self._wait_for_node():
                 raise Stop('no_node')
             self.emit('seen', nodes=self.seen.askable())
             self.graph('seen')  # the program may end in its first timer callback
@@ -271,7 +271,7 @@ class Probe:
             self._ask_all()
         self.emit('end', reason=reason)
 
-    def _somebody_comes(self) -> bool:
+    def _wait_for_node(self) -> bool:
         """Listen until a node appears; return whether one appeared in time."""
         for _ in range(round(self.scenario['appear_s'] / LOOK_S)):
             self.listen(LOOK_S)

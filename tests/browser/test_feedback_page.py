@@ -108,9 +108,9 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     again = new_markdown_cell('### Self-check')
     notebook = new_notebook(cells=[heading, again, node, check])
     nbformat.validate(notebook)
-    told = {'notebook': 'topics', 'score': 1.0, 'max_score': 6.0, 'late_penalty': 0.5}
+    late_result = {'notebook': 'topics', 'score': 1.0, 'max_score': 6.0, 'late_penalty': 0.5}
     exporter = FeedbackExporter(config=load_config(Layout(ROOT)))
-    page, _ = exporter.from_notebook_node(notebook, resources={'nbgrader': told})
+    page, _ = exporter.from_notebook_node(notebook, resources={'nbgrader': late_result})
     path = tmp_path_factory.mktemp('feedback') / 'topics.html'
     path.write_text(page, encoding='utf-8')
     return path

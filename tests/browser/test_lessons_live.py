@@ -96,8 +96,8 @@ def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> No
     before = drawn.locator('polyline').first.evaluate(POINTS)
     page.wait_for_function(MOVED, arg=[drawn.element_handle(), before], timeout=SHORT_MS)
     drawn.screenshot(path=shots / 'plot.png')
-    told = 'Plot of /temperature_topic .* above the threshold 30'
-    expect(picture(drawn, told)).to_be_visible()
+    description = 'Plot of /temperature_topic .* above the threshold 30'
+    expect(picture(drawn, description)).to_be_visible()
     # What the reader opens stays open, and keeps the focus, while the picture moves.
     opener = drawn.locator('summary')
     opener.press('Enter')

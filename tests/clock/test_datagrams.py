@@ -53,9 +53,9 @@ def writer(port: int, body: str) -> str:
 def test_none_of_more_than_a_buffer_holds_is_lost(on_clock, port):
     """In real life a reader that is a little late loses most of them."""
     body = 'for number in range(5000): say(f"{number} " + "x" * 1000)'
-    _, told = on_clock(writer(port, body), reader(port, NUMBERS))
+    _, received = on_clock(writer(port, body), reader(port, NUMBERS))
 
-    assert told == [[11, 5000, True]]
+    assert received == [[11, 5000, True]]
 
 
 @pytest.mark.parametrize(
@@ -70,9 +70,9 @@ def test_none_of_more_than_a_buffer_holds_is_lost(on_clock, port):
 )
 def test_what_was_sent_before_an_end_arrives(on_clock, end, port):
     """The end of a process or of its socket takes nothing back, and doubles nothing."""
-    _, told = on_clock(writer(port, f'say("1"); {end}'), reader(port, NUMBERS))
+    _, received = on_clock(writer(port, f'say("1"); {end}'), reader(port, NUMBERS))
 
-    assert told == [[11, 1, True]]
+    assert received == [[11, 1, True]]
 
 
 def test_sender_is_over_before_its_readers_begin(on_clock, port, another_port):
@@ -95,9 +95,9 @@ tell(early, len(reader.recv(10)))
 """
     )
     echo = f'while text := heard(): reader.sendto(text.encode(), ("127.0.0.1", {port}))'
-    told, _ = on_clock(BEGIN + sender, reader(another_port, echo))
+    received, _ = on_clock(BEGIN + sender, reader(another_port, echo))
 
-    assert told == [[2, 0, 1]]
+    assert received == [[2, 0, 1]]
 
 
 def test_reader_of_a_portion_finds_all_of_it(on_clock, port):
@@ -118,6 +118,6 @@ for _ in range(100):
     for number in range(20): say(str(number))
     time.sleep(1)
 """
-    told = on_clock(writer(port, body), reader(port, drain))[1]
+    received = on_clock(writer(port, body), reader(port, drain))[1]
 
-    assert told == [[110, 100, True]]
+    assert received == [[110, 100, True]]

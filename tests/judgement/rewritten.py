@@ -71,8 +71,8 @@ def _says(first: list[ast.stmt]) -> bool:
 def _rename_locals(function: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
     """Rename the local variables of a function without nested scopes."""
     inside = list(ast.walk(function))
-    told = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda, ast.ListComp)
-    if any(isinstance(one, (*told, ast.Global, ast.Nonlocal)) for one in inside[1:]):
+    scopes = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda, ast.ListComp)
+    if any(isinstance(one, (*scopes, ast.Global, ast.Nonlocal)) for one in inside[1:]):
         return
     made = {
         one.id for one in inside if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)

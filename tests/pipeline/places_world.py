@@ -54,7 +54,7 @@ def class_of_talkers() -> list[dict[str, str]]:
     return [*files, {'talker.py': 'raise ValueError("oops")\n'}]
 
 
-def told(result) -> dict:
+def stable_facts(result) -> dict:
     """Return a result without the parts that depend on the time and place of the run."""
     data = result.to_json()
     for name in ('timing', 'recording'):

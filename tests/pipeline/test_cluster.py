@@ -5,7 +5,7 @@ import json
 import os
 import signal
 
-from places_world import class_of_talkers, exam_of_a_talker, told
+from places_world import class_of_talkers, exam_of_a_talker, stable_facts
 import pytest
 
 from autograder import __main__ as command
@@ -45,12 +45,12 @@ def address():
 def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
     """Only bytes are sent to workers, and the recordings are judged on this machine."""
     exam, sandbox = exam_of_a_talker(), strongest()
-    alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
+    alone = [stable_facts(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
     with cluster_engine(address, Layout(tmp_path)) as engine, ThreadPoolExecutor(2) as threads:
         assert engine.place.width == 2
         runs = [threads.submit(engine.run, exam, files) for files in class_of_talkers()]
-        there = [told(run.result()) for run in runs]
+        there = [stable_facts(run.result()) for run in runs]
 
     assert there == alone
     assert len(list(tmp_path.rglob('*.jsonl'))) == 3

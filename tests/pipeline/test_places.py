@@ -6,7 +6,7 @@ import shutil
 import tempfile
 import threading
 
-from places_world import class_of_talkers, exam_of_a_talker, TALKER, told
+from places_world import class_of_talkers, exam_of_a_talker, stable_facts, TALKER
 import pytest
 
 from autograder.errors import GraderError, TooBusy
@@ -37,7 +37,7 @@ class Worker:
 def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
     """The recording is the same, whichever thread or worker runs the submission."""
     exam, sandbox = exam_of_a_talker(), strongest()
-    alone = [told(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
+    alone = [stable_facts(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
 
     with grading_folder(), ThreadPoolExecutor(3) as threads:
         runs = [
@@ -45,7 +45,7 @@ def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
             for files in class_of_talkers()
             for place in (None, Worker())
         ]
-        together = [told(run.result()) for run in runs]
+        together = [stable_facts(run.result()) for run in runs]
 
     assert together[::2] == together[1::2] == alone
     assert [sum(check['points'] for check in one['checks']) for one in alone] == [2, 1, 0]

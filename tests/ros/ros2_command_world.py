@@ -69,14 +69,14 @@ def main():
     """Spin all nodes until a signal arrives."""
     # rclpy's own handler may shut down just before the wait, which raises a different exception.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    told = []
-    signal.signal(signal.SIGINT, lambda *_: told.append(True))
+    interrupted = []
+    signal.signal(signal.SIGINT, lambda *_: interrupted.append(True))
     executor = SingleThreadedExecutor()
     nodes = [Talker(), listener('/lab'), Beacon('beacon'), Node('_shy')]
     for node in nodes:
         executor.add_node(node)
     print('ready', flush=True)
-    while not told:
+    while not interrupted:
         executor.spin_once(timeout_sec=0.1)
 
 

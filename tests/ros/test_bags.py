@@ -455,8 +455,8 @@ def test_command_records_until_it_is_stopped_and_plays(session, command, tmp_pat
     about = yaml.safe_load((tmp_path / 'run' / 'metadata.yaml').read_text())
     count = about['rosbag2_bagfile_information']['message_count']
     assert count == len(texts_of(tmp_path / 'run')) > 3
-    told, _ = command('bag', 'info', 'run').communicate(timeout=LIMIT_S)
-    assert f'Topic: /chatter | Type: std_msgs/msg/String | Count: {count} |' in told
+    printed, _ = command('bag', 'info', 'run').communicate(timeout=LIMIT_S)
+    assert f'Topic: /chatter | Type: std_msgs/msg/String | Count: {count} |' in printed
     heard = Listener('chatter', String, KEPT)
     played = command('bag', 'play', 'run', '--loop')
     assert heard.wait(1, LIMIT_S)[0].data in texts_of(tmp_path / 'run')

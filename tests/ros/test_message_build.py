@@ -82,7 +82,7 @@ def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
 
     assert 'libknots__rosidl_typesupport_fastrtps_c.so' in libraries
     assert not [name for name in libraries if name.endswith('_cpp.so')]
-    assert told(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
+    assert printed(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
     # CMake does not repeat the search that the set-up has done.
     assert 'Found Python3' not in said
     # The headers of Fast DDS and Python are precompiled, so their own includes are not read.
@@ -142,7 +142,7 @@ def symbols(place: Path) -> dict[str, str]:
     return found
 
 
-def told(modules: Path, libraries_in: Path) -> str:
+def printed(modules: Path, libraries_in: Path) -> str:
     """Return what a new Python prints about a message that it sent through a topic."""
     program = (
         'import rclpy, sys\n'

@@ -40,8 +40,8 @@ def test_robot_obeys_stops_and_publishes_its_pose(kernel):
         'wheel.publish(Twist())\n'
         'wait_until(lambda: len(bot.commands) == 2 and not bot.moving, 60)\n'
         'pose.clear(); pose.wait(2, 60)\n'
-        'told = pose.last.pose.pose\n'
-        'print(told.position.x == bot.x > 0.2, told.orientation.w, pose.last.header.frame_id)'
+        'sent = pose.last.pose.pose\n'
+        'print(sent.position.x == bot.x > 0.2, sent.orientation.w, pose.last.header.frame_id)'
     )
 
     assert (out.error, out.text) == (None, 'True 1.0 odom\n')

@@ -106,13 +106,13 @@ def test_learners_own_message_is_recorded_and_replayed(built):
         '    self.out.publish(Temperature(made_by_the_learner=7))\n'
     )
     recorded = kernel.run('start(Sender); record("run.mcap", "readings", seconds=1.0)')
-    told = kernel.run('!ros2 bag info run.mcap')
+    printed = kernel.run('!ros2 bag info run.mcap')
     kernel.run('stop_all(); heard = listen("readings", Temperature)')
     replayed = kernel.run('replay("run.mcap", rate=10); heard.wait(1)[0].made_by_the_learner')
 
     assert recorded.error is None, recorded.error
     assert 'Type: temp_monitor_pkg/msg/Temperature' in recorded.value
-    assert recorded.value in told.text.replace('\r', '')
+    assert recorded.value in printed.text.replace('\r', '')
     assert replayed.error is None, replayed.error
     assert replayed.value == '7'
     assert replayed.streams['stderr'] == ''

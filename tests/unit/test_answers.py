@@ -176,10 +176,10 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
     found = results(answers(**dict.fromkeys(QUESTIONS, letter)), hidden=True)
     for name, one in found.items():
         assert (one.verdict is Verdict.PASSED) == (RIGHT[name] == letter)
-        told = f'{one.expected} {one.cause} {one.try_this}'
+        shown = f'{one.expected} {one.cause} {one.try_this}'
 
         assert one.verdict is Verdict.PASSED or len(one.cause) > 40, name
-        assert not re.search(r"'[a-d]'|\b[b-d]\b", told), told
+        assert not re.search(r"'[a-d]'|\b[b-d]\b", shown), shown
 
 
 def test_blind_guessing_does_not_pay():

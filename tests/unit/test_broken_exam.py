@@ -57,9 +57,9 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
     place = r'autograder: broken_exams/visible/sample\.py, line 3: '
     assert re.match(place + BROKEN[line], said)
 
-    told = checking.check('sample').problem.line()
-    assert 'not your code' in told
-    assert 'sample.py, line 3' in told
+    shown = checking.check('sample').problem.line()
+    assert 'not your code' in shown
+    assert 'sample.py, line 3' in shown
 
 
 def test_check_that_breaks_is_named_with_its_line(broken_exam):

@@ -47,7 +47,7 @@ def test_an_exam_that_builds_anyway_stays_as_it_is():
     assert as_package(exam, 'thermo') is exam
 
 
-def told(code, stderr, files):
+def first_check(code, stderr, files):
     """Return the first check of a run that ended with this exit code."""
     checks = (
         CheckResult(
@@ -78,7 +78,7 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     files, installed, cause_id, words
 ):
     """The cause also lists the executables that were installed."""
-    check = told(97, there(**installed), dict.fromkeys(files, ''))
+    check = first_check(97, there(**installed), dict.fromkeys(files, ''))
 
     assert check.cause_id == cause_id
     assert words in check.try_this
@@ -109,11 +109,11 @@ def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
 )
 def test_what_a_build_prints_is_not_believed(line):
     """A build that prints a list of executables does not change the cause."""
-    assert told(97, line, {'setup.py': ''}).cause_id == 'entry_point_missing'
+    assert first_check(97, line, {'setup.py': ''}).cause_id == 'entry_point_missing'
 
 
 def test_a_failed_build_says_what_is_wrong():
-    check = told(98, 'CMake Error: something odd', {'CMakeLists.txt': ''})
+    check = first_check(98, 'CMake Error: something odd', {'CMakeLists.txt': ''})
 
     assert check.expected == 'a package that colcon builds'
     assert check.cause
@@ -121,7 +121,7 @@ def test_a_failed_build_says_what_is_wrong():
 
 def test_any_other_end_keeps_the_words_of_the_exam():
     """A program that dies is explained as in an exam without a build."""
-    assert told(1, '', {}).cause == 'It died.'
+    assert first_check(1, '', {}).cause == 'It died.'
 
 
 @pytest.mark.parametrize('words', ['Line {}: It fails.', 'Line {}, in tick(): It fails.'])

@@ -75,7 +75,7 @@ def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
     )
 
 
-def told(line: str, error: str) -> str:
+def feedback(line: str, error: str) -> str:
     """Return the feedback on a program that ended with an exception in a line."""
     exam = rover()
     run = Run({'rover.py': CODE.format(line)}, recording(error), exam.facts)
@@ -136,7 +136,7 @@ def told(line: str, error: str) -> str:
 )
 def test_advice_has_the_names_of_the_exam(line, error, words):
     """It shows topics without namespace, types and parameters, or the learner's own names."""
-    said = told(line, error)
+    said = feedback(line, error)
 
     assert words in said
     assert 'qqqqqq' not in said
@@ -147,8 +147,8 @@ def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
     """Only the exception shows which of several parameters is meant."""
     asked = 'rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared '
 
-    assert 'the parameter max_turn, which' in told('x', f'{asked}parameter(s): max_turn')
-    assert "declare_parameter('max_speed'" in told('x', f'{asked}parameter(s): []')
+    assert 'the parameter max_turn, which' in feedback('x', f'{asked}parameter(s): max_turn')
+    assert "declare_parameter('max_speed'" in feedback('x', f'{asked}parameter(s): []')
 
 
 def test_names_come_from_all_steps():

@@ -189,11 +189,11 @@ def test_a_message_made_with_a_wrong_field_is_named_if_the_line_shows_it():
     error = 'AssertionError: Invalid arguments passed to constructor: temp'
     code = CODE.replace('self.create_timer(1.0, self.speak())', 'text = String(temp=1)')
 
-    told = raised.exception_cause(trace(error, code=code))
+    found = raised.exception_cause(trace(error, code=code))
     unknown = cause(error)
 
-    assert 'gives a String a field that it does not have' in told.text
-    assert told.try_this == 'ros2 interface show std_msgs/msg/String lists the fields.'
+    assert 'gives a String a field that it does not have' in found.text
+    assert found.try_this == 'ros2 interface show std_msgs/msg/String lists the fields.'
     assert "with the type's name" in unknown.try_this
 
 

@@ -155,12 +155,12 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
     broken = gradebook(course).read_bytes()
 
     for look in (refuse_damaged, keep_copy, lambda layout: connected(layout).__enter__()):
-        with pytest.raises(GraderError, match='the gradebook is damaged: ') as told:
+        with pytest.raises(GraderError, match='the gradebook is damaged: ') as failure:
             look(course)
     assert gradebook(course).read_bytes() == broken
     assert len(database.copies(course)) == 1
 
-    command = told.value.fix.removeprefix('Try: ').partition('. To begin')[0]
+    command = failure.value.fix.removeprefix('Try: ').partition('. To begin')[0]
     subprocess.run(command, shell=True, check=True)
     refuse_damaged(course)
     assert students(gradebook(course)) == ['ann', 'bob']

@@ -103,17 +103,17 @@ def test_a_broken_file_is_zero_with_the_reason():
 
 def test_progress_is_told_for_each_exam_of_each_student():
     """Two exams of three students, of whom two have the same answer, are reported."""
-    told = []
+    done = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 
-    grade_class(class_, LESSON, FakeEngine(), jobs=2, on_done=lambda *one: told.append(one))
+    grade_class(class_, LESSON, FakeEngine(), jobs=2, on_done=lambda *one: done.append(one))
 
-    assert sorted(student for student, _ in told) == ['ann', 'ann', 'bob', 'bob', 'cho', 'cho']
-    assert {student for student, one in told if isinstance(one, GraderError)} == {'cho'}
+    assert sorted(student for student, _ in done) == ['ann', 'ann', 'bob', 'bob', 'cho', 'cho']
+    assert {student for student, one in done if isinstance(one, GraderError)} == {'cho'}
 
 
 def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
-    told, where = [], set()
+    done, where = [], set()
     hold = threading.Event()
 
     class Running(FakeEngine):
@@ -123,16 +123,16 @@ def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
 
     def on_graded(graded):
         assert graded.result.exams
-        told.append(graded.result.student)
+        done.append(graded.result.student)
         where.add(threading.current_thread())
-        if told == ['s1', 's2']:
+        if done == ['s1', 's2']:
             hold.set()
 
     class_ = [handed_in(f's{n}', f'right {n}') for n in (1, 2)]
     class_ += [handed_in('s3', 'right last')]
     graded = grade_class(class_, LESSON, Running(), jobs=1, on_graded=on_graded)
 
-    assert told == ['s1', 's2', 's3']
+    assert done == ['s1', 's2', 's3']
     assert where == {threading.main_thread()}
     assert set(points(graded).values()) == {2.0}
 

@@ -247,13 +247,13 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
     """No text reveals inputs, even if the program repeats everything that it received."""
     exam = catalog.load(name)
     found = list(failures(exam))
-    told = [
+    revealed = [
         (program, check.check, secret, texts_of(check))
         for program, _, check in found
         for secret in revealed_values(exam, texts_of(check))
     ]
 
-    assert told == []
+    assert revealed == []
     assert {check.check for _, _, check in found} == {check.name for check in exam.checks}
 
 

@@ -39,10 +39,10 @@ STEPS = [
 
 def test_every_step_is_json():
     """The probe reads back the same steps that were written."""
-    told = Scenario(steps=STEPS).to_json()
+    data = Scenario(steps=STEPS).to_json()
 
-    assert json.loads(json.dumps(told))['steps'] == told['steps']
-    assert [step['do'] for step in told['steps']] == [
+    assert json.loads(json.dumps(data))['steps'] == data['steps']
+    assert [step['do'] for step in data['steps']] == [
         *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'unheard', 'mark', 'look')
     ]
 
@@ -85,7 +85,7 @@ def test_feed_without_quality_of_service_suits_everyone():
 
 
 @pytest.mark.parametrize(
-    ('value', 'told'),
+    ('value', 'sent'),
     [
         (True, {'type': 1, 'bool_value': True}),
         (3, {'type': 2, 'integer_value': 3}),
@@ -94,11 +94,11 @@ def test_feed_without_quality_of_service_suits_everyone():
     ],
     ids=['bool', 'int', 'float', 'str'],
 )
-def test_parameter_is_told_with_its_type(value, told):
+def test_parameter_is_told_with_its_type(value, sent):
     """The type numbers are those of rcl_interfaces/msg/ParameterType; a bool is not an int."""
     (parameter,) = set_parameters('/a', {'x': value}).to_json()['request']['parameters']
 
-    assert parameter == {'name': 'x', 'value': told}
+    assert parameter == {'name': 'x', 'value': sent}
 
 
 def test_transitions_have_the_numbers_of_the_lifecycle():
