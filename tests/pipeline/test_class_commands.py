@@ -249,7 +249,7 @@ class TestCommands:
             ),
         ],
     )
-    def test_mistakes_are_told_in_a_line(self, graded, capsys, arguments, said):
+    def test_mistakes_are_reported_in_a_line(self, graded, capsys, arguments, said):
         assert command.main(arguments) == command.USAGE
         (line,) = capsys.readouterr().err.splitlines()
         assert said in line

@@ -52,7 +52,7 @@ def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
 
 
 class TestTask:
-    def test_a_task_is_json_and_says_nothing_but_what_the_probe_is_told(self):
+    def test_a_task_is_json_and_contains_only_what_the_probe_needs(self):
         """A task contains no check, no secret and no pickled object."""
         task = json.loads(task_of('talker', SCENARIO, {'talker.py': 'x'}, 'bwrap-user'))
 

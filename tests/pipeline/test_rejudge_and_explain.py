@@ -351,7 +351,7 @@ class TestCommands:
         (account,) = json.loads(capsys.readouterr().out)
         assert {one['student'] for one in account['submissions']} == set(STUDENTS)
 
-    def test_a_refusal_of_the_gradebook_is_told_after_the_reports(
+    def test_a_refusal_of_the_gradebook_is_reported_after_the_reports(
         self, layout, now, capsys, monkeypatch
     ):
         """Reports and account come first, then the reason; the exit code is 2."""

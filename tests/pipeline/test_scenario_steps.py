@@ -285,7 +285,7 @@ class TestOffer:
         assert seen.of('not_connected') != []
         assert seen.end_reason == 'complete'
 
-    def test_answers_are_told_apart_by_the_input_they_follow(self, run):
+    def test_answers_are_distinguished_by_the_input_they_follow(self, run):
         """Inputs come once a second, and each is answered at the same instant."""
         body = """
 def make():

@@ -57,7 +57,7 @@ def test_documented_rule_is_that_of_offer_and_request(table):
         assert documented(table.policy, offered, requested) == (weak >= strong)
 
 
-def test_every_refusal_is_told_to_both_sides_with_the_policy(table):
+def test_every_refusal_is_reported_to_both_sides_with_the_policy(table):
     """A refusal gives the publisher and the subscription one event each; a match gives none."""
     for cell in table.cells:
         assert len(cell.refused_for) == (0 if cell.matched else 2), str(cell)

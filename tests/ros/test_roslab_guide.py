@@ -130,7 +130,7 @@ def test_cells_that_were_edited_and_not_saved_have_run_all_the_same(run_in_order
     assert run_in_order(edited=edited) is None
 
 
-def test_cell_that_was_left_out_is_told(run_in_order):
+def test_cell_that_was_left_out_is_reported(run_in_order):
     """A learner who skipped a cell gets the hint."""
     assert 'Run first' in run_in_order(left_out=(1,))
 

@@ -66,7 +66,7 @@ def test_program_in_an_ordinary_cell_is_not_run(kernel, program):
     ('grade_id', 'name'),
     [('talker', 'talker'), ('temperature_publisher', 'temp_publisher'), ('unknown', 'my_node')],
 )
-def test_cell_of_an_exercise_is_told_its_own_first_line(kernel, lesson, grade_id, name):
+def test_cell_of_an_exercise_gets_its_own_first_line(kernel, lesson, grade_id, name):
     """The cell keeps its grade id when its first line is lost."""
     lesson(PROGRAM, grade_id=grade_id)
 

@@ -449,7 +449,7 @@ def test_another_type_on_the_topic_is_named(session, capfd):
     assert capfd.readouterr().err == ''
 
 
-def test_topic_and_type_in_the_other_order_are_told(session):
+def test_topic_and_type_in_the_other_order_are_reported(session):
     """The error has a correct example that can be copied."""
     with pytest.raises(RoslabError, match=r"as in listen\('chatter', String\)"):
         Listener(String, 'chatter', RELIABLE)

@@ -33,7 +33,7 @@ class TestNode:
         """The full name is compared."""
         checks.require_node(run_of(GRAPH), '/lab/a')
 
-    def test_node_in_another_namespace_is_told_so(self):
+    def test_node_in_another_namespace_is_reported(self):
         with pytest.raises(Failed) as failed:
             checks.require_node(run_of(GRAPH), '/kitchen/a')
 
@@ -127,7 +127,7 @@ class TestMessages:
         ],
         ids=['one', 'steady', 'a hole', 'flood'],
     )
-    def test_rhythm_is_told_in_words(self, clocks, observed):
+    def test_rhythm_is_reported_in_words(self, clocks, observed):
         """No count is shown, because a flood is recorded only in part."""
         with pytest.raises(Failed) as failed:
             rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 4.0)
@@ -255,7 +255,7 @@ class TestAnswers:
 
         checks.require_answers(run, self.SERVICE, [{'success': True}, {}], 'two transitions')
 
-    def test_other_answer_is_told_by_number(self):
+    def test_other_answer_is_reported_by_number(self):
         run = run_of(self.answer(success=True), self.answer(success=False))
 
         with pytest.raises(Failed) as failed:

@@ -304,7 +304,7 @@ class TestBounds:
         assert sorted(row.done for row in rows) == [LEFT, TAKEN, TAKEN]
         assert any('not read: only the first 3 notebooks' in '; '.join(row.notes) for row in rows)
 
-    def test_a_notebook_that_is_too_large_is_told_beside_the_others(
+    def test_a_notebook_that_is_too_large_is_reported_beside_the_others(
         self, tmp_path, layout, monkeypatch
     ):
         limit(monkeypatch, file_bytes=2000)

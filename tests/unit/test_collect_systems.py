@@ -74,7 +74,7 @@ class TestCanvas:
             ('exampleann_LATE_1001_text.html', 'the student submitted text instead of a file'),
         ],
     )
-    def test_what_was_typed_in_is_told(self, name, what, tmp_path, layout):
+    def test_what_was_typed_in_is_reported(self, name, what, tmp_path, layout):
         files = {name: b'<html>', 'berg_1002_56_talk.ipynb': GOOD}
 
         rows = collect(packed(tmp_path / 'c.zip', files), layout, layout.submitted)
@@ -116,7 +116,7 @@ class TestCanvas:
             ('jane_1001_1003_55003_talk.ipynb', '1003'),
         ],
     )
-    def test_numbers_in_names_are_told_from_ids(self, name, student, tmp_path, layout):
+    def test_numbers_in_names_are_distinguished_from_ids(self, name, student, tmp_path, layout):
         """The user's number is near those of other users, and belongs to one name."""
         files = {
             name: GOOD,
@@ -145,7 +145,7 @@ class TestCanvas:
         )
         assert b'new' in taken(layout)[f'1001/{TALK}/talk.ipynb']
 
-    def test_what_cannot_be_told_is_nobodys(self, tmp_path, layout):
+    def test_ambiguous_files_have_no_owner(self, tmp_path, layout):
         """A file whose owner is ambiguous is left out."""
         source = packed(tmp_path / 'c.zip', {'a_102_1001_55_talk.ipynb': GOOD})
 
@@ -189,7 +189,7 @@ class TestGradescope:
         assert found[f'1001/{TALK}/timestamp.txt'] == b'2026-03-01 12:00:00 UTC\n'
         assert found[f'1003/{TALK}/timestamp.txt'] == b'2026-03-02 13:00:00 UTC\n'
 
-    def test_what_is_only_in_the_table_or_only_a_folder_is_told(self, tmp_path, layout):
+    def test_what_is_only_in_the_table_or_only_a_folder_is_reported(self, tmp_path, layout):
         files = {
             'submission_metadata.yml': METADATA,
             'submission_101/talk.ipynb': GOOD,

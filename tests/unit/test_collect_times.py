@@ -115,7 +115,7 @@ class TestReading:
             (timedelta(seconds=1), 'late by less than a minute'),
         ],
     )
-    def test_lateness_is_told_to_the_minute(self, late, words):
+    def test_lateness_is_reported_to_the_minute(self, late, words):
         """The lateness is rounded to minutes and shown in days, hours and minutes."""
         assert late_notes('', NOON + late, NOON) == (words,)
         assert late_notes('Canvas', NOON + late, NOON) == (words,)
@@ -282,7 +282,7 @@ class TestStaleTime:
 class TestDueDates:
     """The due dates are those of the gradebook."""
 
-    def test_late_work_is_told(self, tmp_path, layout, gradebook):
+    def test_late_work_is_reported(self, tmp_path, layout, gradebook):
         """The lateness takes each student's extension into account."""
         late = '2026-03-01 14:05:30.000000 UTC'
         files = {

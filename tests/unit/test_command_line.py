@@ -354,7 +354,7 @@ def test_starting_imports_neither_nbgrader_nor_ros():
     assert done.stdout.strip() == '[]'
 
 
-def test_what_the_gradebook_refuses_is_told_of_every_assignment(monkeypatch):
+def test_what_the_gradebook_refuses_is_reported_of_every_assignment(monkeypatch):
     """Each assignment is named, and a reason that all share is printed once."""
 
     def refuses(_, assignment):

@@ -41,7 +41,7 @@ def unfinished(layout):
     return files
 
 
-def test_a_second_grading_is_told_who_is_there(tmp_path):
+def test_a_second_grading_names_the_first_one(tmp_path):
     """A second grading is refused with the name of the first, and runs once that has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:

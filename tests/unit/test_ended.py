@@ -34,7 +34,7 @@ def traceback(line, error):
     )
 
 
-def test_absolute_name_is_told_from_a_slip():
+def test_absolute_name_is_distinguished_from_a_slip():
     """A topic outside the namespace has the correct name with an extra leading slash."""
     seen = run(endpoints=[end('/reading')], nodes=('/lab/n',))
 
@@ -120,7 +120,7 @@ def test_slip_in_a_namespace_is_answered_with_the_relative_name():
 
 
 @pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
-def test_what_a_transition_callback_returns_is_told(kind, cause):
+def test_what_a_transition_callback_returns_is_reported(kind, cause):
     """A missing return and a wrong return value have different causes."""
     error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
 
@@ -130,7 +130,7 @@ def test_what_a_transition_callback_returns_is_told(kind, cause):
     assert found.cause_id == cause
 
 
-def test_parameter_of_another_type_is_told_without_its_value():
+def test_parameter_of_another_type_is_reported_without_its_value():
     """The value is not shown, because the message of rclpy contains what the grader has set."""
     error = (
         "rclpy.exceptions.InvalidParameterTypeException: Trying to set parameter 'limit' to "
@@ -245,7 +245,7 @@ def test_node_that_could_not_be_seen_is_not_called_missing():
 
 
 @pytest.mark.parametrize('period', ['500', '1000.0', 'PERIOD_MS'])
-def test_period_in_milliseconds_is_told(period):
+def test_period_in_milliseconds_is_reported(period):
     """A period of milliseconds is named, because its first call is minutes away."""
     code = f'PERIOD_MS = 500\nself.create_timer({period}, self.speak)\n'
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
@@ -316,7 +316,7 @@ def test_each_limit_says_what_was_too_much_and_where_to_look(limit):
 
 
 @pytest.mark.parametrize(('package', 'limits'), [('', Limits()), ('thermo', PACKAGE_LIMITS)])
-def test_limits_that_are_told_are_those_that_hold(package, limits):
+def test_shown_limits_are_the_enforced_ones(package, limits):
     """The limits in the messages are those of the sandbox; a build has more processor time."""
     ended = {
         kind: causes.why_it_ended(Run({}, run(killed=kind).recording, {'package': package})).text

@@ -237,7 +237,7 @@ def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
     assert 'setup.bash' in caught.value.try_this
 
 
-def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
+def test_run_steps_optional_failure_is_reported_and_the_rest_goes_on(fake):
     """A failed step must not print "done", because users believe it."""
     one, two, three = fake.steps()
     fake.fail_in = 'two'
@@ -249,7 +249,7 @@ def test_run_steps_optional_failure_is_told_and_the_rest_goes_on(fake):
     assert 'Step two: done' not in fake.out.getvalue()
 
 
-def test_a_grader_that_fails_its_proof_is_told(tmp_path, monkeypatch):
+def test_a_grader_that_fails_its_proof_is_reported(tmp_path, monkeypatch):
     """The last step fails if the reference solution does not get full marks."""
     plan = make_plan(Places(tmp_path / 'venv'), {**os.environ, 'ROS_SOURCE': 'wheels'})
     monkeypatch.setattr(plan, 'description', lambda: SimpleNamespace(python='/bin/false'))

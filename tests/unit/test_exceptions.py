@@ -167,7 +167,7 @@ def test_errors_of_beginners_have_a_name_of_their_own(error, cause_id, words):
     assert found.try_this
 
 
-def test_a_method_that_is_called_is_told_from_one_with_the_wrong_arguments():
+def test_a_called_method_is_distinguished_from_wrong_arguments():
     """A method that is called in the line has a pair of brackets too many."""
     error = "TypeError: Talker.speak() missing 1 required positional argument: 'event'"
     called = at(
@@ -367,7 +367,7 @@ def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
         'unsupported format string passed to Float64.__format__',
     ],
 )
-def test_whole_message_in_place_of_its_value_is_told(error):
+def test_whole_message_in_place_of_its_value_is_reported(error):
     """The callback names the message, and the type of the message names the field."""
     used = at(f'{SPEAKER}        self.total += reading', f'TypeError: {error}')
     elsewhere = at(f'{SPEAKER}        compare(it)', f'TypeError: {error}')
@@ -377,7 +377,7 @@ def test_whole_message_in_place_of_its_value_is_told(error):
     assert elsewhere.try_this == 'Use the field: message.data.'
 
 
-def test_whole_message_of_several_fields_or_of_text_is_told():
+def test_whole_message_of_several_fields_or_of_text_is_reported():
     """If a message has several fields, or is used as a string, no field is chosen."""
     several = at(
         f'{SPEAKER}Header() > 1', "TypeError: '>' not supported between 'Header' and 'int'"
@@ -485,7 +485,7 @@ def test_line_that_spins_something_else_than_a_node_is_named(line, error, words)
     assert words in found.try_this
 
 
-def test_what_nobody_can_explain_is_told_with_its_line():
+def test_what_nobody_can_explain_is_reported_with_its_line():
     """Feedback has no traceback, so it quotes the line of an unknown exception."""
     error = 'ZeroDivisionError: float division by zero'
     looked_at = at('self.mean = self.total / 0.0', error)
@@ -499,7 +499,7 @@ def test_what_nobody_can_explain_is_told_with_its_line():
     assert 'Start the node in a cell' in spun.try_this
 
 
-def test_raise_that_passes_an_exception_on_is_told():
+def test_raise_that_passes_an_exception_on_is_reported():
     """A program that raises its exception again does not lack an except."""
     code = 'try:\n    f()\nexcept UnknownUnit:\n    raise  # again\nraise UnknownUnit(unit)'
 

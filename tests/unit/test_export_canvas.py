@@ -120,7 +120,7 @@ def test_excused_stays_excused():
     assert done.left_out == [('eve', 'is excused in Canvas')]
 
 
-def test_what_is_replaced_is_told():
+def test_what_is_replaced_is_reported():
     """A replaced mark is reported, because a person may have entered it."""
     done = fill([Mark('bob@uni.example', 4.0, 6.5)])
 

@@ -95,7 +95,7 @@ def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
         ('%%node a' + ' \t' * 16_000 + '!', repr('%%node a' + ' \t' * 26)),
     ],
 )
-def test_a_wrong_first_line_is_told_with_the_right_one(source, got):
+def test_a_wrong_first_line_is_reported_with_the_right_one(source, got):
     """The file counts as missing, because the notebook did not save it either."""
     found = files_of(talker=source)['talker']
 

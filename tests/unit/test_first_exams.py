@@ -65,7 +65,7 @@ class TestNightWatch:
         ('argument', 'cause_id'),
         [('', None), (', throttle_duration_sec=2.0', 'left_out')],
     )
-    def test_logger_that_leaves_lines_out_is_told(self, argument, cause_id):
+    def test_logger_that_leaves_lines_out_is_reported(self, argument, cause_id):
         """One line shows no rate, and a timer with the correct period is not blamed."""
         code = f'create_timer(1.0, tick)\ndef tick():\n    log.info(number{argument})\n'
         run = night(watches()[0], code=code)
@@ -125,7 +125,7 @@ class TestNightWatch:
 
         assert cause_of(night_watch.every_fifth_is_a_warning, run) == cause_id
 
-    def test_fifth_watch_that_is_left_out_is_told_everywhere(self):
+    def test_fifth_watch_that_is_left_out_is_reported_everywhere(self):
         """The missing line shifts all later lines, so other causes would be false."""
         run = night(*[line if number % 5 else None for number, line in enumerate(watches(), 1)])
 
@@ -167,7 +167,7 @@ class TestNightWatch:
         assert cause_of(night_watch.reports_every_second, run) == cause_id
         assert cause_of(night_watch.lines_are_numbered, run) == cause_id
 
-    def test_rate_that_is_even_is_told_and_one_with_holes_is_not(self):
+    def test_rate_that_is_even_is_reported_and_one_with_holes_is_not(self):
         """One line every two seconds is an even rate; a rhythm with gaps has no rate."""
         other = [line if number % 2 else None for number, line in enumerate(watches(), 1)]
         holes = [None if number in (4, 9) else line for number, line in enumerate(watches(), 1)]

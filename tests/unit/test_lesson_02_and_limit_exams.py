@@ -85,7 +85,7 @@ class TestInputsOfThePilot:
         assert min(abs(gap - round(gap)) for gap in gaps) > 0.01
 
 
-def test_command_before_both_have_come_is_told():
+def test_command_before_both_have_come_is_reported():
     """A command before both inputs have arrived has the cause ``begins_early``."""
     early = {
         'event': 'message',
@@ -105,7 +105,7 @@ def test_command_before_both_have_come_is_told():
 class TestHeartbeat:
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
-    def test_timer_that_waits_for_each_picture_is_told(self):
+    def test_timer_that_waits_for_each_picture_is_reported(self):
         """Heartbeats come before the first picture and after the result."""
         run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
 

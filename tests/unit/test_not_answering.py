@@ -49,7 +49,7 @@ class TestThreads:
     """An exception in a thread does not end the program."""
 
     @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
-    def test_exception_in_the_thread_that_spins_is_told_with_its_line(self, reason):
+    def test_exception_in_the_thread_that_spins_is_reported_with_its_line(self, reason):
         """No callback is blamed for not ending."""
         found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
 
@@ -76,7 +76,7 @@ class TestThreads:
         assert never.text.endswith('It ended a thread of your program.')
         assert served is None
 
-    def test_thread_that_ends_before_it_has_a_node_is_told(self):
+    def test_thread_that_ends_before_it_has_a_node_is_reported(self):
         """The cause is not a loop that keeps main() from creating a node."""
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
@@ -100,7 +100,7 @@ class TestThreads:
         assert '47' not in found.text
 
 
-def test_executor_without_a_node_is_told():
+def test_executor_without_a_node_is_reported():
     """An executor without a node spins, so the cause is not a loop."""
     found = why_silent(run(code='executor = SingleThreadedExecutor()\nexecutor.spin()\n'))
 

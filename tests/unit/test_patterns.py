@@ -139,7 +139,7 @@ def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
     assert found([*sent, *answers], slow) == []
 
 
-def test_count_that_goes_back_is_told_with_what_else_happened():
+def test_count_that_goes_back_is_reported_with_what_else_happened():
     """The cause mentions that a subscription joined between the two messages."""
     found = [message(clock) for clock in (1.0, 2.0, 3.0)]
     run = run_of(*found, at(2.6, 'joined', matched=True))
@@ -201,7 +201,7 @@ def test_numbers_that_begin_again_are_explained_by_what_the_program_does(code, s
         'nothing at that moment',
     ],
 )
-def test_what_disturbs_a_rhythm_is_told(clocks, others, cause_id):
+def test_what_disturbs_a_rhythm_is_reported(clocks, others, cause_id):
     """Only an event at exactly the same moment is blamed."""
     found = [message(clock) for clock in clocks]
 
@@ -346,7 +346,7 @@ class TestSensor:
     @pytest.mark.parametrize(
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
-    def test_watchdog_that_runs_from_the_start_is_told(self, early_s, cause_id):
+    def test_watchdog_that_runs_from_the_start_is_reported(self, early_s, cause_id):
         """A line at the moment of an offer refers to the offer."""
         offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
         silence = at(5.0, 'mark', name='silence')
@@ -355,7 +355,7 @@ class TestSensor:
 
         assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
 
-    def test_refusals_that_are_counted_from_the_start_are_told(self):
+    def test_refusals_that_are_counted_from_the_start_are_reported(self):
         """The second publisher causes two lines, the first one caused one."""
         events = []
         for place, name in enumerate(sensor_watch.LAZY):
@@ -381,14 +381,14 @@ class TestManaged:
     def graph(self, when, *endpoints):
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 
-    def test_second_configuration_that_creates_nothing_is_told(self):
+    def test_second_configuration_that_creates_nothing_is_reported(self):
         """A flag in the node stays set."""
         seen = [self.graph('configured', BEACON), self.graph('configured again')]
         run = run_of(*seen, facts=managed_beacon.exam.facts)
 
         assert why(managed_beacon.cleans_up, run).cause_id == 'configured_once'
 
-    def test_flashes_that_were_kept_are_told(self):
+    def test_flashes_that_were_kept_are_reported(self):
         """The flashes arrive together, at the moment of the activation."""
         mark = at(1.0, 'mark', name='active')
         flashes = [message(clock, '/beacon_signal') for clock in (1.5, 1.5, 1.5, 2.5, 3.5, 4.5)]
@@ -396,7 +396,7 @@ class TestManaged:
 
         assert why(managed_beacon.publishes_while_active, run).cause_id == 'sent_later'
 
-    def test_limit_that_is_rounded_in_the_line_is_told(self):
+    def test_limit_that_is_rounded_in_the_line_is_reported(self):
         """The line does contain a limit, so the cause is not a missing limit."""
         answer = {'data': {'results': [{'successful': True}]}}
         refused = (-1.0, 0.0, -212.45)
@@ -410,7 +410,7 @@ class TestManaged:
             assert found.cause_id == 'rounded_in_text'
 
 
-def test_map_that_is_published_for_each_newcomer_is_told():
+def test_map_that_is_published_for_each_newcomer_is_reported():
     """The map arrives at the moment at which the late subscription joins."""
     asked = replace(map_server.exam.asks['maps'], inputs=('hall', 'yard'))
     events = []
@@ -435,7 +435,7 @@ def test_map_that_is_published_for_each_newcomer_is_told():
         ('self.create_timer(1.0, self.publish)', 'first_map_late'),
     ],
 )
-def test_first_map_for_a_newcomer_is_told_from_a_late_one(code, cause_id):
+def test_first_map_for_a_newcomer_is_distinguished_from_a_late_one(code, cause_id):
     """Of a map that is published again for each subscription, only the last copy is kept."""
     assert (
         closest(Code(run_of(code=code).files), map_server.WHY['first_map_late']).cause_id

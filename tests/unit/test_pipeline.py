@@ -101,7 +101,7 @@ def test_a_broken_file_is_zero_with_the_reason():
     assert 'not JSON' in headline(graded[0].result)
 
 
-def test_progress_is_told_for_each_exam_of_each_student():
+def test_progress_is_reported_for_each_exam_of_each_student():
     """Two exams of three students, of whom two have the same answer, are reported."""
     done = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
@@ -112,7 +112,7 @@ def test_progress_is_told_for_each_exam_of_each_student():
     assert {student for student, one in done if isinstance(one, GraderError)} == {'cho'}
 
 
-def test_each_result_is_told_in_the_calling_thread_while_others_are_run():
+def test_each_result_is_reported_in_the_calling_thread_while_others_are_run():
     done, where = [], set()
     hold = threading.Event()
 

@@ -62,7 +62,7 @@ def test_message_type_that_builds_and_is_another_one():
     assert 'temp_monitor_pkg/msg/Temp' in found.text
 
 
-def test_burst_of_which_a_part_is_lost_is_told_apart():
+def test_burst_of_which_a_part_is_lost_is_recognised():
     """Single readings are logged, but only some readings of a burst."""
     burst = (Reading(31.0, 'one at once'), Reading(32.0, 'another at once'))
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
@@ -148,7 +148,7 @@ def test_formula_is_not_blamed_for_a_flood():
 @pytest.mark.parametrize(
     ('line', 'cause_id'), [('random.seed(7)', 'seeded_each_time'), ('pass', 'constant')]
 )
-def test_seed_in_the_callback_is_told(line, cause_id):
+def test_seed_in_the_callback_is_reported(line, cause_id):
     """The callback computes the value, but it is the same every time."""
     code = f'self.create_timer(1.0, self.tick)\ndef tick(self):\n    {line}\n'
     run = warming([20.5] * 10, code)

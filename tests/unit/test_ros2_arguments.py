@@ -89,7 +89,7 @@ def test_unknown_words_end_with_code_2_and_what_there_is(words, capsys):
     assert 'echo' in (text := capsys.readouterr().err) or 'topic' in text
 
 
-def test_command_of_a_full_installation_is_told_from_a_typing_mistake():
+def test_command_of_a_full_installation_is_distinguished_from_a_typing_mistake():
     """`ros2 action` exists, but not here."""
     words = cli.main(['action', 'a', 'b'])
 

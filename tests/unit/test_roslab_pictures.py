@@ -156,7 +156,7 @@ def test_names_from_other_programs_are_text_never_markup():
     drawing(page)
 
 
-def test_two_nodes_of_one_name_and_an_idle_one_are_told():
+def test_two_nodes_of_one_name_and_an_idle_one_are_reported():
     """A node without topics is listed, and a name that two nodes share is counted."""
     facts = Facts(('/idle', '/twin', '/twin'), ())
 

@@ -94,7 +94,7 @@ def test_feed_without_quality_of_service_suits_everyone():
     ],
     ids=['bool', 'int', 'float', 'str'],
 )
-def test_parameter_is_told_with_its_type(value, sent):
+def test_parameter_is_sent_with_its_type(value, sent):
     """The type numbers are those of rcl_interfaces/msg/ParameterType; a bool is not an int."""
     (parameter,) = set_parameters('/a', {'x': value}).to_json()['request']['parameters']
 

@@ -73,7 +73,7 @@ def test_reference_and_release_are_as_they_must_be(course):
     ]
 
 
-def test_reference_that_fails_its_exam_is_told(course):
+def test_reference_that_fails_its_exam_is_reported(course):
     """The report names the check that failed."""
     (reference, _) = self_check(course('wrong', 'wrong'), FakeEngine(FakeExam()))
 

@@ -167,7 +167,7 @@ def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
         run.times('outt')
 
 
-def test_end_of_a_program_is_told_with_its_last_line():
+def test_end_of_a_program_is_reported_with_its_last_line():
     """A crash names its exception."""
     printed = 'Traceback\nValueError: too much\n'
     run = recorded(reason='student_exited', over_ns=3 * 10**9, exit_code=1, printed=printed)

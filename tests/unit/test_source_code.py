@@ -193,6 +193,6 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
         ("log.info('a')", 'info', False),
     ],
 )
-def test_loggers_of_python_are_told_from_those_of_nodes(line, names, found):
+def test_loggers_of_python_are_distinguished_from_those_of_nodes(line, names, found):
     """A logger of Python is named only if nothing else logs at that level."""
     assert logs_with_python({'n.py': LOGGING.format(line)}, names) is found

@@ -114,7 +114,7 @@ class TestStamps:
     """Between two steps, the clock shows the same time."""
 
     @pytest.mark.parametrize('steps', [0, 1])
-    def test_step_that_is_told_is_the_time(self, steps):
+    def test_reported_step_is_the_time(self, steps):
         """The previous step is correct too, if both happen at the same moment."""
         run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
 
@@ -128,7 +128,7 @@ class TestStamps:
         publisher.stamps_follow_the_clock(early)
         assert why(publisher.stamps_follow_the_clock, late).cause_id == 'missing_stamp'
 
-    def test_sleep_between_stamp_and_message_is_told(self):
+    def test_sleep_between_stamp_and_message_is_reported(self):
         """The clock advances, although a sleeping node does not notice."""
         code = f'{TIMER}def publish_reading(self):\n    time.sleep(2)'
         run = published(every(2.0), code, stamp=lambda now: CLOCK.at(now) - 2 * 10**9)
@@ -334,7 +334,9 @@ class TestErrors:
             ('Celsius ist unbekannt', 'unit_text', 'as if their unit were unknown'),
         ],
     )
-    def test_text_of_the_error_is_told_and_no_unit_invented(self, check, text, cause_id, words):
+    def test_text_of_the_error_is_reported_and_no_unit_invented(
+        self, check, text, cause_id, words
+    ):
         """The unit is blamed only if the line mentions it."""
         found = why(check, heard([COOL, HOT, COOL], lambda _: [(ERROR, text)]))
 

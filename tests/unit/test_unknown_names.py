@@ -51,7 +51,7 @@ def test_the_import_that_is_missing_is_written_out(line, said, words):
         ('datetime', ['import datetime, for datetime.datetime', 'from datetime import datetime']),
     ],
 )
-def test_name_with_two_origins_is_told_with_both(name, lines):
+def test_name_with_two_origins_is_reported_with_both(name, lines):
     """The learner knows which origin the line needs."""
     found = at(f'stamp = {name}()', f"NameError: name '{name}' is not defined")
 
@@ -96,7 +96,7 @@ MAIN = 'class Talker:\n    def main(self):\n        node = 1\n'
         ('self.x = 1', "name 'self' is not defined", '', 'Only methods have self'),
     ],
 )
-def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above, words):
+def test_a_name_that_nothing_made_is_reported_with_what_it_may_be(line, said, above, words):
     """Python's suggestion is shown, unless the code allows a better one."""
     found = at(line, f'NameError: {said}', above)
 
@@ -153,7 +153,7 @@ def test_a_name_that_nothing_made_is_told_with_what_it_may_be(line, said, above,
         ("No module named 'temp_monitor_pkg'", 'message_not_built', 'build_messages()'),
     ],
 )
-def test_an_import_is_told_with_the_one_to_write(said, cause_id, words):
+def test_an_import_is_reported_with_the_one_to_write(said, cause_id, words):
     """If the name is spelled correctly, the feedback does not mention its spelling."""
     kind = 'ModuleNotFoundError' if said.startswith('No') else 'ImportError'
 
@@ -164,7 +164,7 @@ def test_an_import_is_told_with_the_one_to_write(said, cause_id, words):
     assert found.line == 1
 
 
-def test_a_name_behind_the_wrong_module_is_told_with_its_own():
+def test_a_name_behind_the_wrong_module_is_reported_with_its_own():
     """The module rclpy does contain nodes, but not under that name."""
     found = at('rclpy.Node', "AttributeError: module 'rclpy' has no attribute 'Node'")
 
@@ -214,7 +214,7 @@ def test_other_underscores_than_those_of_init_are_named(above, error, cause_id):
         ('%time)', 'syntax'),
     ],
 )
-def test_lines_of_notebooks_are_told_from_slips(line, cause_id):
+def test_lines_of_notebooks_are_distinguished_from_slips(line, cause_id):
     """A line may begin with a percent sign because the bracket above it is missing."""
     assert at(line, 'SyntaxError: invalid syntax').cause_id == cause_id
 
