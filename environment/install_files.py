@@ -13,7 +13,7 @@ KERNEL_NAME = 'ros2_jazzy'
 KERNEL_TITLE = 'ROS 2 Jazzy'
 KERNEL_MESSAGES = {'transport_encryption': 'auto'}
 """Settings for the messages between the server and its kernels."""
-GUIDE = 'roslab.guide'
+EXTENSION = 'roslab.error_hints'
 """IPython extension that every kernel loads; if it is missing, a kernel starts anyway."""
 INSTRUCTORS_PANELS = ('course-list', 'create-assignment', 'formgrader')
 INSTRUCTORS_SERVERS = ('course_list', 'formgrader')
@@ -34,7 +34,7 @@ def kernel_spec(ros: RosEnvironment) -> dict[str, object]:
     variables = {**discovery_variables(ros), **ros.variables, **path}
     launch = [ros.python, '-m', 'ipykernel_launcher', '-f', '{connection_file}']
     return {
-        'argv': [*launch, f'--ext={GUIDE}'],
+        'argv': [*launch, f'--ext={EXTENSION}'],
         'display_name': KERNEL_TITLE,
         'language': 'python',
         'metadata': {'debugger': True, 'supported_encryption': ['curve']},

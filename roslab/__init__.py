@@ -8,7 +8,7 @@ and ``%%answer``.  ROS 2 itself is started by the first call that needs it.
 import os
 from typing import Any
 
-from roslab import guide
+from roslab import error_hints
 from roslab.callback_picture import watch_callbacks
 from roslab.checking import check
 from roslab.errors import NameRefusedError, NotHereError, RoslabError
@@ -95,4 +95,4 @@ if _shell is not None:
     lay_out(_shell)
     make_spinning_interruptible()
     refuse_to_spin_twice()
-    guide.load_ipython_extension(_shell)
+    error_hints.load_ipython_extension(_shell)

@@ -23,9 +23,9 @@ from autograder.exam.exam import Exam
 from autograder.layout import Layout, lesson_files
 from autograder.results import ExamResult, Problem
 from autograder.submission.cells import UNSOLVED
-from roslab import child
+from roslab import run_command
+from roslab.error_hints import saved_file, texts_now
 from roslab.errors import RoslabError, shown_as
-from roslab.guide import saved_file, texts_now
 from roslab.package_files import learner_package, LearnerPackage
 from roslab.progress import remember
 from roslab.report import CheckReport
@@ -73,7 +73,7 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
         )
     own = _of_exercise(about, files)
     saved = look_up(package.find(name) for name in own)
-    outcome = child.run_grader(
+    outcome = run_command.run_grader(
         'autograder.commands.check',
         *(exam, '--files', str(package.folder), '--visible', '--json'),
         text=f'Checking {exam}',
@@ -174,7 +174,7 @@ def _left_over(files: Collection[str]) -> tuple[str, ...]:
     return tuple(name for name in files if texts and Path(name).name not in made)
 
 
-def _read(exam: str, outcome: child.Outcome) -> CheckReport:
+def _read(exam: str, outcome: run_command.Outcome) -> CheckReport:
     """Read the last line of the child's output; report anything else as a fault of the checker."""
     answer = _last_json(outcome.output)
     try:

@@ -19,8 +19,8 @@ from typing import NamedTuple
 import yaml
 
 from autograder.judging.causes.builds import diagnose, texts_of
+from roslab.error_hints import advice_shown
 from roslab.errors import RoslabError
-from roslab.guide import advice_shown
 from roslab.package_files import learner_package
 
 LESSON = '08_what_went_wrong'

@@ -5,7 +5,7 @@ Jupyter's Interrupt raises KeyboardInterrupt between any two instructions of a c
 are harmful: between creating a node and registering it, because the node would stay unknown;
 inside a finalizer, because Python drops the exception and the cell continues; and in the kernel's
 own code before and after a cell, because a message would be lost or IPython could not show errors
-as :mod:`roslab.guide` does.
+as :mod:`roslab.error_hints` does.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ from typing import Any
 from IPython.core.error import InputRejected
 
 from autograder.exam import catalog
+from roslab.error_hints import running_cell
 from roslab.errors import RoslabError
-from roslab.guide import running_cell
 
 
 class NodeLineMissingError(RoslabError, InputRejected):

@@ -27,7 +27,7 @@ from autograder.judging.causes.builds import (
 )
 from autograder.submission.cells import UNSOLVED
 from environment.ros import EnvironmentError_, ros_environment
-from roslab import child
+from roslab import run_command
 from roslab.errors import NotHereError
 from roslab.output import ElapsedTime, show
 from roslab.package_files import learner_package, LearnerPackage
@@ -188,14 +188,16 @@ def build_variables() -> dict[str, str]:
     return {**kept, **ros.base_variables}
 
 
-def _failure(outcome: child.Outcome, package: LearnerPackage) -> Diagnosis:
+def _failure(outcome: run_command.Outcome, package: LearnerPackage) -> Diagnosis:
     if outcome.returncode is None:
         error = f'The build did not end within {_DEADLINE_S:.0f} s.'
         return Diagnosis('deadline', error, 'run the cell again.', '')
     return diagnose(outcome.output, texts_of(package.folder))
 
 
-def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> child.Outcome:
+def _colcon(
+    package: LearnerPackage, variables: dict[str, str], clean: bool
+) -> run_command.Outcome:
     """Run colcon."""
     workspace = package.workspace
     # Always build into an empty install folder: libraries loaded by this kernel must not be
@@ -212,7 +214,7 @@ def _colcon(package: LearnerPackage, variables: dict[str, str], clean: bool) -> 
     text = f'Building {package.name} with colcon (up to a minute the first time)'
     try:
         with ElapsedTime(text, always=True, progress=_progress) as elapsed:
-            return child.run(
+            return run_command.run(
                 command,
                 cwd=workspace,
                 env={**variables, 'MAKEFLAGS': _PARALLEL},

@@ -11,7 +11,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from roslab.guide import read_cells
+from roslab.error_hints import read_cells
 from roslab.output import shell
 
 _MOST_NAMED = 3

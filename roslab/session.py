@@ -23,13 +23,13 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.utilities import get_default_context
 
-from roslab.construction import constructing, Construction, key_of
 from roslab.errors import NotHereError, RoslabError, shown_as
 from roslab.executor import BackgroundExecutor, CallbackStopped, destroy_wholly, Progress
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
 from roslab.output import say
 from roslab.pages import beside, Page, page_here
+from roslab.replace_node import constructing, Construction, key_of
 from roslab.tracebacks import last_line, short_traceback
 
 HELPER_NAME = '_roslab'

@@ -20,7 +20,7 @@ from autograder.recording import Recording
 from autograder.simulated import Simulation
 from autograder.simulation.order import order_of
 from autograder.simulation.result import read_simulation
-from roslab import child
+from roslab import run_command
 from roslab.errors import not_written_yet, NotHereError, RoslabError
 from roslab.package_files import learner_package
 
@@ -68,7 +68,7 @@ def simulate(
     with tempfile.TemporaryDirectory(prefix='simulate-') as folder:
         asked, done = Path(folder, 'order.json'), Path(folder, 'recording.jsonl')
         asked.write_text(json.dumps(asdict(order)), encoding='utf-8')
-        outcome = child.run_grader(
+        outcome = run_command.run_grader(
             'autograder.simulation',
             *('--files', str(package.folder), '--order', str(asked), '--to', str(done)),
             text=f'Simulating {order.seconds:g} s of {file}',
@@ -97,7 +97,7 @@ def recorded_runs(exam: str) -> list[Simulation]:
         raise RoslabError(f'recorded_runs({exam!r}): {why}.') from None
 
 
-def _why(outcome: child.Outcome) -> str:
+def _why(outcome: run_command.Outcome) -> str:
     """Return the error that the child printed last, or a description of how the child ended."""
     if outcome.returncode is None:
         return f'The simulation took more than {_DEADLINE_S:.0f} s of real time.'

@@ -123,7 +123,7 @@ def test_kernel_spec_carries_the_environment(places):
 
     assert spec['display_name'] == 'ROS 2 Jazzy'
     assert spec['argv'][0] == ros.python
-    assert spec['argv'][-1] == '--ext=roslab.guide'
+    assert spec['argv'][-1] == '--ext=roslab.error_hints'
     assert spec['metadata']['supported_encryption'] == ['curve']
     assert spec['env']['FASTRTPS_DEFAULT_PROFILES_FILE'].endswith('environment/fastdds.xml')
     assert spec['env']['PATH'] == f'{places.venv}/bin:${{PATH}}'

@@ -8,7 +8,7 @@ import psutil
 import pytest
 
 from autograder.submission.cells import CellFile
-from roslab import child, package_files
+from roslab import package_files, run_command
 from roslab.errors import NameRefusedError, NotHereError
 from roslab.messages import build_messages
 from roslab.package_files import learner_package, LearnerPackage, package
@@ -85,7 +85,9 @@ def test_package_name_can_be_chosen(monkeypatch, tmp_path):
 def run(code, tmp_path, deadline_s=20.0):
     """Run a line of Python as a child."""
     command = [sys.executable, '-c', code]
-    return child.run(command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05)
+    return run_command.run(
+        command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05
+    )
 
 
 def test_child_returns_its_output_and_code(tmp_path):

@@ -9,9 +9,9 @@ import sys
 
 import pytest
 
+from roslab.error_hints import defined_names
 from roslab.errors import RoslabError
 from roslab.gallery import entries, Entry, explain, LESSON, nearest
-from roslab.guide import defined_names
 
 NOTEBOOK = Path(__file__).resolve().parents[2] / 'solutions' / LESSON / 'what_went_wrong.ipynb'
 

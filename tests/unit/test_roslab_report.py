@@ -7,9 +7,9 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.results import CheckResult, ExamResult, Problem, Verdict
-from roslab import checking, child, messages
-from roslab.child import Outcome
+from roslab import checking, messages, run_command
 from roslab.report import CheckReport
+from roslab.run_command import Outcome
 
 PASSED = CheckResult('name', 'The node has the right name.', Verdict.PASSED, 3, 3)
 FAILED = CheckResult(
@@ -156,7 +156,7 @@ def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
             (tmp_path / 'go').touch()
 
     script = 'echo "[1/2] one"; until test -e go; do sleep 0.01; done; echo "[2/2] two"'
-    outcome = child.run(
+    outcome = run_command.run(
         ['sh', '-c', script],
         cwd=tmp_path,
         env=os.environ,

@@ -230,7 +230,7 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
     if (inside := _inside_magic(trace)) is not None:
         trace, tb_offset = inside, 0
     own_words = getattr(error, '_render_traceback_', None)
-    # If the guide itself fails, still show the learner's error.
+    # If this extension itself fails, still show the learner's error.
     with suppress(Exception):
         if own_words is None or not isinstance(error, _SENTENCES):
             said = advice(error, shell)

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from roslab import guide
+from roslab import error_hints
 
 pytestmark = pytest.mark.ros
 
@@ -35,7 +35,7 @@ def notebook(tmp_path, monkeypatch):
     return path
 
 
-# The parts of IPython's shell that the guide uses.
+# The parts of IPython's shell that the extension uses.
 SHELL = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=('', 'the running cell')))
 
 
@@ -44,7 +44,7 @@ def advice_for(code):
     try:
         exec(compile(code, 'cell.py', 'exec'), {})
     except BaseException as error:
-        return guide.advice(error, SHELL)
+        return error_hints.advice(error, SHELL)
     raise AssertionError('nothing was raised')
 
 
@@ -80,7 +80,7 @@ def test_name_of_another_cell_is_answered_with_that_cell(notebook, code, section
     ],
 )
 def test_other_errors_stay_as_they_are(notebook, code):
-    """The guide does not replace errors about misspelt or private names, or other errors."""
+    """The extension does not replace errors about misspelt or private names, or other errors."""
     assert advice_for(code) is None
 
 
@@ -105,21 +105,21 @@ def test_magic_below_a_comment_is_explained(notebook):
 @pytest.fixture
 def run_in_order(notebook, monkeypatch):
     """Return a function that notes the cells as run, some edited, and returns the hint."""
-    cells = guide.read_cells(notebook)
+    cells = error_hints.read_cells(notebook)
     history = ['']
     shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=history))
     running = SimpleNamespace(request={})
-    monkeypatch.setattr(guide, 'current_cell', lambda: running)
-    monkeypatch.setattr(guide, '_executed', {})
-    monkeypatch.setattr(guide, '_failed', set())
+    monkeypatch.setattr(error_hints, 'current_cell', lambda: running)
+    monkeypatch.setattr(error_hints, '_executed', {})
+    monkeypatch.setattr(error_hints, '_failed', set())
 
     def run(edited=(), left_out=(), again=()):
         numbers = [number for number, _ in enumerate(cells) if number not in left_out]
         for number in (*numbers, *again):
             running.request = {'metadata': {'cellId': cells[number].identifier}}
-            guide._note(shell)
+            error_hints._note(shell)
             history.append('# mine' if number in edited else cells[number].source)
-        return guide._out_of_order(shell)
+        return error_hints._out_of_order(shell)
 
     return run
 
@@ -142,12 +142,12 @@ def test_cell_below_that_ran_earlier_is_no_wrong_order(run_in_order):
 
 def test_texts_are_those_that_ran_last(notebook, monkeypatch):
     """A cell that ran has the text that ran; other cells have the saved text."""
-    cells = guide.read_cells(notebook)
-    monkeypatch.setattr(guide, '_executed', {1: cells[1].identifier, 3: cells[1].identifier})
+    cells = error_hints.read_cells(notebook)
+    monkeypatch.setattr(error_hints, '_executed', {1: cells[1].identifier, 3: cells[1].identifier})
     history = ['', 'older', 'typed in a console', 'newer']
     shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=history))
 
-    texts = guide.texts_now(shell)
+    texts = error_hints.texts_now(shell)
 
     assert set(texts) == {
         'newer',
@@ -169,10 +169,10 @@ def test_error_inside_a_library_stays_as_it_is(notebook, tmp_path, monkeypatch):
 
 
 def test_notebook_that_cannot_be_found_leaves_the_plain_error(notebook):
-    """With two notebooks in the folder, the guide does not know which one this is."""
+    """With two notebooks in the folder, the extension does not know which one this is."""
     notebook.with_name('other.ipynb').write_text(notebook.read_text())
 
-    assert guide.notebook_path() is None
+    assert error_hints.notebook_path() is None
     assert advice_for('start(1)') is None
 
 
@@ -181,7 +181,7 @@ def test_server_names_the_notebook(notebook, monkeypatch):
     notebook.with_name('other.ipynb').write_text('not json')
     monkeypatch.setenv('JPY_SESSION_NAME', str(notebook))
 
-    assert guide.notebook_path() == notebook
+    assert error_hints.notebook_path() == notebook
     assert 'Setup' in advice_for('start(1)')
 
 
@@ -189,5 +189,5 @@ def test_damaged_notebook_has_no_cells(tmp_path):
     path = tmp_path / 'damaged.ipynb'
     path.write_text('{"cells": [1]}')
 
-    assert guide.read_cells(path) == []
-    assert guide.read_cells(Path('/nowhere.ipynb')) == []
+    assert error_hints.read_cells(path) == []
+    assert error_hints.read_cells(Path('/nowhere.ipynb')) == []
