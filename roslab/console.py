@@ -61,7 +61,7 @@ def mark_console() -> bool:
     return True
 
 
-def spare_the_terminal(stream: Any) -> None:
+def stop_terminal_copies(stream: Any) -> None:
     """
     Stop the kernel from copying the output of C code to the terminal of the Jupyter server.
 

@@ -133,11 +133,11 @@ def advice(error: BaseException, shell: Any) -> str | None:
     if type(error) is RuntimeError and str(error) == _INIT_TWICE:
         return _NO_INIT
     if type(error) in (NameError, ModuleNotFoundError) and own:
-        return _not_there(error, shell)
+        return _find_defining_cell(error, shell)
     return None
 
 
-def _not_there(error: Any, shell: Any) -> str | None:
+def _find_defining_cell(error: Any, shell: Any) -> str | None:
     """Return which cell defines a missing name or module, None if no cell does."""
     missing, is_module = error.name, isinstance(error, ModuleNotFoundError)
     if not missing:

@@ -34,7 +34,7 @@ _PATIENCE_S = 1.0
 """How long to wait for a running callback [s]."""
 
 
-def destroy_wholly(node: Node) -> None:
+def force_destroy(node: Node) -> None:
     """
     Destroy a node at once, even if something still refers to it.
 
@@ -110,7 +110,9 @@ class BackgroundExecutor(Executor):
         self.running: tuple[Node | None, float] | None = None
         """The node whose callback is running and its start time (``time.monotonic``), or None."""
         self._stopping = False
-        self._thread = threading.Thread(target=self._go_on, name='roslab executor', daemon=True)
+        self._thread = threading.Thread(
+            target=self._spin_until_stopped, name='roslab executor', daemon=True
+        )
         self._thread.start()
 
     def ask(self, request: Callable[[], None]) -> None:
@@ -173,7 +175,7 @@ class BackgroundExecutor(Executor):
 
         def go() -> None:
             self.remove_node(node)
-            destroy_wholly(node)
+            force_destroy(node)
 
         if self._do(go, _PATIENCE_S):
             return
@@ -212,7 +214,7 @@ class BackgroundExecutor(Executor):
             ctypes.c_ulong(self._thread.ident or 0), ctypes.py_object(CallbackStopped)
         )
 
-    def _go_on(self) -> None:
+    def _spin_until_stopped(self) -> None:
         failures = 0
         while not self._stopping and self.context.ok():
             try:

@@ -110,7 +110,7 @@ def explain(error: str | BaseException | None = None) -> None:
         return
     unknown = 'Not in the gallery: '
     print(unknown + textwrap.shorten(text, _WIDTH - len(unknown), placeholder=' ...'))
-    print('\n'.join(_wrapped('*', way) for way in _ways_on(text, error)))
+    print('\n'.join(_wrapped('*', way) for way in _further_help(text, error)))
 
 
 def _misspelt_module(text: str) -> str:
@@ -120,10 +120,10 @@ def _misspelt_module(text: str) -> str:
         return ''
     modules = {one.name for one in pkgutil.iter_modules()} | sys.stdlib_module_names
     public = sorted(name for name in modules if not name.startswith('_'))
-    return next((name for name in public if _one_slip(found[1], name)), '')
+    return next((name for name in public if _is_one_typo(found[1], name)), '')
 
 
-def _one_slip(written: str, right: str) -> bool:
+def _is_one_typo(written: str, right: str) -> bool:
     """Return whether one letter is missing, added or wrong, or two adjacent ones are swapped."""
     pairs = enumerate(zip(written, right, strict=False))
     at = next((at for at, pair in pairs if len(set(pair)) == 2), min(len(written), len(right)))
@@ -133,7 +133,7 @@ def _one_slip(written: str, right: str) -> bool:
     return written != right and (one_letter or swapped)
 
 
-def _ways_on(text: str, error: str | BaseException | None) -> tuple[str, ...]:
+def _further_help(text: str, error: str | BaseException | None) -> tuple[str, ...]:
     """Return other places to look for help: Python's manual, or the issue trackers of ROS."""
     name = text.partition(':')[0].strip()
     kind = getattr(builtins, name, None)

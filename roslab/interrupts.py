@@ -25,7 +25,7 @@ import weakref
 from IPython.core import interactiveshell
 
 _RETRY_S = 0.01
-_LEAVES_HALF_MADE = frozenset({'rclpy', 'ptyprocess'})  # folder names of these packages
+_HALF_CREATED_BY = frozenset({'rclpy', 'ptyprocess'})  # folder names of these packages
 _SHOWING_ERRORS = frozenset(
     {'wrapped', 'showtraceback', 'showsyntaxerror', '_format_exception_for_storage'}
 )
@@ -59,7 +59,7 @@ class HeldInterrupts:
         if self._active:
             signal.signal(signal.SIGINT, self._previous)
         if self._held and error is None:
-            self._pass_on()
+            self._deliver_held()
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
@@ -70,7 +70,7 @@ class HeldInterrupts:
         signal.signal(signal.SIGINT, self._previous)
         if self._held:
             self._held = False
-            self._pass_on()
+            self._deliver_held()
         try:
             yield
         finally:
@@ -79,7 +79,7 @@ class HeldInterrupts:
     def _hold(self, number: int, frame: FrameType | None) -> None:
         self._held = True
 
-    def _pass_on(self) -> None:
+    def _deliver_held(self) -> None:
         outer = getattr(self._previous, '__self__', None)
         if isinstance(outer, HeldInterrupts):
             outer._held = True
@@ -111,17 +111,17 @@ def watch_cells(shell: Any) -> None:
 
     put_in_place = kernel.pre_handler_hook
 
-    def before_a_message() -> None:
+    def before_message() -> None:
         put_in_place()
-        _watched.message += 1
+        _state.message += 1
         _watch_cell()
 
-    kernel.pre_handler_hook = before_a_message
+    kernel.pre_handler_hook = before_message
     # After an interrupted command, IPython continues the cell.  Wrap the functions that run
     # commands, to end the cell too.
     for module, name in ((zmqshell, 'system'), (interactiveshell, 'getoutput')):
-        setattr(module, name, _ending_the_cell(getattr(module, name)))
-    sys.unraisablehook = _bringing_back_interrupts(sys.unraisablehook)
+        setattr(module, name, _ends_cell_on_interrupt(getattr(module, name)))
+    sys.unraisablehook = _resending_interrupts(sys.unraisablehook)
     # Ignore signals while the kernel shuts down: an interrupt, or Jupyter's second signal after
     # some seconds, would abort other exit functions.  Functions registered last run first.
     for reminder in (signal.SIGINT, signal.SIGTERM):
@@ -130,11 +130,11 @@ def watch_cells(shell: Any) -> None:
 
 def interrupted() -> bool:
     """Return whether an interrupt was delivered to the running cell."""
-    return _watched.interrupted
+    return _state.interrupted
 
 
 @dataclass
-class _Watched:
+class _CellState:
     """
     The state of the message that the kernel is handling.
 
@@ -145,17 +145,17 @@ class _Watched:
     interrupted: bool = False
 
 
-_watched = _Watched()
+_state = _CellState()
 
 
 def _watch_cell(_: Any = None) -> None:
-    _watched.interrupted = False
+    _state.interrupted = False
     main = threading.current_thread() is threading.main_thread()
     if main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _deliver)
 
 
-def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def _resending_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """
     Return a hook for exceptions that Python drops, which sends a dropped interrupt again.
 
@@ -170,27 +170,27 @@ def _bringing_back_interrupts(tell: Callable[[Any], Any]) -> Callable[[Any], Any
 
     def dropped(unraisable: Any) -> None:
         if unraisable.exc_type is KeyboardInterrupt:
-            _try_later()
-        elif not _half_made(unraisable):
+            _resend_later()
+        elif not _is_half_created(unraisable):
             tell(unraisable)
 
     return dropped
 
 
-def _half_made(unraisable: Any) -> bool:
+def _is_half_created(unraisable: Any) -> bool:
     """Return whether an error is about an attribute that an interrupted creation never set."""
     trace = unraisable.exc_traceback
     if unraisable.exc_type is not AttributeError or trace is None:
         return False
     code = trace.tb_frame.f_code
-    return code.co_name == '__del__' and Path(code.co_filename).parent.name in _LEAVES_HALF_MADE
+    return code.co_name == '__del__' and Path(code.co_filename).parent.name in _HALF_CREATED_BY
 
 
-def _ending_the_cell(command: Callable[..., Any]) -> Callable[..., Any]:
+def _ends_cell_on_interrupt(command: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that runs a command, and ends the cell if the command is interrupted."""
 
     def run(*arguments: Any) -> Any:
-        _watched.interrupted = False
+        _state.interrupted = False
         try:
             result = command(*arguments)
         except UnboundLocalError:
@@ -209,20 +209,20 @@ def _deliver(number: int, frame: FrameType | None) -> None:
     """Raise KeyboardInterrupt, later if it would be lost now, and never after the cell."""
     moment = _moment(frame)
     if moment == 'now':
-        _watched.interrupted = True
+        _state.interrupted = True
         signal.default_int_handler(number, frame)
     elif moment == 'later':
-        _try_later()
+        _resend_later()
 
 
-def _try_later() -> None:
-    message = _watched.message
+def _resend_later() -> None:
+    message = _state.message
 
-    def send_again() -> None:
-        if message == _watched.message:  # otherwise the signal would interrupt a later cell
+    def resend() -> None:
+        if message == _state.message:  # otherwise the signal would interrupt a later cell
             signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
-    retry = threading.Timer(_RETRY_S, send_again)
+    retry = threading.Timer(_RETRY_S, resend)
     retry.daemon = True
     retry.start()
 

@@ -30,7 +30,7 @@ from roslab.waiting import wait_in
 _MOST_KEPT = 100
 
 
-def listen_as_found(topic: str, qos: QoSProfile | None = None) -> Listener:
+def listen_with_found_type(topic: str, qos: QoSProfile | None = None) -> Listener:
     """
     Subscribe to a topic with the type of its publishers and, by default, their QoS.
 
@@ -57,13 +57,13 @@ def echo(
     :raises TimeoutError: if too few messages arrive; the message lists possible reasons
     """
     _require_count(count, 1)
-    listener = listen_as_found(topic, qos)
+    listener = listen_with_found_type(topic, qos)
     end = time.monotonic() + timeout
     try:
         for index in range(count):
             left = max(0.0, end - time.monotonic())
             if not wait_in(partial(_longer, listener, index), left):
-                raise listener.too_little(count, timeout)
+                raise listener.missing_messages_error(count, timeout)
             say(echo_text(listener[index]))
     finally:
         listener.stop()
@@ -79,7 +79,7 @@ def hz(topic: str, count: int = 5, timeout: float = 10.0) -> None:
     :raises TimeoutError: if too few messages arrive; the message lists possible reasons
     """
     _require_count(count, 2)
-    listener = listen_as_found(topic)
+    listener = listen_with_found_type(topic)
     try:
         listener.wait(count, timeout)
         say(hz_text(listener.times[:count]))

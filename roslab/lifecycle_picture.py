@@ -9,7 +9,7 @@ from rclpy.node import Node
 
 from drawing import svg
 from roslab.errors import NotHereError, RoslabError
-from roslab.ros2.service_calls import meet
+from roslab.ros2.service_calls import wait_for_discovery
 from roslab.session import session
 from roslab.waiting import wait_in
 
@@ -130,7 +130,7 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
     if isinstance(node, str):
         node = session().nodes().get(node.lstrip('/'), node)
     if isinstance(node, str):
-        return LifecyclePicture(f'/{node.lstrip("/")}', _asked(f'/{node.lstrip("/")}'))
+        return LifecyclePicture(f'/{node.lstrip("/")}', _request_state(f'/{node.lstrip("/")}'))
     if not isinstance(node, LifecycleNodeMixin):
         raise RoslabError(
             f'lifecycle({node.get_name()}) expected a LifecycleNode, got a {type(node).__name__}, '
@@ -138,18 +138,18 @@ def lifecycle(node: Node | str) -> LifecyclePicture:
             'class X(LifecycleNode)'
         )
     machine: Any = getattr(node, '_state_machine', None)
-    if machine is None:  # destroyed together with the node, see destroy_wholly
+    if machine is None:  # destroyed together with the node, see force_destroy
         raise NotHereError('lifecycle() expected a running node, but this one was stopped.')
     return LifecyclePicture(node.get_fully_qualified_name(), str(machine.current_state[1]))
 
 
-def _asked(name: str) -> str:
+def _request_state(name: str) -> str:
     """Request the current state of a node in another process."""
     helper = session().helper
     client: Any = helper.create_client(GetState, f'{name}/get_state')
     try:
         ready = wait_in(client.service_is_ready, _PATIENCE_S)
-        if ready and meet(helper, client.service_name, _PATIENCE_S, wait_in):
+        if ready and wait_for_discovery(helper, client.service_name, _PATIENCE_S, wait_in):
             future = client.call_async(GetState.Request())
             if wait_in(future.done, _PATIENCE_S):
                 return str(future.result().current_state.label)

@@ -97,13 +97,13 @@ class Listener:
         try:
             self._begin_again()
             if not wait_in(lambda: len(heard) >= count, timeout):
-                raise self.too_little(count, timeout)
+                raise self.missing_messages_error(count, timeout)
             return self.messages
         finally:
             # IPython stores the last traceback, which would keep the subscription alive.
             del self
 
-    def too_little(self, count: int, timeout: float) -> TimeoutError:
+    def missing_messages_error(self, count: int, timeout: float) -> TimeoutError:
         """Return the error of a wait that timed out, with possible reasons."""
         hints = self._session.hints if self._session.nodes() else self._session.losses
         return timeout_error(

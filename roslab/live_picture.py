@@ -79,7 +79,7 @@ class LivePicture:
                 from roslab.picture_widget import PictureWidget  # slow to import
 
                 self._widget = PictureWidget(self._place)
-        self._keep_up()
+        self._resume_updates()
 
     def stop(self) -> None:
         """End the subject and stop drawing; the picture no longer changes."""
@@ -94,7 +94,7 @@ class LivePicture:
             if self._widget:
                 self._widget.close()
 
-    def _keep_up(self) -> None:
+    def _resume_updates(self) -> None:
         """Keep the picture up to date again, even after stop_all() has ended its subject."""
         with HeldInterrupts():
             if self._handle is None or self._ended.is_set():

@@ -6,7 +6,7 @@ import math
 from autograder.simulated import TopicRecord
 from roslab.errors import RoslabError
 from roslab.fields import number_getter
-from roslab.introspection import listen_as_found
+from roslab.introspection import listen_with_found_type
 from roslab.listening import Listener
 from roslab.live_picture import LivePicture
 from roslab.plot_picture import Curve, curve_html, curve_text
@@ -35,7 +35,7 @@ class Plot(LivePicture):
         self.threshold = threshold
         self.marks = {label: tuple(times) for label, times in (marks or {}).items()}
         self.listener: Listener | TopicRecord = (
-            topic if isinstance(topic, TopicRecord) else listen_as_found(topic)
+            topic if isinstance(topic, TopicRecord) else listen_with_found_type(topic)
         )
         try:
             self._number = number_getter(self.listener.msg_type, field)
@@ -68,7 +68,7 @@ class Plot(LivePicture):
         try:
             self.listener.wait(count, timeout)
         finally:
-            self._keep_up()
+            self._resume_updates()
             self._paint()
         return self.values
 

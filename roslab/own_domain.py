@@ -43,7 +43,7 @@ def claim_domain(shell: Any) -> None:
     except OSError as error:
         lacking = f'Note: this system cannot claim a ROS domain ({error.strerror}). {_DOMAIN_0}'
     if lacking:
-        _say_once(shell, lacking)
+        _say_in_first_cell(shell, lacking)
     os.environ[VARIABLE] = str(_claimed.domain if _claimed else 0)
 
 
@@ -64,7 +64,7 @@ def _in_order() -> Iterator[int]:
     yield from (*DOMAINS[first:], *DOMAINS[:first])
 
 
-def _say_once(shell: Any, text: str) -> None:
+def _say_in_first_cell(shell: Any, text: str) -> None:
     """Print a text when the first cell runs."""
 
     def tell(_: Any) -> None:

@@ -22,7 +22,7 @@ import threading
 from typing import Any
 import uuid
 
-from roslab.console import ConsoleLines, log_text, MARK, mark_console, spare_the_terminal
+from roslab.console import ConsoleLines, log_text, MARK, mark_console, stop_terminal_copies
 from roslab.interrupts import no_interrupts
 from roslab.logtable import LogLine, record_logs
 from roslab.output import Cell, current_cell
@@ -97,8 +97,8 @@ class Pages:
         return self._of_running
 
     @contextmanager
-    def beside(self, page: Page) -> Iterator[None]:
-        """Do what :func:`beside` does."""
+    def output_below(self, page: Page) -> Iterator[None]:
+        """Do what :func:`output_below` does."""
         outer = getattr(self._here, 'page', None)
         token = self._stream.set_thread_parent(page.cell.request)
         self._here.page = page
@@ -221,7 +221,7 @@ def lay_out(shell: Any) -> None:
     if _pages is not None or not all(hasattr(stream, name) for name in can):
         return
     _pages = Pages(stream, ConsoleLines())
-    spare_the_terminal(stream)
+    stop_terminal_copies(stream)
     # A kernel that does not read its own stdout never shows lines of C code, so no line can
     # appear twice.
     if getattr(stream, 'watch_fd_thread', None) is None or mark_console():
@@ -235,6 +235,6 @@ def page_here() -> Page | None:
     return _pages.page() if _pages is not None else None
 
 
-def beside(page: Page | None) -> AbstractContextManager[None]:
+def output_below(page: Page | None) -> AbstractContextManager[None]:
     """Send what this thread prints and logs to a page inside the ``with`` block."""
-    return nullcontext() if _pages is None or page is None else _pages.beside(page)
+    return nullcontext() if _pages is None or page is None else _pages.output_below(page)

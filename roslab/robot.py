@@ -77,7 +77,7 @@ class Robot(LivePicture):
         """Obey a command that arrives now."""
         self._change(command.linear.x, command.angular.z)
 
-    def stop_in_silence(self) -> None:
+    def stop_after_deadline(self) -> None:
         """Stop because no command arrived within the deadline; ignore consecutive misses."""
         if self._track.happened[-1:] and self._track.happened[-1].what == DEADLINE:
             return
@@ -126,7 +126,7 @@ class RobotNode(Node):
         began = time.monotonic()
         self.robot = Robot(Track(), lambda: time.monotonic() - began)
         events = SubscriptionEventCallbacks(
-            deadline=lambda _: self.robot.stop_in_silence(),
+            deadline=lambda _: self.robot.stop_after_deadline(),
             incompatible_qos=lambda event: self._refuse(event.last_policy_kind),
         )
         self.create_subscription(Twist, topic, self.robot.obey, qos, event_callbacks=events)

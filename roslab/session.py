@@ -24,11 +24,11 @@ from rclpy.subscription import Subscription
 from rclpy.utilities import get_default_context
 
 from roslab.errors import NotHereError, RoslabError, shown_as
-from roslab.executor import BackgroundExecutor, CallbackStopped, destroy_wholly, Progress
+from roslab.executor import BackgroundExecutor, CallbackStopped, force_destroy, Progress
 from roslab.interrupts import HeldInterrupts
 from roslab.logtable import record_logs
 from roslab.output import say
-from roslab.pages import beside, Page, page_here
+from roslab.pages import output_below, Page, page_here
 from roslab.replace_node import constructing, Construction, key_of
 from roslab.tracebacks import last_line, short_traceback
 
@@ -67,7 +67,7 @@ class Session:
                 self.close()
                 record_logs()
                 background = BackgroundExecutor(
-                    self._context(), self._on_failure, self.progress, self._beside_its_cell
+                    self._context(), self._on_failure, self.progress, self._output_below_cell
                 )
                 self._background = background
             return background
@@ -251,9 +251,9 @@ class Session:
         keys = (key for key, one in tuple(self._started.items()) if one.node is which)
         return next(keys, repr(which))
 
-    def _beside_its_cell(self, node: Node | None) -> AbstractContextManager[None]:
+    def _output_below_cell(self, node: Node | None) -> AbstractContextManager[None]:
         pages = (one.page for one in tuple(self._started.values()) if one.node is node)
-        return beside(next(pages, None))
+        return output_below(next(pages, None))
 
     def _on_failure(self, node: Node | None, error: BaseException) -> None:
         """
@@ -267,7 +267,7 @@ class Session:
         try:
             if not isinstance(error, CallbackStopped):
                 self._lost[key] = f'stopped: {last_line(error)}'
-                with beside(started.page if started else None):
+                with output_below(started.page if started else None):
                     say(
                         f'{key} stopped because a callback raised an exception:\n'
                         f'{short_traceback(error)}\n'
@@ -292,7 +292,7 @@ def _is_alive(node: Node) -> bool:
 def _destroy_quietly(node: Node) -> None:
     """Destroy a node that may be incomplete, already destroyed or without a context."""
     with suppress(Exception):
-        destroy_wholly(node)
+        force_destroy(node)
 
 
 _session: Session | None = None

@@ -30,7 +30,7 @@ def answer(exam: Any) -> None:
         raise NotHereError(
             f'answer({exam!r}): this copy of the course has no worked answer of that name.'
         )
-    if closed := still_closed(exam):
+    if closed := when_it_opens(exam):
         raise RoslabError(closed)
     show(found, _as_html(found))
 
@@ -39,7 +39,7 @@ def offer(exam: str) -> tuple[str, str]:
     """Return how or when the worked answer opens, as text and as HTML; empty if there is none."""
     try:
         found = worked_answer(exam)
-        closed = still_closed(exam) if found else ''
+        closed = when_it_opens(exam) if found else ''
     except (GraderError, RoslabError):  # remember() has already reported the problem
         return '', ''
     if not found:
@@ -62,7 +62,7 @@ def worked_answer(exam: Any) -> str:
     return read_answers(Layout.here().root / FOLDER / f'{lesson}.txt').get(exam, '')
 
 
-def still_closed(exam: str) -> str:
+def when_it_opens(exam: str) -> str:
     """Return when the worked answer opens, empty if it is already open."""
     results = read_results(Layout.here().work / FILE)
     left = TRIES - int(results['tries'].get(exam, 0))

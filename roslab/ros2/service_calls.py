@@ -45,7 +45,7 @@ def call(node: Node, kind: Any, name: str, limit_s: float = ANSWER_S, **request:
     try:
         if not wait_for(node, client.service_is_ready, limit_s):
             raise NoAnswer(f'Wait for service timed out: {name} is not available')
-        if meet(node, name, limit_s):
+        if wait_for_discovery(node, name, limit_s):
             future = client.call_async(kind.Request(**request))
             if wait_for(node, future.done, limit_s):
                 return future.result()
@@ -54,7 +54,7 @@ def call(node: Node, kind: Any, name: str, limit_s: float = ANSWER_S, **request:
         node.destroy_client(client)
 
 
-def meet(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> bool:
+def wait_for_discovery(node: Node, service: str, limit_s: float, wait: Wait | None = None) -> bool:
     """
     Wait until the node that offers a service has discovered all current clients of our node.
 

@@ -10,7 +10,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node, NodeNameNonExistentError
 
-from roslab.ros2.service_calls import meet
+from roslab.ros2.service_calls import wait_for_discovery
 from tests.own_domain import own_domain
 
 pytestmark = [pytest.mark.ros]
@@ -74,7 +74,7 @@ def test_a_lost_answer_is_asked_for_again(executors):
                 asked.spin_once(timeout_sec=0.01)
         return False
 
-    assert meet(node, SERVICE, 60.0, wait)
+    assert wait_for_discovery(node, SERVICE, 60.0, wait)
     assert len(lost) == 2
 
 
@@ -89,5 +89,5 @@ def test_who_answers_nothing_is_not_met(executors):
         asking.spin_once(timeout_sec=0.01)
         return condition()
 
-    assert not meet(node, SERVICE, 5.0, wait)
+    assert not wait_for_discovery(node, SERVICE, 5.0, wait)
     assert not list(node.clients)
