@@ -27,7 +27,7 @@ def test_notebook_with_live_cells_executes_without_stderr(tmp_path):
     assert not [cell.source for cell in notebook.cells if streams(cell, 'stderr')]
 
 
-def test_kernel_loads_the_guide_and_does_without(kernel, tmp_path):
+def test_kernel_loads_the_error_hints_and_starts_without_them(kernel, tmp_path):
     """The kernel starts with the extension, and a missing extension does not stop it."""
     loaded = kernel.run('"roslab.error_hints" in get_ipython().extension_manager.loaded')
     assert loaded.value == 'True'
