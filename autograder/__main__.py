@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = chosen.run(chosen)
         sys.stdout.flush()
     except REFUSALS as error:
-        if isinstance(error, BrokenPipeError) and _nobody_reads():
+        if isinstance(error, BrokenPipeError) and _is_reader_gone():
             end_runs()
             return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
@@ -83,14 +83,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         refuse(error, chosen.command == 'check' and chosen.json)
         return USAGE
     except KeyboardInterrupt:
-        print(f'\nStopped. {_how_to_go_on(chosen)}', file=sys.stderr)
+        print(f'\nStopped. {_continuation_advice(chosen)}', file=sys.stderr)
         if not end_runs():
             os._exit(STOPPED)
         return STOPPED
     return code
 
 
-def _nobody_reads() -> bool:
+def _is_reader_gone() -> bool:
     """
     Return whether standard output is a pipe that its reader has closed.
 
@@ -108,7 +108,7 @@ def _nobody_reads() -> bool:
     return True
 
 
-def _how_to_go_on(chosen: argparse.Namespace) -> str:
+def _continuation_advice(chosen: argparse.Namespace) -> str:
     """Return a message that says what a stopped command has kept and how to continue."""
     if chosen.command not in GOES_ON:
         return 'Run the same command again; it starts from the beginning.'

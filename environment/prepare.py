@@ -147,7 +147,7 @@ def steps_of(plan: Plan) -> list[Step]:
             'Grader: the reference solution through its exams',
             # This copy has the hidden exams, and this machine has a sandbox.
             lambda: not plan.places.for_students and not system.missing_tools(),
-            partial(prove_grader, plan),
+            partial(try_grader, plan),
             about='ten to twenty seconds',
             try_this='lessons work; before you grade: .venv/bin/python -m autograder self-check',
             optional=True,
@@ -325,7 +325,7 @@ def try_imports(plan: Plan, job: Job) -> None:
     job.run(command, {**plan.clean_environ(), **ros.variables}, 'python')
 
 
-def prove_grader(plan: Plan, job: Job) -> None:
+def try_grader(plan: Plan, job: Job) -> None:
     """
     Grade the reference solutions as a self-check; later gradings reuse the recordings.
 

@@ -162,9 +162,9 @@ def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int
     return len(made)
 
 
-def take_out_sample_class(layout: Layout) -> int:
+def remove_sample_class(layout: Layout) -> int:
     """Remove the sample students before the first real class; return their number."""
-    from autograder.gradebook.record import forget_made
+    from autograder.gradebook.record import remove_entries
 
     names = {path.name for one in layout.assignments() for path in samples(layout, one, True)}
     gone = set()
@@ -174,5 +174,5 @@ def take_out_sample_class(layout: Layout) -> int:
                 shutil.rmtree(above / name)
                 gone.add(name)
     if gone:
-        forget_made(layout, names)
+        remove_entries(layout, names)
     return len(gone)

@@ -20,7 +20,12 @@ from rich.text import Text
 
 from autograder.classroom.collected import names_to_write_to, not_collected, NotCollected
 from autograder.classroom.people import read_people
-from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes
+from autograder.classroom.results_of_class import (
+    ClassResults,
+    has_mark,
+    missing_protections,
+    modes,
+)
 from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, ClassNumbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
@@ -198,7 +203,7 @@ def _templates() -> Environment:
         why=headline,
         has_mark=has_mark,
         modes=modes,
-        lacks=lacks,
+        lacks=missing_protections,
     )
     return templates
 

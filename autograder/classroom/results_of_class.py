@@ -96,7 +96,7 @@ def modes(results: Iterable[SubmissionResult]) -> list[str]:
     return sorted({exam.mode for result in results for exam in result.exams if exam.mode})
 
 
-def lacks(results: Iterable[SubmissionResult]) -> list[str]:
+def missing_protections(results: Iterable[SubmissionResult]) -> list[str]:
     """Return what the isolation of some runs did not protect; empty for full isolation."""
     exams = [exam for result in results for exam in result.exams]
     return list(dict.fromkeys(lack for exam in exams for lack in exam.not_protected))

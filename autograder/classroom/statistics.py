@@ -16,7 +16,13 @@ import statistics
 from typing import Any
 
 from autograder.classroom.collected import not_collected
-from autograder.classroom.results_of_class import ClassResults, has_mark, lacks, modes, ran_s
+from autograder.classroom.results_of_class import (
+    ClassResults,
+    has_mark,
+    missing_protections,
+    modes,
+    ran_s,
+)
 from autograder.explaining.feedback import number
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -138,7 +144,7 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         ),
         recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),
         modes=tuple(modes(results)),
-        lacks=tuple(lacks(results)),
+        lacks=tuple(missing_protections(results)),
         exams={
             exam: {name: _texts(found, name, DIGEST_CHARS) for name in ('scenario', 'environment')}
             for exam, found in headers.items()

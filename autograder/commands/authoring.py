@@ -10,7 +10,7 @@ from autograder.authoring.new_course import new_course, new_exam
 from autograder.authoring.sample_class import write_sample_class
 from autograder.authoring.self_check import self_check
 from autograder.commands import flag, FOR_REVIEW, OK, option, takes, TO_SUBMITTED
-from autograder.commands.grade import short
+from autograder.commands.grade import relative_path
 from autograder.grading.pipeline import grading_engine
 from autograder.layout import Layout
 
@@ -46,7 +46,7 @@ def sample_class_command(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     folder = (chosen.to or layout.submitted).resolve()
     count = write_sample_class(layout, folder, chosen.force)
-    print(f'Wrote {count} example submissions to {short(folder, layout)}.')
+    print(f'Wrote {count} example submissions to {relative_path(folder, layout)}.')
     return OK
 
 

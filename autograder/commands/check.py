@@ -57,8 +57,8 @@ def run(chosen: argparse.Namespace) -> int:
         describe_files,
         name_missing,
         own_files,
-        read_handed_in,
         read_package,
+        read_upload,
         with_node_files,
     )
 
@@ -69,7 +69,7 @@ def run(chosen: argparse.Namespace) -> int:
         found = read_package(chosen.files)
         files = own_files(exam, found)
     else:
-        found = files = with_node_files(read_handed_in(chosen.files), exam.requires)
+        found = files = with_node_files(read_upload(chosen.files), exam.requires)
     missing = [name for name in exam.requires if name not in files]
     if missing and not chosen.json:
         there = describe_files(found)

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 import sys
 
-from autograder.authoring.sample_class import take_out_sample_class
+from autograder.authoring.sample_class import remove_sample_class
 from autograder.classroom.collected import names_to_write_to, read_not_collected
 from autograder.classroom.course_lock import lock_course
 from autograder.collect.copy_notebooks import collect
@@ -65,7 +65,7 @@ def run(chosen: argparse.Namespace) -> int:
         )
         ours = write and to.resolve() == layout.submitted.resolve()
         taken = ours and any(row.done != LEFT for row in rows)
-        if taken and (count := take_out_sample_class(layout)):
+        if taken and (count := remove_sample_class(layout)):
             said = f'Removed the {count} example students from {to.name}/ and the gradebook.'
             print(said, file=sys.stderr)
     if chosen.json:

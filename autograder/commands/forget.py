@@ -24,13 +24,13 @@ from autograder.classroom.people import saved_people, student_named
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.duplicate_names import read_namesakes, save_namesakes
 from autograder.commands import flag, OK, option, takes
-from autograder.commands.grade import short
+from autograder.commands.grade import relative_path
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import json_bytes, write_atomically
 from autograder.gradebook.database import keep_copy, query
 from autograder.gradebook.journal import journal, noted
-from autograder.gradebook.record import forget_made
+from autograder.gradebook.record import remove_entries
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
 
@@ -101,14 +101,14 @@ def traces(layout: Layout, student: str) -> Traces:
         f'journal of the gradebook: {", ".join(entered)}' if entered else '',
         f'name: {saved[student]}' if student in saved else '',
         *(f'reports: {one.reason}' for one in refused if one.student == student),
-        *(f'folder: {short(folder, layout)}' for folder in theirs),
+        *(f'folder: {relative_path(folder, layout)}' for folder in theirs),
     ]
     moved, place = None, layout.submitted / student
     if student in folders[layout.submitted]:
-        line = f'not touched: {short(place, layout)}'
+        line = f'not touched: {relative_path(place, layout)}'
         if student in students_in(layout.submitted, layout.assignments()):
-            moved, to = place, short(_forgotten(layout), layout)
-            line = f'moved to {to} so that it is not graded again: {short(place, layout)}'
+            moved, to = place, relative_path(_forgotten(layout), layout)
+            line = f'moved to {to} so that it is not graded again: {relative_path(place, layout)}'
         lines.append(line)
     return Traces(student, tuple(filter(None, lines)), theirs, moved)
 
@@ -139,7 +139,7 @@ def forget(layout: Layout, student: str) -> Path | None:
         found.moved.rename(place)
     save_not_collected(layout, (), without=student)
     save_delivered(layout, {}, without=student)
-    forget_made(layout, {student})
+    remove_entries(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)
     known = read_namesakes(layout)

@@ -95,7 +95,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Grade a class and print the results."""
     # Cluster and service managers end a job with SIGTERM: clean up as after Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    _fit_together(chosen)
+    _refuse_ineffective_options(chosen)
     layout = Layout.here()
     console = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
     with lock_course(layout, 'a grading'):
@@ -106,7 +106,7 @@ def run(chosen: argparse.Namespace) -> int:
             grading.refuse_loss(assignments)
             results, trouble = grading.all(assignments)
     if not results:
-        raise _nobody(layout, submitted, assignments)
+        raise _no_submissions(layout, submitted, assignments)
     if chosen.json:
         print(json.dumps([submission_json(result) for result in results]))
     if trouble:
@@ -114,7 +114,7 @@ def run(chosen: argparse.Namespace) -> int:
     return FOR_REVIEW if any(result.review for result in results) else OK
 
 
-def _fit_together(chosen: argparse.Namespace) -> None:
+def _refuse_ineffective_options(chosen: argparse.Namespace) -> None:
     """Refuse options that have no effect together with ``--cluster``."""
     for name, value, why in (
         ('--allow-weak', chosen.allow_weak, 'never run with weak isolation'),
@@ -127,17 +127,17 @@ def _fit_together(chosen: argparse.Namespace) -> None:
             )
 
 
-def _nobody(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
+def _no_submissions(layout: Layout, submitted: Path, assignments: Sequence[str]) -> UsageError:
     """Return the error for a folder without submissions."""
     known = layout.assignments()
     fix = (
-        f'python -m autograder collect {short(submitted, layout)}, if this is a download from '
-        'Canvas, Moodle or Gradescope'
+        f'python -m autograder collect {relative_path(submitted, layout)}, if this is a '
+        'download from Canvas, Moodle or Gradescope'
     )
     for name in without_notebooks(submitted, known):
         with suppress(OSError):  # The entry may be a file or unreadable.
             if students_in(submitted / name, known):
-                fix = f'--submitted {short(submitted / name, layout)}'
+                fix = f'--submitted {relative_path(submitted / name, layout)}'
     return UsageError(
         f'{submitted}: no folder STUDENT/ASSIGNMENT with a notebook; ASSIGNMENT is one of '
         f'{", ".join(assignments)}. Try: {fix}'
@@ -323,7 +323,9 @@ class Grading:
         missing = not_collected(layout, assignment, {one.student for one in everybody})
         unwritten = where = ''
         try:
-            where = short(write_all_reports(layout, assignment, everybody, summary), layout)
+            where = relative_path(
+                write_all_reports(layout, assignment, everybody, summary), layout
+            )
         except OSError as error:  # Print the table first, then report the error.
             unwritten = str(of_system(error, str(layout.reports)))
         print_table(console, assignment, results, read_people(layout), missing)
@@ -347,6 +349,6 @@ def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: floa
     return f'{"; ".join(facts)}.'
 
 
-def short(path: Path, layout: Layout) -> str:
+def relative_path(path: Path, layout: Layout) -> str:
     """Return a path relative to the course; unchanged if it is outside the course."""
     return str(path.relative_to(layout.root)) if path.is_relative_to(layout.root) else str(path)

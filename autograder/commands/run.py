@@ -35,7 +35,7 @@ from autograder.submission.notebook import read_release
 from autograder.submission.package import (
     describe_files,
     name_missing,
-    read_handed_in,
+    read_upload,
     with_node_files,
 )
 from autograder.submission.reading import read_file
@@ -60,11 +60,11 @@ def run(chosen: argparse.Namespace) -> int:
     """Run the chosen exams on one submission and print the results."""
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
-    to_look_at = looks(chosen.path, found, layout)
+    tasks = find_tasks(chosen.path, found, layout)
     sandbox = sandbox_for(chosen.visible)
     results = []
-    for look, result in quick_look(
-        to_look_at,
+    for task, result in run_tasks(
+        tasks,
         sandbox,
         layout.recordings,
         fresh=chosen.fresh,
@@ -72,8 +72,8 @@ def run(chosen: argparse.Namespace) -> int:
     ):
         results.append(result)
         if not chosen.json:
-            head = printable(f'{look.exam.title} ({look.exam.name}): ')
-            print(head + exam_text(result, look.problems))
+            head = printable(f'{task.exam.title} ({task.exam.name}): ')
+            print(head + exam_text(result, task.problems))
     as_json = [result.to_json() for result in results]
     show(chosen.json, as_json, summary(results, chosen.visible))
     return OK
@@ -87,7 +87,7 @@ def _show(event: Any) -> None:
 
 
 @dataclass(frozen=True)
-class Look:
+class ExamTask:
     """
     An exam, and the files on which it runs.
 
@@ -127,7 +127,7 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     raise GraderError(f'--exam {name}: there is no such exam or assignment.', hint)
 
 
-def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
+def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamTask]:
     """
     Return the exams that can run on a submission, each with its files.
 
@@ -138,7 +138,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         raise UnusableUploadError(f'{path}: there is no such file or folder.')
     if path.suffix == '.ipynb':
         return list(_in_notebook(path, chosen, layout))
-    files = read_handed_in(path)
+    files = read_upload(path)
     script = path.suffix == '.py' and not path.is_dir()
     package = '' if script else package_name(files)
     found = []
@@ -151,7 +151,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
         # Any file of a package may define the executable.
         runs = bool(package) and exam.scenario.program == 'node'
         if len(chosen) == 1 or runs or any(name in theirs for name in exam.requires):
-            found.append(Look(as_package(exam, package) if package else exam, theirs))
+            found.append(ExamTask(as_package(exam, package) if package else exam, theirs))
     if not found:
         wanted = sorted({name for exam in chosen for name in exam.requires})
         raise UnusableUploadError(
@@ -161,7 +161,7 @@ def looks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[Look]:
     return found
 
 
-def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[Look]:
+def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[ExamTask]:
     data, problems = read_file(path, path.name)
     for assignment in dict.fromkeys(exam.assignment for exam in chosen):
         release = read_release(layout.release(assignment))
@@ -170,17 +170,17 @@ def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator
         files = extract(opened, theirs, release, path.name)
         for exam in theirs:
             said = (*opened.problems, *files[exam.name].problems)
-            yield Look(exam, files[exam.name].files, said, notebook=True)
+            yield ExamTask(exam, files[exam.name].files, said, notebook=True)
 
 
-def quick_look(
-    found: Sequence[Look],
+def run_tasks(
+    found: Sequence[ExamTask],
     sandbox: Sandbox,
     recordings: Path,
     *,
     fresh: bool = False,
     on_event: Callable[[Event], None] | None = None,
-) -> Iterator[tuple[Look, ExamResult]]:
+) -> Iterator[tuple[ExamTask, ExamResult]]:
     """
     Run the exams in parallel, or one after another if their events are shown.
 
@@ -189,22 +189,22 @@ def quick_look(
     :raises GraderError: if the grader itself fails, so that there is no verdict
     """
 
-    def run(look: Look) -> ExamResult:
-        if on_event and look.exam.scenario.program in ('build', 'package'):
+    def run(task: ExamTask) -> ExamResult:
+        if on_event and task.exam.scenario.program in ('build', 'package'):
             on_event({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
         result = examine(
-            look.exam,
-            look.files,
+            task.exam,
+            task.files,
             sandbox=sandbox,
             recordings=recordings,
             fresh=fresh or on_event is not None,
             on_event=on_event,
         )
-        if look.notebook:
-            return result if look.problems else name_missing(result, look.files)
-        path = recordings / look.exam.name / result.recording
+        if task.notebook:
+            return result if task.problems else name_missing(result, task.files)
+        path = recordings / task.exam.name / result.recording
         recording = Recording.load(path) if result.recording else None
-        return explained(look.exam, name_missing(result, look.files), recording, look.files)
+        return explained(task.exam, name_missing(result, task.files), recording, task.files)
 
     workers = 1 if on_event else len(found)
     pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)

@@ -52,7 +52,7 @@ def _graph(event: Event) -> str:
     return f'graph at {event["when"]}: {seen}'
 
 
-def _met(event: Event) -> str:
+def _connection_line(event: Event) -> str:
     name = event.get('listener') or event.get('publisher')
     refused = f', refused for {event["refused"][0]}' if event['refused'] else ''
     return f'{name} {event["event"]} {event["topic"]}: matched {event["matched"]}{refused}'
@@ -94,8 +94,8 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'input': lambda event: f'sent {event["index"]} on {event["topic"]}: {fields(event["data"])}',
     'answer': lambda event: f'{event["service"]} answers: {fields(event["data"])}',
     'no_answer': lambda event: f'{event["service"]}: no answer ({event["reason"]})',
-    'joined': _met,
-    'offered': _met,
+    'joined': _connection_line,
+    'offered': _connection_line,
     'left': lambda event: f'{event["name"]} left',
     'mark': lambda event: f'-- {event["name"]} --',
     'imitated': lambda _: "a node with the same name as the grader's node",

@@ -19,7 +19,7 @@ from pathlib import Path
 import sys
 from typing import Any
 
-from autograder.classroom.results_of_class import lacks, modes, seconds_of_exam
+from autograder.classroom.results_of_class import missing_protections, modes, seconds_of_exam
 from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.explaining.feedback import causes_once, number, printable
@@ -130,7 +130,7 @@ def _about(result: SubmissionResult) -> str:
     lines = [f'{number(result.points)} of {number(result.max_points)} points of automatic checks']
     lines += [problem.line() for problem in result.problems]
     lines += [f'{exam.exam}: {exam.note}' for exam in result.exams if exam.note]
-    lines += [f'Run with weak isolation: {lack}.' for lack in lacks([result])]
+    lines += [f'Run with weak isolation: {lack}.' for lack in missing_protections([result])]
     return printable('\n'.join(lines))
 
 

@@ -57,7 +57,7 @@ def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
             message = check.cause or check.observed or check.title
             failure = ElementTree.SubElement(case, 'failure', message=clean(message))
             failure.set('type', clean(check.cause_id) or 'failed')
-            failure.text = clean(_five_things(check))
+            failure.text = clean(_feedback_text(check))
         elif check.verdict is Verdict.NOT_RUN:
             ElementTree.SubElement(case, 'skipped', message=clean(f'waits for {check.waits_for}'))
     said = [problem.line() for problem in result.problems]
@@ -101,7 +101,7 @@ def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
     return suite
 
 
-def _five_things(check: CheckResult) -> str:
+def _feedback_text(check: CheckResult) -> str:
     """Return the feedback on a check as text, one line per item."""
     points = f'{check.points:g} of {check.max_points:g}'
     facts = {'checked': check.title, **check.facts, 'points': points}

@@ -109,7 +109,7 @@ def _name(layout: Layout, students: Collection[str]) -> None:
                 )
 
 
-def forget_made(layout: Layout, students: Collection[str]) -> None:
+def remove_entries(layout: Layout, students: Collection[str]) -> None:
     """Remove all entries of students from the journals, the gradebook and the reports."""
     # Start with the journals: an empty gradebook with non-empty journals is refused as damaged.
     for assignment in layout.assignments():

@@ -120,7 +120,7 @@ def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int)
 def _type_of(one: Input, types: Mapping[str, str]) -> str:
     expected = types.get(one.topic)
     if expected is None:
-        raise _nobody('subscribes to', one.topic, types)
+        raise _unknown_topic('subscribes to', one.topic, types)
     if one.type not in ('', expected):
         raise UsageError(
             f'{one.topic}: the program subscribes with the type {expected}, but the input has the '
@@ -133,13 +133,13 @@ def _join(topic: str, seen: Recording) -> Join:
     """Return a late subscription with the QoS profile of the topic's first publisher."""
     publishers = seen.endpoints('publisher', topic)
     if not publishers:
-        raise _nobody('publishes on', topic, _types(seen, 'publisher'))
+        raise _unknown_topic('publishes on', topic, _types(seen, 'publisher'))
     offered: Event = publishers[0]['qos']
     qos = Qos(offered['reliability'], offered['durability'], depth=100)
     return Join(f'late{topic}', topic, publishers[0]['type'], qos, listen_s=0.0)
 
 
-def _nobody(does: str, topic: str, known: Mapping[str, str]) -> UsageError:
+def _unknown_topic(does: str, topic: str, known: Mapping[str, str]) -> UsageError:
     close = get_close_matches(topic, known, n=1, cutoff=0.6)
     fix = f'Try: {close[0]}' if close else f'Known: {", ".join(sorted(known)) or "none"}.'
     return UsageError(f'{topic}: the program never {does} this topic.', fix)

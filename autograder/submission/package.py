@@ -74,7 +74,7 @@ def read_package(folder: Path) -> dict[str, str]:
     return found
 
 
-def read_handed_in(path: Path) -> dict[str, str]:
+def read_upload(path: Path) -> dict[str, str]:
     """
     Return the texts of a script, a package folder or a zip file by relative path.
 

@@ -15,7 +15,7 @@ import zipfile
 import pytest
 
 from autograder.submission import package
-from autograder.submission.package import read_handed_in
+from autograder.submission.package import read_upload
 from autograder.submission.tree import UnusableUploadError
 from tests.attacks.archives import KEPT, pack, PACKAGE, REFUSED
 from tests.attacks.corpus import CANARY
@@ -44,14 +44,14 @@ def test_a_hostile_archive_is_refused_in_words_and_writes_nothing(trick, tmp_pat
     before = everything(tmp_path)
 
     with pytest.raises(UnusableUploadError, match=REFUSED[trick]) as refusal:
-        read_handed_in(trick(tmp_path))
+        read_upload(trick(tmp_path))
 
     said = str(refusal.value)
     assert said.isprintable()
     assert CANARY not in said
     assert len(said) < 600
     assert everything(tmp_path) == before
-    assert read_handed_in(pack(tmp_path)) == KEPT
+    assert read_upload(pack(tmp_path)) == KEPT
 
 
 def test_an_archive_in_an_archive_is_not_opened(tmp_path, outside):
@@ -60,7 +60,7 @@ def test_an_archive_in_an_archive_is_not_opened(tmp_path, outside):
     with zipfile.ZipFile(inner, 'w') as archive:
         archive.writestr('../outside/gradebook.txt', 'mine')
 
-    assert read_handed_in(pack(tmp_path, ('my_pkg/more.zip', inner.getvalue()))) == KEPT
+    assert read_upload(pack(tmp_path, ('my_pkg/more.zip', inner.getvalue()))) == KEPT
 
 
 def test_a_name_that_is_not_utf_8_is_read_as_some_letters(tmp_path):
@@ -68,7 +68,7 @@ def test_a_name_that_is_not_utf_8_is_read_as_some_letters(tmp_path):
     path = pack(tmp_path, ('my_pkg/my_pkg/gru_.py', 'x = 1'))
     path.write_bytes(path.read_bytes().replace(b'gru_', b'gr\xfc_'))
 
-    found = read_handed_in(path)
+    found = read_upload(path)
 
     assert sorted(found.values()) == ['<package/>', 'print(1)', 'x = 1']
     assert all(name.isprintable() for name in found)
@@ -105,7 +105,7 @@ def test_a_folder_with_a_special_file_is_refused_like_a_zip(tmp_path, outside, m
     make(folder / 'talker.py', outside)
 
     with pytest.raises(UnusableUploadError, match='a link or a special file'):
-        read_handed_in(folder)
+        read_upload(folder)
 
 
 def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
@@ -117,7 +117,7 @@ def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
     Path(os.fsdecode(os.fsencode(tmp_path / 'my_pkg') + b'/\xff\xfe.py')).write_text('x = 1')
 
     with pytest.raises(UnusableUploadError, match='unprintable characters') as refusal:
-        read_handed_in(tmp_path / 'my_pkg')
+        read_upload(tmp_path / 'my_pkg')
 
     assert str(refusal.value).isprintable()
 

@@ -7,7 +7,7 @@ from fake_engine import FakeEngine
 from nbgrader.api import Gradebook
 import pytest
 
-from autograder.authoring.sample_class import take_out_sample_class
+from autograder.authoring.sample_class import remove_sample_class
 from autograder.classroom.pages import write_reports
 from autograder.classroom.people import read_people, save_people
 from autograder.classroom.results_of_class import last_results, results_file
@@ -317,7 +317,7 @@ def lets_the_sample_students_go(course: Layout) -> None:
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('ann', 'pass__sample')]
     write_reports(course.reports, ASSIGNMENT, there)
 
-    assert take_out_sample_class(course) == 1
+    assert remove_sample_class(course) == 1
     assert not (course.submitted / 'pass__sample').exists()
     assert [one.student for one in last_results(course, ASSIGNMENT)] == ['ann']
     assert not list(course.reports.glob('*/students/pass__*'))
@@ -325,11 +325,11 @@ def lets_the_sample_students_go(course: Layout) -> None:
         assert [student.id for student in gradebook.students] == ['ann']
     assert scores(course, 'ann')[CHECK] == 15
     assert grade(course) == 0
-    assert take_out_sample_class(course) == 0
+    assert remove_sample_class(course) == 0
 
     (course.submitted / 'pass__sample').mkdir()
     write_reports(course.reports, ASSIGNMENT, there[1:])
-    assert take_out_sample_class(course) == 1
+    assert remove_sample_class(course) == 1
     assert not results_file(course, ASSIGNMENT).exists()
 
 

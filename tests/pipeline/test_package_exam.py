@@ -2,7 +2,7 @@
 
 import pytest
 
-from autograder.commands import run as quick_look
+from autograder.commands import run as run_command
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from tests.judgement.references import exercises
@@ -28,8 +28,10 @@ def folder(tmp_path):
 
 def result_of(folder):
     """Return the result of the visible exam on a folder."""
-    looks = quick_look.looks(folder, quick_look.exams_named('limiter', LAYOUT, False), LAYOUT)
-    ((_, result),) = quick_look.quick_look(looks, strongest(), folder.parent / 'kept')
+    tasks = run_command.find_tasks(
+        folder, run_command.exams_named('limiter', LAYOUT, False), LAYOUT
+    )
+    ((_, result),) = run_command.run_tasks(tasks, strongest(), folder.parent / 'kept')
     return result
 
 

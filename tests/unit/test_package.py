@@ -11,8 +11,8 @@ from autograder.submission import package
 from autograder.submission.package import (
     in_package,
     own_files,
-    read_handed_in,
     read_package,
+    read_upload,
     with_node_files,
 )
 from autograder.submission.tree import UnusableUploadError
@@ -45,8 +45,8 @@ class TestWhatIsTakenIn:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text)
 
-        from_folder = read_handed_in(folder)
-        from_zip = read_handed_in(zip_of(tmp_path / 'a.zip', PACKAGE))
+        from_folder = read_upload(folder)
+        from_zip = read_upload(zip_of(tmp_path / 'a.zip', PACKAGE))
 
         assert from_folder == from_zip
         assert sorted(from_zip) == [
@@ -61,7 +61,7 @@ class TestWhatIsTakenIn:
         """A script is one file and keeps its name."""
         (tmp_path / 'talker.py').write_text('x = 1')
 
-        assert read_handed_in(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
+        assert read_upload(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
         """Builds, caches, version control and files of macOS are left out."""
@@ -73,7 +73,7 @@ class TestWhatIsTakenIn:
             ('my_pkg/picture.png', 'x'),
         ]
 
-        found = read_handed_in(zip_of(tmp_path / 'a.zip', [*PACKAGE, *extra]))
+        found = read_upload(zip_of(tmp_path / 'a.zip', [*PACKAGE, *extra]))
 
         assert len(found) == len(PACKAGE)
 
@@ -86,7 +86,7 @@ class TestWhatIsTakenIn:
         with pytest.raises(
             UnusableUploadError, match=r"'linked\.py': .* got a link .* with copies"
         ):
-            read_handed_in(tmp_path)
+            read_upload(tmp_path)
 
     def test_two_packages_are_one_too_many(self, tmp_path):
         """The refusal names the packages."""
@@ -95,16 +95,16 @@ class TestWhatIsTakenIn:
         with pytest.raises(
             UnusableUploadError, match=r'expected one package, got 2: my_pkg, other'
         ):
-            read_handed_in(zip_of(tmp_path / 'a.zip', both))
+            read_upload(zip_of(tmp_path / 'a.zip', both))
 
     def test_anything_else_is_refused_by_name(self, tmp_path):
         """A tar file, a picture and an empty folder are refused by name."""
         (tmp_path / 'a.tar').write_text('x')
 
         with pytest.raises(UnusableUploadError, match=r'a\.tar: expected .* got a different file'):
-            read_handed_in(tmp_path / 'a.tar')
+            read_upload(tmp_path / 'a.tar')
         with pytest.raises(UnusableUploadError, match='no file or folder of this name'):
-            read_handed_in(tmp_path / 'b.zip2')
+            read_upload(tmp_path / 'b.zip2')
 
 
 def info(name, **facts):
@@ -144,7 +144,7 @@ class TestWhatAZipMayNotHold:
         path = zip_of(tmp_path / 'a.zip', [*PACKAGE, (entry, 'x')])
 
         with pytest.raises(UnusableUploadError, match=said):
-            read_handed_in(path)
+            read_upload(path)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
         """The bytes are counted while a zip bomb is read, which is a thousand times smaller."""
@@ -153,7 +153,7 @@ class TestWhatAZipMayNotHold:
 
         assert path.stat().st_size < 1 << 16
         with pytest.raises(UnusableUploadError, match='expected the files of one package'):
-            read_handed_in(path)
+            read_upload(path)
 
     def test_a_size_that_lies_is_not_believed(self, tmp_path):
         """The bytes are counted, although the table of contents states one byte."""
@@ -164,7 +164,7 @@ class TestWhatAZipMayNotHold:
         path.write_bytes(data)
 
         with pytest.raises(UnusableUploadError, match='a damaged entry'):
-            read_handed_in(path)
+            read_upload(path)
 
     def test_the_whole_is_bounded_too(self, tmp_path, monkeypatch):
         """Many files of a permitted size are refused too."""
@@ -172,25 +172,25 @@ class TestWhatAZipMayNotHold:
         many = [(f'a{number}.py', 'x' * 300) for number in range(5)]
 
         with pytest.raises(UnusableUploadError, match='more than'):
-            read_handed_in(zip_of(tmp_path / 'a.zip', many))
+            read_upload(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
         """The number of entries is limited, and the number of files in a package."""
         many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
         with pytest.raises(UnusableUploadError, match=f'more than {package.MOST_FILES}'):
-            read_handed_in(zip_of(tmp_path / 'a.zip', many))
+            read_upload(zip_of(tmp_path / 'a.zip', many))
 
         many = [(f'a{number}.png', '') for number in range(package.BOUNDS.entries + 1)]
         with pytest.raises(UnusableUploadError, match=f'more than {package.BOUNDS.entries} files'):
-            read_handed_in(zip_of(tmp_path / 'b.zip', many))
+            read_upload(zip_of(tmp_path / 'b.zip', many))
 
     @pytest.mark.filterwarnings('ignore:Duplicate name')
     def test_a_name_has_one_meaning(self, tmp_path):
         """Two entries cannot share a name, and a file cannot also be a folder."""
         with pytest.raises(UnusableUploadError, match='twice'):
-            read_handed_in(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
+            read_upload(zip_of(tmp_path / 'a.zip', [('a.py', '1'), ('a.py', '2')]))
         with pytest.raises(UnusableUploadError, match='both a file and a folder'):
-            read_handed_in(zip_of(tmp_path / 'b.zip', [('a.py', '1'), ('a.py/b.py', '2')]))
+            read_upload(zip_of(tmp_path / 'b.zip', [('a.py', '1'), ('a.py/b.py', '2')]))
 
     @pytest.mark.parametrize('data', [b'', b'not a zip', b'PK\x05\x06' + b'\0' * 10])
     def test_what_is_no_zip_is_one_line(self, tmp_path, data):
@@ -198,7 +198,7 @@ class TestWhatAZipMayNotHold:
         (tmp_path / 'a.zip').write_bytes(data)
 
         with pytest.raises(UnusableUploadError, match='the zip file cannot be read'):
-            read_handed_in(tmp_path / 'a.zip')
+            read_upload(tmp_path / 'a.zip')
 
     def test_a_link_to_a_zip_is_none(self, tmp_path):
         """A link to a zip is refused, like any link in a submission."""
@@ -206,7 +206,7 @@ class TestWhatAZipMayNotHold:
         (tmp_path / 'b.zip').symlink_to(tmp_path / 'a.zip')
 
         with pytest.raises(UnusableUploadError, match='regular file'):
-            read_handed_in(tmp_path / 'b.zip')
+            read_upload(tmp_path / 'b.zip')
 
 
 class TestNodeFiles:

@@ -10,7 +10,7 @@ import pytest
 from autograder import __main__ as command
 from autograder.authoring import sample_class
 from autograder.commands import OK
-from autograder.commands import run as quick_look
+from autograder.commands import run as run_command
 from autograder.errors import GraderError
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
@@ -123,8 +123,8 @@ def package(folder: Path, **changed: str) -> Path:
 class TestWhatIsMeant:
     def test_an_assignment_stands_for_its_exams(self):
         """Its name works with or without the number, and the exams have the lesson's order."""
-        long = quick_look.exams_named('07_temperature_monitor', LAYOUT, hidden=False)
-        short = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+        long = run_command.exams_named('07_temperature_monitor', LAYOUT, hidden=False)
+        short = run_command.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
         assert [exam.name for exam in short] == [
             'temperature_message',
@@ -137,32 +137,32 @@ class TestWhatIsMeant:
     def test_a_name_that_is_neither_is_answered_with_a_near_one(self):
         """The suggestion makes a typo easy to fix."""
         with pytest.raises(GraderError, match='Did you mean temperature_monitor'):
-            quick_look.exams_named('temprature_monitor', LAYOUT, hidden=False)
+            run_command.exams_named('temprature_monitor', LAYOUT, hidden=False)
 
     def test_a_script_is_looked_at_by_the_exam_it_is_named_for(self):
         """An assignment needs a script named for an exam; a single exam accepts any name."""
-        monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
-        talker = quick_look.exams_named('talker', LAYOUT, hidden=False)
+        monitor = run_command.exams_named('temperature_monitor', LAYOUT, hidden=False)
+        talker = run_command.exams_named('talker', LAYOUT, hidden=False)
 
-        (look,) = quick_look.looks(ROOT / PUBLISHER, monitor, LAYOUT)
-        assert look.exam.name == 'temperature_publisher'
-        (look,) = quick_look.looks(ROOT / PUBLISHER, talker, LAYOUT)
-        assert list(look.files) == ['talker.py']
+        (task,) = run_command.find_tasks(ROOT / PUBLISHER, monitor, LAYOUT)
+        assert task.exam.name == 'temperature_publisher'
+        (task,) = run_command.find_tasks(ROOT / PUBLISHER, talker, LAYOUT)
+        assert list(task.files) == ['talker.py']
 
     def test_what_is_for_none_of_the_exams_is_said(self, tmp_path):
         (tmp_path / 'odd.py').write_text('x = 1')
-        monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+        monitor = run_command.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
         with pytest.raises(UnusableUploadError, match=r'temp_subscriber\.py, got only odd\.py'):
-            quick_look.looks(tmp_path / 'odd.py', monitor, LAYOUT)
+            run_command.find_tasks(tmp_path / 'odd.py', monitor, LAYOUT)
 
     @pytest.mark.parametrize('name', ['odd.ipynb', 'odd.zip', 'odd.py', 'odd'])
     def test_a_path_that_leads_nowhere_is_no_submission(self, tmp_path, name):
         """A mistake by the instructor never gives a student zero points."""
-        monitor = quick_look.exams_named('temperature_monitor', LAYOUT, hidden=False)
+        monitor = run_command.exams_named('temperature_monitor', LAYOUT, hidden=False)
 
         with pytest.raises(UnusableUploadError, match='there is no such file or folder'):
-            quick_look.looks(tmp_path / name, monitor, LAYOUT)
+            run_command.find_tasks(tmp_path / name, monitor, LAYOUT)
 
 
 @pytest.mark.pipeline
@@ -179,9 +179,9 @@ class TestRuns:
 
     def points(self, path, exam='temperature_publisher'):
         """Return the points of each visible exam, and its failed checks."""
-        chosen = quick_look.exams_named(exam, LAYOUT, hidden=False)
-        looks = quick_look.looks(path, chosen, LAYOUT)
-        done = quick_look.quick_look(looks, strongest(), self.recordings)
+        chosen = run_command.exams_named(exam, LAYOUT, hidden=False)
+        tasks = run_command.find_tasks(path, chosen, LAYOUT)
+        done = run_command.run_tasks(tasks, strongest(), self.recordings)
         return {
             result.exam: (result.points, [check.cause for check in result.failed])
             for _, result in done
@@ -236,10 +236,10 @@ class TestRuns:
         if 'CMakeLists.txt' in changed:
             (folder / 'setup.py').unlink()
 
-        (look,) = quick_look.looks(
-            folder, quick_look.exams_named('temperature_publisher', LAYOUT, hidden=False), LAYOUT
+        (task,) = run_command.find_tasks(
+            folder, run_command.exams_named('temperature_publisher', LAYOUT, hidden=False), LAYOUT
         )
-        ((_, result),) = quick_look.quick_look([look], strongest(), tmp_path / 'kept')
+        ((_, result),) = run_command.run_tasks([task], strongest(), tmp_path / 'kept')
 
         assert result.failed[0].cause_id == cause_id
         assert result.points == 0
