@@ -5,7 +5,7 @@ import os
 import socket
 import stat
 
-from tests.attacks.handing_in import ASSIGNMENT, attack, lay_out, NOTEBOOK, PAYLOAD
+from tests.attacks.notebook_builder import ASSIGNMENT, attack, lay_out, NOTEBOOK, PAYLOAD
 
 REGULAR = 'only regular files are opened'
 NO_LINK = 'only regular files are opened, and no link is followed'

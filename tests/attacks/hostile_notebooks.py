@@ -5,7 +5,7 @@ import json
 import os
 import pickle
 
-from tests.attacks.handing_in import attack, cell, checks, code, marked, PAYLOAD
+from tests.attacks.notebook_builder import attack, cell, checks, code, marked, PAYLOAD
 
 REBUILT = 'the notebook is rebuilt from the release; only the texts of answers survive'
 NAMED_FILE = 'each answer has to be the file that the release says'

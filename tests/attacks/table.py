@@ -14,7 +14,7 @@ from autograder.exam import catalog
 from tests.attacks import hostile_folders, hostile_notebooks  # noqa: F401 - they fill HANDED_IN
 from tests.attacks.archives import REFUSED
 from tests.attacks.corpus import Attack, NOTEBOOKS, programs
-from tests.attacks.handing_in import HANDED_IN
+from tests.attacks.notebook_builder import HANDED_IN
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'attacks.md'
 HEAD = """# Attacks

@@ -27,7 +27,7 @@ from autograder.submission.inbox import discover
 from autograder.submission.notebook import read_release
 from tests.attacks import hostile_folders, hostile_notebooks  # noqa: F401 - they fill HANDED_IN
 from tests.attacks.corpus import Attack, CANARY
-from tests.attacks.handing_in import ASSIGNMENT, cell, HANDED_IN, lay_out, PAYLOAD
+from tests.attacks.notebook_builder import ASSIGNMENT, cell, HANDED_IN, lay_out, PAYLOAD
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mark.nbgrader]
 

@@ -16,8 +16,7 @@ from typing import Any
 from autograder.recording import Recording
 from autograder.results import ExamResult, Verdict
 from autograder.runs.version import version
-from tests.judgement import kept
-from tests.judgement.kept import run_all, table, write_or_compare
+from tests.judgement import stored_results
 from tests.judgement.properties import moved_by_text, revealed_inputs, unreadable
 from tests.judgement.references import digest, Exercise, exercises, LAYOUT
 from tests.judgement.samples import (
@@ -29,6 +28,7 @@ from tests.judgement.samples import (
     UNTOUCHED,
     verdicts_of,
 )
+from tests.judgement.stored_results import run_all, table, write_or_compare
 
 NAME = 'agreement'
 HEAD = """# Agreement
@@ -152,14 +152,14 @@ def _list(exercise: Exercise, result: Mapping[str, Any]) -> list[str]:
 @cache
 def late() -> list[str]:
     """Return the exams whose results were not made from the current files."""
-    return kept.late(NAME, digest_of)
+    return stored_results.late(NAME, digest_of)
 
 
 def main(arguments: Sequence[str]) -> int:
     """Grade and write the page, or compare it."""
     if '--check' not in arguments:
-        kept.renew(NAME, arguments or late(), _graded)
-    return write_or_compare(NAME, page(kept.load(NAME)), late(), arguments)
+        stored_results.renew(NAME, arguments or late(), _graded)
+    return write_or_compare(NAME, page(stored_results.load(NAME)), late(), arguments)
 
 
 if __name__ == '__main__':

@@ -18,7 +18,7 @@ from autograder.exam import catalog, words
 from autograder.exam.names import Names
 from autograder.judging.causes.text_table import rows_of
 from autograder.layout import Layout
-from tests.judgement.kept import load, table, write_or_compare
+from tests.judgement.stored_results import load, table, write_or_compare
 
 NAME = 'causes'
 ROOT = Layout.here().root

@@ -12,10 +12,10 @@ import sys
 from typing import Any
 
 from autograder.results import ExamResult
-from tests.judgement import kept
+from tests.judgement import stored_results
 from tests.judgement.derive import all_mutants, mutants_of, written
-from tests.judgement.kept import run_all, table, write_or_compare
 from tests.judgement.references import digest, Exercise
+from tests.judgement.stored_results import run_all, table, write_or_compare
 
 NAME = 'mutants'
 LEAST = 0.95
@@ -134,10 +134,10 @@ def _section(exam: str, found: Mapping[str, Sequence[str] | None]) -> list[str]:
 
 def main(arguments: Sequence[str]) -> int:
     """Run and write, or compare."""
-    late = kept.late(NAME, digest_of)
+    late = stored_results.late(NAME, digest_of)
     if '--check' not in arguments:
-        kept.renew(NAME, arguments or late, _graded)
-    results = kept.load(NAME)
+        stored_results.renew(NAME, arguments or late, _graded)
+    results = stored_results.load(NAME)
     wrong = mistakes(results)
     print(*wrong, sep='\n', end='\n' if wrong else '')
     return write_or_compare(NAME, page(results), late, arguments) or bool(wrong)

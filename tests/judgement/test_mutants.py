@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 from autograder.judging.judge import worth_running
-from tests.judgement import agreement, causes, kept, mutants
+from tests.judgement import agreement, causes, mutants, stored_results
 from tests.judgement.derive import all_mutants, mutants_of, written
 from tests.judgement.references import exercises
 
@@ -42,7 +42,7 @@ def test_mutants_are_many_and_differ():
 
 def test_every_exam_finds_nearly_all_and_survivors_are_explained():
     """The kept results of every exam show it."""
-    results = kept.load(mutants.NAME)
+    results = stored_results.load(mutants.NAME)
 
     assert set(results) == {one.name for one in exercises()}
     assert mutants.mistakes(results) == []
@@ -63,7 +63,7 @@ def test_mistakes_of_beginners_are_recognised():
 
 def test_the_tables_claim_no_disagreement():
     """Verdicts and causes of our own corpus are as expected."""
-    results = kept.load(agreement.NAME)
+    results = stored_results.load(agreement.NAME)
 
     assert set(results) == {one.name for one in exercises()}
     assert [line for one in results.values() for line in one['differences']] == []
@@ -75,11 +75,11 @@ def test_the_tables_claim_no_disagreement():
 @pytest.mark.timeout(1200)
 def test_a_spread_of_mutants_meets_the_verdicts_of_the_table():
     """A real run gives the same check and the same cause as docs/mutants.md."""
-    results = kept.load(mutants.NAME)
+    results = stored_results.load(mutants.NAME)
     work = chosen()
     wanted = {(exam.name, one.name): results[exam.name]['found'][one.name] for exam, one in work}
 
-    done = kept.run_all([(exam, one.files) for exam, one in work])
+    done = stored_results.run_all([(exam, one.files) for exam, one in work])
     got = {
         (exam.name, one.name): mutants.verdict(result) for (exam, one), result in zip(work, done)
     }
