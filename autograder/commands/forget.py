@@ -28,8 +28,8 @@ from autograder.commands.grade import relative_path
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import json_bytes, write_atomically
-from autograder.gradebook.database import keep_copy, query
-from autograder.gradebook.journal import journal, noted
+from autograder.gradebook.database import query, save_copy
+from autograder.gradebook.journal import journal_file, read_notes
 from autograder.gradebook.record import remove_entries
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
@@ -93,7 +93,9 @@ def traces(layout: Layout, student: str) -> Traces:
     known.update(*folders.values(), *graded.values())
     student = student_named(layout, student, known) or _unknown(student, known)
     has_results = [name for name, students in graded.items() if student in students]
-    entered = [one for one in layout.assignments() if student in noted(journal(layout, one))]
+    entered = [
+        one for one in layout.assignments() if student in read_notes(journal_file(layout, one))
+    ]
     theirs = tuple(above / student for above in made if student in folders[above])
     lines = [
         *(f'gradebook: {mark}' for mark in marks.get(student, ())),
@@ -130,7 +132,7 @@ def forget(layout: Layout, student: str) -> Path | None:
     :raises GraderError: if the gradebook cannot be written or copied
     """
     found = traces(layout, student)
-    copy = keep_copy(layout)
+    copy = save_copy(layout)
     # Move the submission first: a grading that found it would undo the removal.
     if found.moved:
         now = time.strftime('%Y-%m-%d_%H%M%SZ', time.gmtime())

@@ -107,7 +107,7 @@ def _run(
     assignment: str,
     doing: str,
     config: Config,
-    kind: type[_StopsAtDatabase],
+    kind: type[_StopOnDatabaseError],
     **facts: Any,
 ) -> None:
     """
@@ -118,7 +118,7 @@ def _run(
     :raises GraderError: with nbgrader's message, or if the database or the disk failed
     """
     config.CourseDirectory.assignment_id = assignment
-    with _logged(doing) as log, _one_engine():
+    with _logged(doing) as log, _share_engine():
         coursedir = CourseDirectory(config=config, log=log)
         command = kind(coursedir=coursedir, config=config, log=log, force=True)
         for name, value in facts.items():
@@ -142,7 +142,7 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
     """
     refuse_incomplete(layout)
     try:
-        with _quiet():
+        with _silence_nbgrader():
             with api.Gradebook(address(layout)) as gradebook:
                 yield gradebook
     except (SQLAlchemyError, api.InvalidEntry) as error:
@@ -157,7 +157,7 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
 
 
 @contextmanager
-def _one_engine() -> Iterator[None]:
+def _share_engine() -> Iterator[None]:
     """
     Make all of nbgrader's gradebook objects share one SQLAlchemy engine.
 
@@ -175,7 +175,7 @@ def _one_engine() -> Iterator[None]:
         del tables.create_all  # Restore the method of the class.
 
 
-class _StopsAtDatabase(BaseConverter):
+class _StopOnDatabaseError(BaseConverter):
     """
     An nbgrader command that stops at the first failure of the database or the disk.
 
@@ -206,11 +206,11 @@ class _StopsAtDatabase(BaseConverter):
             raise OperationalError(None, None, self.failure) from error
 
 
-class _Generator(_StopsAtDatabase, GenerateAssignment):
+class _Generator(_StopOnDatabaseError, GenerateAssignment):
     """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
 
 
-class _OfStudents(_StopsAtDatabase):
+class _StudentsCommand(_StopOnDatabaseError):
     """A command of nbgrader for exactly some students."""
 
     students: Collection[str]
@@ -223,11 +223,11 @@ class _OfStudents(_StopsAtDatabase):
             self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
 
 
-class _FeedbackWriter(_OfStudents, GenerateFeedback):
+class _FeedbackWriter(_StudentsCommand, GenerateFeedback):
     """nbgrader's GenerateFeedback for exactly these students."""
 
 
-class _Recorder(_OfStudents, Autograde):
+class _Recorder(_StudentsCommand, Autograde):
     """nbgrader's Autograde for exactly the students whose results are known."""
 
     results: Mapping[str, SubmissionResult]
@@ -243,7 +243,7 @@ class _Recorder(_OfStudents, Autograde):
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def _silence_nbgrader() -> Iterator[None]:
     """Suppress SQLAlchemy's warnings and the tracebacks that nbgrader's gradebook logs."""
     gradebook = logging.getLogger('tornado.application')  # nbgrader.api uses this logger.
     before, gradebook.disabled = gradebook.disabled, True
@@ -269,7 +269,7 @@ def _logged(doing: str) -> Iterator[logging.Logger]:
     log = logging.Logger('nbgrader', logging.WARNING)
     log.addFilter(note)
     try:
-        with _quiet():
+        with _silence_nbgrader():
             yield log
     except (NbGraderException, RuntimeError) as error:
         said = [line for line in lines if 'traceback' not in line]

@@ -97,10 +97,10 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
 
 def refusal(layout: Layout, error: SQLAlchemyError) -> GradebookRefusedError:
     """Return the error for a failure of the database."""
-    return refused(layout, str(getattr(error, 'orig', None) or error))
+    return unusable(layout, str(getattr(error, 'orig', None) or error))
 
 
-def refused(layout: Layout, said: str) -> GradebookRefusedError:
+def unusable(layout: Layout, said: str) -> GradebookRefusedError:
     """
     Return the error for an unusable gradebook, with its address, the problem and a remedy.
 
@@ -188,7 +188,7 @@ def copies(layout: Layout) -> list[Path]:
     return sorted(copies_folder(layout).glob('[0-9]*Z.db'))
 
 
-def keep_copy(layout: Layout) -> Path | None:
+def save_copy(layout: Layout) -> Path | None:
     """
     Copy the gradebook, and remove old copies.
 
@@ -301,7 +301,7 @@ def _damaged(layout: Layout, path: Path, got: str) -> GraderError:
     )
 
 
-def how_to_dump(layout: Layout) -> str:
+def dump_instructions(layout: Layout) -> str:
     """Return instructions for dumping a gradebook on a server; empty for a gradebook file."""
     if gradebook_file(layout) is not None:
         return ''

@@ -23,7 +23,7 @@ from sqlalchemy import inspect, text
 
 from autograder.classroom.people import extensions
 from autograder.files import write_atomically
-from autograder.gradebook.database import connected, gradebook_file, load_config, query, refused
+from autograder.gradebook.database import connected, gradebook_file, load_config, query, unusable
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
@@ -65,7 +65,7 @@ def make_gradebook(layout: Layout) -> None:
         left.unlink(missing_ok=True)
     _make(unfinished, str(load_config(layout).CourseDirectory.course_id))
     for assignment in layout.assignments():
-        journal(layout, assignment).unlink(missing_ok=True)
+        journal_file(layout, assignment).unlink(missing_ok=True)
     unfinished.replace(path)
 
 
@@ -81,7 +81,7 @@ def refuse_incomplete(layout: Layout) -> None:
         there = set() if gradebook is None else set(inspect(gradebook).get_table_names())
     missing = sorted(set(Base.metadata.tables) - there)
     if there and missing:
-        raise refused(layout, f'no such table: {", ".join(missing)}')
+        raise unusable(layout, f'no such table: {", ".join(missing)}')
 
 
 def _make(path: Path, course: str) -> None:
@@ -107,20 +107,20 @@ class Journal:
 
     @cached_property
     def _known(self) -> dict[str, dict[str, Any]]:
-        return noted(journal(self.layout, self.lesson.assignment))
+        return read_notes(journal_file(self.layout, self.lesson.assignment))
 
     @cached_property
-    def _shown(self) -> Rows:
+    def _gradebook_values(self) -> Rows:
         """Return the values in the gradebook, which are read on first use."""
-        return shown(self.layout, self.lesson.assignment)
+        return gradebook_values(self.layout, self.lesson.assignment)
 
     @cached_property
-    def _more(self) -> Mapping[tuple[str, str], timedelta] | None:
+    def _extensions(self) -> Mapping[tuple[str, str], timedelta] | None:
         """Return the extra time of individual students."""
         return extensions(self.layout)
 
     @cached_property
-    def _common(self) -> bytes:
+    def _common_digest(self) -> bytes:
         """Return a digest of the release and the settings, on which all entries depend."""
         settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
         release = json.dumps(self.lesson.release, sort_keys=True)
@@ -136,19 +136,19 @@ class Journal:
         return [
             one
             for one in graded
-            if self._known.get(one.result.student) != self._line(one, self._shown)
+            if self._known.get(one.result.student) != self._line(one, self._gradebook_values)
             or not autograded(self.layout, self.lesson, one).is_file()
         ]
 
     def note(self, entered: Sequence[Graded]) -> None:
         """Append notes about submissions that were passed to nbgrader, if it has entered them."""
-        rows = shown(self.layout, self.lesson.assignment)
+        rows = gradebook_values(self.layout, self.lesson.assignment)
         lines = [
             _json_line({'student': one.result.student, **self._line(one, rows)})
             for one in entered
             if one.result.student in rows
         ]
-        path = journal(self.layout, self.lesson.assignment)
+        path = journal_file(self.layout, self.lesson.assignment)
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open('ab') as file:
             # Begin with a line break: an incomplete last line must not merge with the next one.
@@ -163,21 +163,23 @@ class Journal:
             exam.pop('timing', None)
             exam.pop('pictures', None)
         stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
-        more = self._more and self._more.get((graded.result.student, self.lesson.assignment))
+        more = self._extensions and self._extensions.get(
+            (graded.result.student, self.lesson.assignment)
+        )
         parts = [result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
         if more:
             parts.append(str(more))
         text = json.dumps(parts, sort_keys=True, default=list).encode('utf-8', 'replace')
-        digest = hashlib.sha256(self._common + text).hexdigest()[:32]
+        digest = hashlib.sha256(self._common_digest + text).hexdigest()[:32]
         return {'digest': digest, 'shown': rows.get(graded.result.student, {})}
 
 
-def journal(layout: Layout, assignment: str) -> Path:
+def journal_file(layout: Layout, assignment: str) -> Path:
     """Return the file with one line per entered submission."""
     return layout.work / 'entered' / f'{assignment}.jsonl'
 
 
-def noted(path: Path) -> dict[str, dict[str, Any]]:
+def read_notes(path: Path) -> dict[str, dict[str, Any]]:
     """Return the last note about each student, ignoring incomplete lines."""
     found = {}
     for line in path.read_bytes().splitlines() if path.is_file() else ():
@@ -189,8 +191,8 @@ def noted(path: Path) -> dict[str, dict[str, Any]]:
 
 def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
     """Remove the notes about some students from the journal of an assignment."""
-    path = journal(layout, assignment)
-    known = noted(path)
+    path = journal_file(layout, assignment)
+    known = read_notes(path)
     if known.keys() & set(students):
         lines = [
             _json_line({'student': student, **data})
@@ -200,7 +202,7 @@ def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
         write_atomically(path, b''.join(lines))
 
 
-def shown(layout: Layout, assignment: str) -> Rows:
+def gradebook_values(layout: Layout, assignment: str) -> Rows:
     """
     Return the values in the gradebook for an assignment.
 

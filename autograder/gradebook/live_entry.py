@@ -21,7 +21,7 @@ from autograder.classroom.people import extensions
 from autograder.errors import GraderError, of_system
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook import journal
-from autograder.gradebook.database import has_gradebook, how_to_dump, keep_copy, load_config
+from autograder.gradebook.database import dump_instructions, has_gradebook, load_config, save_copy
 from autograder.gradebook.journal import Journal
 from autograder.gradebook.record import enter_assignment, record, timestamp_of
 from autograder.grading.pipeline import Graded, Lesson
@@ -128,7 +128,7 @@ class Guard:
     @cached_property
     def copy(self) -> Path | None:
         """Return a copy of the gradebook from before the first entry, made on first use."""
-        return keep_copy(self.layout)
+        return save_copy(self.layout)
 
     def allowed(self, lesson: Lesson, new: Sequence[Graded]) -> list[Graded]:
         """
@@ -155,7 +155,7 @@ class Guard:
         return (
             f'gradebook: {where} would be lowered or cleared, so they were not changed; '
             f'{done}. Try: look at the list, then run the same command with --yes (make grade '
-            f'ARGS=--yes). {how_to_dump(self.layout)}'
+            f'ARGS=--yes). {dump_instructions(self.layout)}'
         ).rstrip()
 
 
@@ -216,7 +216,9 @@ class LiveEntry:
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
     """Prepare the gradebook for entries; the first call imports nbgrader, which takes seconds."""
-    journal.shown(layout, assignment)  # Reports a failed database more clearly than nbgrader.
+    journal.gradebook_values(
+        layout, assignment
+    )  # Reports a failed database more clearly than nbgrader.
     journal.refuse_incomplete(layout)
     _ = guard.copy
     journal.make_gradebook(layout)

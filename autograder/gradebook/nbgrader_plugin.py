@@ -186,7 +186,7 @@ class GradesToShow(GetGrades):
             marks['comment'] = LOST
 
 
-class OfCourse(NbGraderPreprocessor):
+class CoursePlugin(NbGraderPreprocessor):
     """A plug-in that needs the folders of the course."""
 
     root = Unicode('', help='Folder of the course; empty for the course in this project.').tag(
@@ -199,7 +199,7 @@ class OfCourse(NbGraderPreprocessor):
         return Layout(Path(self.root)) if self.root else Layout.here()
 
 
-class GradeOutside(OfCourse):
+class GradeOutside(CoursePlugin):
     """Grade in the sandbox instead of the kernel, and write the outcomes into the check cells."""
 
     engine_factory = Unicode(
@@ -243,7 +243,7 @@ class GradeOutside(OfCourse):
         return result
 
 
-class SaveGrades(OfCourse, SaveAutoGrades):
+class SaveGrades(CoursePlugin, SaveAutoGrades):
     """
     nbgrader's SaveAutoGrades, with a different rule for manual grading.
 

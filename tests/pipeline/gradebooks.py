@@ -203,7 +203,7 @@ def fills_what_was_changed_or_lost(course: Layout) -> None:
     assert grade(course) == 2
     assert scores(course, 'ann')[CHECK] == scores(course, 'bob')[CHECK] == 15
 
-    lines = journal.journal(course, ASSIGNMENT)
+    lines = journal.journal_file(course, ASSIGNMENT)
     lines.write_bytes(lines.read_bytes()[:-20].splitlines(keepends=True)[-1])
     assert grade(course) == 2
 
@@ -217,7 +217,7 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
         return  # a server keeps its database
 
     path.unlink()
-    assert journal.shown(course, ASSIGNMENT) == {}
+    assert journal.gradebook_values(course, ASSIGNMENT) == {}
     assert not path.exists()
     path.with_name(f'{path.name}.unfinished').write_bytes(b'of a grading that was killed')
 
@@ -381,7 +381,7 @@ def forgets_a_student(course: Layout) -> None:
     assert [one.student for one in last_results(course, ASSIGNMENT)] == ['1002']
     assert [one.name for one in course.reports.glob('*/students/*')] == ['1002.html']
     assert read_people(course) == {'1002': 'Bob Example'}
-    assert list(journal.noted(journal.journal(course, ASSIGNMENT))) == ['1002']
+    assert list(journal.read_notes(journal.journal_file(course, ASSIGNMENT))) == ['1002']
     (moved,) = (course.work / 'forgotten').iterdir()
     assert (moved / ASSIGNMENT / NOTEBOOK).is_file()
     assert grade(course) == 0

@@ -72,7 +72,7 @@ def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
     assert [one.student for one in last_results(class_, ASSIGNMENT)] == STUDENTS
     assert all(student in table for student in STUDENTS)
     assert grade(class_) == len(STUDENTS)
-    assert set(journal.shown(class_, ASSIGNMENT)) == set(STUDENTS)
+    assert set(journal.gradebook_values(class_, ASSIGNMENT)) == set(STUDENTS)
 
 
 def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):

@@ -58,7 +58,7 @@ def test_whoever_is_ready_is_entered_while_others_are_run(class_, monkeypatch):
         book.add(graded)
         if graded.result.student == 'bob':
             assert engine.begun.wait(GOES_ON_S)
-            early.extend(sorted(journal.shown(class_, ASSIGNMENT)))
+            early.extend(sorted(journal.gradebook_values(class_, ASSIGNMENT)))
             engine.free.set()
 
     assert run(class_, engine, on_graded) == (3, '')

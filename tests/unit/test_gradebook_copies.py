@@ -9,7 +9,7 @@ import pytest
 
 from autograder.errors import GraderError
 from autograder.gradebook import database
-from autograder.gradebook.database import connected, keep_copy, refuse_damaged
+from autograder.gradebook.database import connected, refuse_damaged, save_copy
 from autograder.layout import Layout
 
 GMTIME = time.gmtime
@@ -63,7 +63,7 @@ def at(monkeypatch):
 
 def test_a_copy_has_what_the_gradebook_had(course, at):
     """The copy is named after its date, and no unfinished file stays."""
-    copy = keep_copy(course)
+    copy = save_copy(course)
     submit(course, 'cho')
 
     assert copy.name == '2027-01-15_080000Z.db'
@@ -73,12 +73,12 @@ def test_a_copy_has_what_the_gradebook_had(course, at):
 
 def test_an_unchanged_gradebook_is_not_copied_again(course, at):
     """Gradings without changes must not replace older copies."""
-    first = keep_copy(course)
+    first = save_copy(course)
     at(1)
 
-    assert keep_copy(course) == first
+    assert save_copy(course) == first
     submit(course, 'cho')
-    assert keep_copy(course) != first
+    assert save_copy(course) != first
     assert len(database.copies(course)) == 2
 
 
@@ -91,7 +91,7 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
             at(day, second)
             submit(course, f'{day}{second}')
             os.utime(gradebook(course), ns=(day, second))
-            keep_copy(course)
+            save_copy(course)
 
     assert [one.name for one in database.copies(course)] == [
         '2027-01-17_080000Z.db',
@@ -104,18 +104,18 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
 
 def test_size_of_copies_is_bounded(course, at, monkeypatch):
     """The newest copy stays, whatever its size is."""
-    size = keep_copy(course).stat().st_size
+    size = save_copy(course).stat().st_size
     monkeypatch.setattr(database, 'MAX_BYTES', 2 * size + 100)
     for day in range(1, 4):
         at(day)
         os.utime(gradebook(course), ns=(day, day))
-        keep_copy(course)
+        save_copy(course)
     assert len(database.copies(course)) == 2
 
     monkeypatch.setattr(database, 'MAX_BYTES', 10)
     at(4)
     os.utime(gradebook(course), ns=(4, 4))
-    assert database.copies(course) != [keep_copy(course)]
+    assert database.copies(course) != [save_copy(course)]
     assert [one.name for one in database.copies(course)] == ['2027-01-19_080000Z.db']
 
 
@@ -150,11 +150,11 @@ def take_rows(path):
 @pytest.mark.parametrize('damage', [empty, truncate, break_off_early, replace_by_text, take_rows])
 def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, damage):
     """The message has the command that restores the copy."""
-    keep_copy(course)
+    save_copy(course)
     damage(gradebook(course))
     broken = gradebook(course).read_bytes()
 
-    for look in (refuse_damaged, keep_copy, lambda layout: connected(layout).__enter__()):
+    for look in (refuse_damaged, save_copy, lambda layout: connected(layout).__enter__()):
         with pytest.raises(GraderError, match='the gradebook is damaged: ') as failure:
             look(course)
     assert gradebook(course).read_bytes() == broken
@@ -167,7 +167,7 @@ def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, 
 
 
 def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
-    copy = keep_copy(course)
+    copy = save_copy(course)
     data = bytearray(gradebook(course).read_bytes())
     page = 4096 * 3
     data[page : page + 4096] = b'\xff' * 4096
@@ -175,7 +175,7 @@ def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
     at(1)
 
     with pytest.raises(GraderError, match=rf'damaged: .+ Try: cp \S+{copy.name} '):
-        keep_copy(course)
+        save_copy(course)
     assert list(copy.parent.iterdir()) == [copy]
 
 
@@ -195,11 +195,11 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
     journal.unlink()
     empty(gradebook(course))
     refuse_damaged(course)
-    assert keep_copy(course) is None
+    assert save_copy(course) is None
 
     gradebook(course).unlink()
     refuse_damaged(course)
-    assert keep_copy(course) is None
+    assert save_copy(course) is None
 
 
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
@@ -211,6 +211,6 @@ def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
 
     refuse_damaged(course)
     with pytest.raises(GraderError, match=r'cannot be copied: database is locked\. Nothing'):
-        keep_copy(course)
+        save_copy(course)
     assert database.copies(course) == []
     holder.close()
