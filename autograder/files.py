@@ -95,7 +95,7 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666, lasting: bool =
         os.close(folder)
 
 
-def packable(path: Path) -> tuple[bytes, int]:
+def zip_content(path: Path) -> tuple[bytes, int]:
     """Return the content of a file, and its permissions in a zip, 0o755 if it is executable."""
     return path.read_bytes(), 0o755 if path.stat().st_mode & stat.S_IXUSR else 0o644
 

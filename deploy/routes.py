@@ -100,10 +100,10 @@ def make_grade(folder: Path, *before: str | Path, **more: Any) -> str:
 
     One sample submission is unreadable, so the grader ends with 1, and make with 2.
     """
-    return of_sample_class(run(folder, *before, 'make', 'grade', code=2, **more))
+    return sample_class_result(run(folder, *before, 'make', 'grade', code=2, **more))
 
 
-def of_sample_class(report: str) -> str:
+def sample_class_result(report: str) -> str:
     """
     Return the result of grading the sample class, from what ``make grade`` printed.
 

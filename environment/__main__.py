@@ -56,11 +56,11 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
 
 def run(command: Sequence[str], places: Places, environ: Mapping[str, str]) -> int:
     """Replace this process with a command that has the ROS environment."""
-    from environment.ros import EnvironmentError_, ros_environment
+    from environment.ros import ros_environment, RosEnvironmentError
 
     try:
         ros = ros_environment(places.venv)
-    except EnvironmentError_ as error:
+    except RosEnvironmentError as error:
         print(error, file=sys.stderr)
         return 1
     path = f'{places.venv}/bin{os.pathsep}{environ.get("PATH", "/usr/bin:/bin")}'

@@ -24,10 +24,10 @@ from environment.pins import canonical, is_ros, pins_for
 from environment.places import LOCK_FILE, Places, SHARED_MEMORY
 from environment.plan import Plan
 from environment.ros import (
-    EnvironmentError_,
     further_messages,
     ros_environment,
     RosEnvironment,
+    RosEnvironmentError,
 )
 from environment.ros2_command import installed_ros2
 from environment.steps import StepError
@@ -109,7 +109,7 @@ def findings(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
 def _description(places: Places) -> RosEnvironment | None:
     try:
         return ros_environment(places.venv)
-    except EnvironmentError_:
+    except RosEnvironmentError:
         return None
 
 
@@ -152,14 +152,14 @@ def check_programs(places: Places, environ: Mapping[str, str]) -> Iterator[Findi
         if path is None:
             yield Finding(name, MISSING, 'not installed', remedy)
             continue
-        failed, said = _tried([path, *options], environ)
+        failed, said = _try_command([path, *options], environ)
         if failed:
             yield Finding(name, MISSING, f'{path} does not work', remedy)
         else:
             yield Finding(name, OK, said.partition('\n')[0] or path)
 
 
-def _tried(command: Sequence[str], environ: Mapping[str, str]) -> tuple[str, str]:
+def _try_command(command: Sequence[str], environ: Mapping[str, str]) -> tuple[str, str]:
     """Run a command with a C++ program as its input; return why it failed, and its output."""
     try:
         done = subprocess.run(
@@ -240,7 +240,7 @@ def check_by_running(ros: RosEnvironment | None) -> Iterator[Finding]:
             continue
         variables = ros.variables if full else ros.base_variables
         command = [ros.python, '-W', 'ignore', '-c', code]
-        failed, _ = _tried(command, {'HOME': os.environ.get('HOME', '/tmp'), **variables})
+        failed, _ = _try_command(command, {'HOME': os.environ.get('HOME', '/tmp'), **variables})
         if failed:
             yield Finding(name, without, failed, fix)
         else:

@@ -9,7 +9,7 @@ import subprocess
 from environment import describe, interpreters, stamps, system
 from environment.interpreters import Interpreter
 from environment.places import Places
-from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
+from environment.ros import ros_environment, RosEnvironment, RosEnvironmentError
 from environment.steps import StepError
 
 # Variables that would affect the venv's Python, pip or colcon in unexpected ways.
@@ -118,7 +118,7 @@ def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, st
         return dict(environ)
     try:
         ros = ros_environment(places.venv)
-    except EnvironmentError_:
+    except RosEnvironmentError:
         return None
     if ros.kind != 'sourced':
         return None

@@ -20,7 +20,7 @@ MESSAGES_NAME = 'ros_messages.json'
 """File in the same folder that lists the installed packages of environment/messages.txt."""
 
 
-class EnvironmentError_(RuntimeError):  # noqa: N801 - EnvironmentError is a builtin
+class RosEnvironmentError(RuntimeError):
     """Raised if the environment was not prepared or its description is damaged."""
 
 
@@ -78,19 +78,20 @@ def ros_environment(venv: str | Path | None = None) -> RosEnvironment:
     Return the ROS environment of the running virtual environment.
 
     :param venv: another virtual environment; by default the one to which this Python belongs
-    :raises EnvironmentError_: if it is missing or unreadable; the message gives the command to run
+    :raises RosEnvironmentError: if it is missing or unreadable; the message gives the command to
+        run
     """
     path = Path(venv or sys.prefix) / FILE_NAME
     try:
         return RosEnvironment.from_json(path.read_text(encoding='utf-8'))
     except FileNotFoundError:
-        raise EnvironmentError_(
+        raise RosEnvironmentError(
             f'{path}: the description of the ROS environment is missing. '
             'Likely cause: this is not the Python of the course, or the set-up did not finish. '
             'Try: make doctor'
         ) from None
     except (OSError, ValueError, TypeError) as error:
-        raise EnvironmentError_(
+        raise RosEnvironmentError(
             f'{path}: the description of the ROS environment cannot be read: {error}. '
             'Try: make doctor'
         ) from error

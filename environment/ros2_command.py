@@ -23,7 +23,7 @@ if not __package__:
     sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
 from environment.places import PROJECT
-from environment.ros import EnvironmentError_, ros_environment, RosEnvironment
+from environment.ros import ros_environment, RosEnvironment, RosEnvironmentError
 
 PROGRAM = PROJECT / 'roslab' / 'ros2' / '__main__.py'
 PROFILES = PROJECT / 'environment' / 'fastdds.xml'
@@ -72,7 +72,7 @@ def main(arguments: list[str], environ: Mapping[str, str]) -> int:
     venv, *rest = arguments
     try:
         ros = ros_environment(venv)
-    except EnvironmentError_ as error:
+    except RosEnvironmentError as error:
         print(error, file=sys.stderr)
         return 1
     variables = overlaid(environ, ros)

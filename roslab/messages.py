@@ -26,7 +26,7 @@ from autograder.judging.causes.builds import (
     texts_of,
 )
 from autograder.submission.cells import UNSOLVED
-from environment.ros import EnvironmentError_, ros_environment
+from environment.ros import ros_environment, RosEnvironmentError
 from roslab import run_command
 from roslab.errors import NotHereError
 from roslab.output import ElapsedTime, show
@@ -182,7 +182,7 @@ def build_variables() -> dict[str, str]:
     """
     try:
         ros = ros_environment()
-    except EnvironmentError_ as error:
+    except RosEnvironmentError as error:
         raise NotHereError(str(error)) from None
     kept = {name: value for name, value in os.environ.items() if name not in ros.variables}
     return {**kept, **ros.base_variables}

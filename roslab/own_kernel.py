@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from environment.install_files import KERNEL_TITLE
-from environment.ros import EnvironmentError_, ros_environment
+from environment.ros import ros_environment, RosEnvironmentError
 from roslab.errors import RoslabError
 
 
@@ -23,7 +23,7 @@ def require_variables(environ: Mapping[str, str]) -> None:
     """
     try:
         needed = ros_environment().variables
-    except EnvironmentError_:
+    except RosEnvironmentError:
         return
     if lacking := sorted(needed.keys() - environ.keys()):
         raise WrongKernelError(

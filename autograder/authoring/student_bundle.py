@@ -9,7 +9,7 @@ import re
 
 from autograder.exam.catalog import for_assignment, load
 from autograder.explaining.worked_answers import encoded, FOLDER
-from autograder.files import packable, write_atomically, zip_bytes
+from autograder.files import write_atomically, zip_bytes, zip_content
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of, read_release
 from environment import packed_package
@@ -85,7 +85,7 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
     :param answers: whether to include the worked answers, which students can then open
     :returns: number of files in the zip
     """
-    files = {name: packable(path) for name, path in bundled_files(layout).items()}
+    files = {name: zip_content(path) for name, path in bundled_files(layout).items()}
     if package := layout.facts.package:
         packed = packed_package.pack(layout.root / package)
         files[f'{package}/{packed_package.FILE}'] = packed, 0o644

@@ -95,7 +95,7 @@ def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
     """Return the entries of students whose work has not been collected since."""
     try:
         kept = [NotCollected(**one) for one in read_note(layout.not_collected) or ()]
-        return tuple(one for one in kept if not _arrived(layout, one))
+        return tuple(one for one in kept if not _has_submission(layout, one))
     except TypeError:  # The file is damaged.
         return ()
 
@@ -109,7 +109,7 @@ def save_not_collected(layout: Layout, found: Iterable[NotCollected], without: s
     """
     known = {(one.student, one.assignment): one for one in read_not_collected(layout)}
     for one in sorted(found, key=lambda one: one.handed_in):
-        if not _arrived(layout, one):
+        if not _has_submission(layout, one):
             known[one.student, one.assignment] = one
     kept = [asdict(known[key]) for key in sorted(known) if key[0] != without]
     if kept or layout.not_collected.exists():
@@ -155,11 +155,11 @@ def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
     return tuple(here) if known else ()
 
 
-def names_to_write_to(missing: Sequence[NotCollected]) -> str:
+def names_for_email(missing: Sequence[NotCollected]) -> str:
     """Return the names or ids of students, separated by commas, for an e-mail to them."""
     return ', '.join(dict.fromkeys(one.person or one.student for one in missing))
 
 
-def _arrived(layout: Layout, one: NotCollected) -> bool:
+def _has_submission(layout: Layout, one: NotCollected) -> bool:
     """Return whether ``submitted/`` contains a notebook of the student for the assignment."""
     return any((layout.submitted / one.student).glob(f'{one.assignment or "*"}/*.ipynb'))

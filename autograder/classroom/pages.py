@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from autograder.classroom.collected import names_to_write_to, not_collected, NotCollected
+from autograder.classroom.collected import names_for_email, not_collected, NotCollected
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import (
     ClassResults,
@@ -145,7 +145,7 @@ def _common(
         'summary': summary,
         'people': people,
         'missing': missing,
-        'names': names_to_write_to(missing),
+        'names': names_for_email(missing),
     }
 
 
@@ -238,7 +238,7 @@ def print_table(
         table.add_row(*(Text(printable(cell)) for cell in row))
     console.print(table)
     if missing:
-        text = f'Nothing to grade yet from: {names_to_write_to(missing)}'
+        text = f'Nothing to grade yet from: {names_for_email(missing)}'
         console.print(Text(printable(text)), soft_wrap=True)
     for result in results:
         for flag in result.flags:

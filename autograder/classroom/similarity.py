@@ -132,11 +132,11 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
         raise GraderError(f'{submitted}: there are no submissions of {assignment}.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
     return compare(
-        assignment, own, given_lines(lesson.release), at_least, finished(layout, lesson)
+        assignment, own, given_lines(lesson.release), at_least, finished_package(layout, lesson)
     )
 
 
-def finished(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
+def finished_package(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
     """Return the nodes of the course's package that the lesson asks for, and all its modules."""
     package = layout.facts.package
     modules = {

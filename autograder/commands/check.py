@@ -22,12 +22,12 @@ from autograder.commands import describe, JSON, OK, option, takes, USAGE, VISIBL
 from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
 from autograder.layout import Layout
 from autograder.results import Problem
-from environment.ros import EnvironmentError_
+from environment.ros import RosEnvironmentError
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
 
-REFUSALS = (GraderError, EnvironmentError_, OSError, ModuleNotFoundError)
+REFUSALS = (GraderError, RosEnvironmentError, OSError, ModuleNotFoundError)
 """Errors that the command reports in one line."""
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import sys
 
 from autograder.authoring.sample_class import remove_sample_class
-from autograder.classroom.collected import names_to_write_to, read_not_collected
+from autograder.classroom.collected import names_for_email, read_not_collected
 from autograder.classroom.course_lock import lock_course
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, print_rows
@@ -73,5 +73,5 @@ def run(chosen: argparse.Namespace) -> int:
     else:
         print_rows(rows, to, write)
         if missing := read_not_collected(layout):
-            print(printable(f'Nothing to grade yet from: {names_to_write_to(missing)}'))
+            print(printable(f'Nothing to grade yet from: {names_for_email(missing)}'))
     return FOR_REVIEW if any(row.done == LEFT for row in rows) else OK

@@ -24,7 +24,7 @@ from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.explaining.feedback import causes_once, number, printable
 from autograder.exports.marks import automatic
-from autograder.files import json_bytes, packable, write_atomically, zip_bytes
+from autograder.files import json_bytes, write_atomically, zip_bytes, zip_content
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -67,7 +67,7 @@ def autograder_zip(
         )
     settings = {'assignment': assignment, 'visibility': visibility, 'allow_weak': allow_weak}
     paths = {path.name: path for path in HERE.iterdir()} | dict(course_files(layout))
-    files = {name: packable(path) for name, path in paths.items()}
+    files = {name: zip_content(path) for name, path in paths.items()}
     files |= {name: (files[name][0], 0o755) for name in EXECUTABLE}  # a wheel may lose this bit
     files[SETTINGS] = json_bytes(settings), 0o644
     files[str(layout.secret.relative_to(layout.root))] = course_secret(), 0o600

@@ -46,12 +46,12 @@ class Graph:
             for name, namespace in self.node.get_node_names_and_namespaces()
             if name != '_NODE_NAME_UNKNOWN_'
         )
-        found = [name for name in found if self._is_there(name)]
+        found = [name for name in found if self._has_publisher(name)]
         if self.own_name in found:
             found.remove(self.own_name)
         return found
 
-    def _is_there(self, name: str) -> bool:
+    def _has_publisher(self, name: str) -> bool:
         """
         Return whether a node has a publisher; every node has one for ``/parameter_events``.
 

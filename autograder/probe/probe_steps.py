@@ -58,7 +58,7 @@ def call(probe: Any, step: dict[str, Any]) -> None:
     facts = {'service': step['service'], 'type': step['type'], 'request': step['request']}
     client = probe.services[step['service']]
     if not probe.wait_until(client.service_is_ready, CONNECT_S):
-        client = _of_the_only_node(probe, step)
+        client = _client_of_only_node(probe, step)
     if client is None:
         probe.emit('no_answer', **facts, reason='no_service')
         return
@@ -71,7 +71,7 @@ def call(probe: Any, step: dict[str, Any]) -> None:
     probe.settle()
 
 
-def _of_the_only_node(probe: Any, step: dict[str, Any]) -> Any:
+def _client_of_only_node(probe: Any, step: dict[str, Any]) -> Any:
     """
     Return a client for the service with the name of the program's only node, or None.
 

@@ -200,7 +200,7 @@ def _instructors_clone(settings: Settings) -> None:
     user, clone = settings.instructor, settings.course_of(home_of(settings.instructor))
     if not clone.exists():
         run('git', 'clone', '--quiet', '--no-hardlinks', PROJECT, clone)
-        _pull_from_where_this_copy_came(clone)
+        _pull_from_origin(clone)
         run('chown', '-R', f'{user}:', clone)
     run('make', 'prepare', cwd=clone, user=user)
     _add_server(clone / '.venv', user)
@@ -208,7 +208,7 @@ def _instructors_clone(settings: Settings) -> None:
     run('chown', '-R', f'{user}:', *(clone / '.venv' / name for name in ('etc', 'share', 'bin')))
 
 
-def _pull_from_where_this_copy_came(clone: Path) -> None:
+def _pull_from_origin(clone: Path) -> None:
     """Let the instructor pull from the project's origin; only root may read this copy."""
     origin = ('git', '-C', PROJECT, 'remote', 'get-url', 'origin')
     if found := subprocess.run(origin, capture_output=True, text=True).stdout.strip():
@@ -232,6 +232,8 @@ def _exchange(settings: Settings) -> None:
 
 def _separate_networks(settings: Settings, venv: Path) -> str:
     """Give each kernel of an environment its own network, or return why that is impossible."""
-    reason = worlds.refused(settings.students[0] if settings.students else settings.instructor)
+    reason = worlds.namespace_refusal(
+        settings.students[0] if settings.students else settings.instructor
+    )
     worlds.install(venv, separate=not reason)
     return reason

@@ -17,7 +17,7 @@ FALLBACK = (
 )
 
 
-def refused(user: str) -> str:
+def namespace_refusal(user: str) -> str:
     """
     Find out whether a user may create a network namespace.
 

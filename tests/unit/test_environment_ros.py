@@ -9,7 +9,7 @@ import pytest
 
 from environment import describe, install_files
 from environment.places import Places, PROJECT
-from environment.ros import EnvironmentError_, FILE_NAME, ros_environment, RosEnvironment
+from environment.ros import FILE_NAME, ros_environment, RosEnvironment, RosEnvironmentError
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_course_without_a_package_is_described_without_one(places):
 
 
 def test_ros_environment_missing_names_doctor(tmp_path):
-    with pytest.raises(EnvironmentError_, match='make doctor') as caught:
+    with pytest.raises(RosEnvironmentError, match='make doctor') as caught:
         ros_environment(tmp_path)
     assert FILE_NAME in str(caught.value)
 
@@ -47,7 +47,7 @@ def test_ros_environment_missing_names_doctor(tmp_path):
 def test_ros_environment_damaged_names_doctor(tmp_path, text):
     (tmp_path / FILE_NAME).write_text(text)
 
-    with pytest.raises(EnvironmentError_, match='make doctor'):
+    with pytest.raises(RosEnvironmentError, match='make doctor'):
         ros_environment(tmp_path)
 
 

@@ -70,7 +70,7 @@ def test_the_trial_of_a_world_reads_no_file_of_the_project(
         return subprocess.CompletedProcess(command, 0, '', '')
 
     monkeypatch.setattr(worlds.subprocess, 'run', run)
-    assert worlds.refused('bob') == ''
+    assert worlds.namespace_refusal('bob') == ''
     assert not any(str(HERE) in word for word in commands[0])
 
 

@@ -16,7 +16,7 @@ from rich.console import Console
 
 from autograder import __main__ as command
 from autograder.classroom.collected import (
-    names_to_write_to,
+    names_for_email,
     not_collected,
     NotCollected,
     read_not_collected,
@@ -144,7 +144,7 @@ class TestShown:
     def test_a_student_is_named_once(self):
         two = [NotCollected('ann', TALK, PDF), NotCollected('ann', LISTEN, PDF)]
 
-        assert names_to_write_to(two) == 'ann'
+        assert names_for_email(two) == 'ann'
 
 
 def test_forgotten_student_leaves_the_list(tmp_path, layout):

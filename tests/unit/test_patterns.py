@@ -405,7 +405,7 @@ class TestManaged:
         for last in ('-212 is refused', 'not -2.1e+02 bar'):
             texts = ['-1 is refused', '0 is refused', last]
 
-            found = managed_pressure._why_untold(run, texts, refused)
+            found = managed_pressure._why_not_logged(run, texts, refused)
 
             assert found.cause_id == 'rounded_in_text'
 

@@ -79,9 +79,9 @@ def test_an_unknown_route_is_refused(files, capsys):
     assert 'moon: no such route. Try one of: this-machine, plain-user' in capsys.readouterr().err
 
 
-def test_of_sample_class_counts_submissions():
+def test_sample_class_result_counts_submissions():
     """A submission for review counts too."""
-    assert routes.of_sample_class(REPORT) == '3 submissions, `bwrap-user`'
+    assert routes.sample_class_result(REPORT) == '3 submissions, `bwrap-user`'
 
 
 @pytest.mark.parametrize(
@@ -93,10 +93,10 @@ def test_of_sample_class_counts_submissions():
         ('bwrap-user', 'landlock', 'expected full isolation, got landlock'),
     ],
 )
-def test_of_sample_class_refuses_less(old, new, words):
+def test_sample_class_result_refuses_less(old, new, words):
     """With missing submissions, lost points or weak isolation, a route does not count."""
     with pytest.raises(routes.RouteFailed, match=words):
-        routes.of_sample_class(REPORT.replace(old, new))
+        routes.sample_class_result(REPORT.replace(old, new))
 
 
 def test_commands_of_the_hubs_page_end_with_its_start():

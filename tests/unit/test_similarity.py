@@ -6,7 +6,13 @@ import json
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.classroom.similarity import compare, finished, given_lines, lines_of, WARNING
+from autograder.classroom.similarity import (
+    compare,
+    finished_package,
+    given_lines,
+    lines_of,
+    WARNING,
+)
 from autograder.commands.similar import similar_text
 from autograder.grading.pipeline import load_lesson
 from autograder.layout import Layout
@@ -176,11 +182,11 @@ def test_a_lesson_that_asks_for_its_nodes_is_compared_with_the_package():
     """Other lessons are not compared with a package."""
     layout = Layout.here()
     lessons = {name: load_lesson(layout, name) for name in ('03_topics', '07_temperature_monitor')}
-    nodes, package = finished(layout, lessons['07_temperature_monitor']).values()
+    nodes, package = finished_package(layout, lessons['07_temperature_monitor']).values()
 
     assert set(nodes) == {'temp_publisher.py', 'temp_subscriber.py'}
     assert {'threshold.py', *nodes} < set(package)
-    assert finished(layout, lessons['03_topics']) == {}
+    assert finished_package(layout, lessons['03_topics']) == {}
 
 
 def test_a_name_of_ros_is_no_name_of_the_students():

@@ -150,12 +150,12 @@ def tells_why(run: Run) -> None:
         raise Failed(
             expected=f'{len(refused)} refusals, each with one ERROR line that shows the limit',
             observed=lines(len(found), ERROR) + '; NaN was accepted' * taken,
-            why=WHY['accepts_nan'] if taken else _why_untold(run, found, refused),
+            why=WHY['accepts_nan'] if taken else _why_not_logged(run, found, refused),
             shown_by=logged,
         )
 
 
-def _why_untold(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cause | None:
+def _why_not_logged(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cause | None:
     part = run.recording.phase('refused')
     if not all(field_of(one, 'results.0.successful') for one in part.answers(SETTING)):
         return lifecycle.NO_PARAMETER
