@@ -48,7 +48,7 @@ def is_disk_full(error: BaseException) -> bool:
     return isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
-def of_system(error: OSError, where: str = 'the system') -> GraderError:
+def from_os_error(error: OSError, where: str = 'the system') -> GraderError:
     """
     Convert an error of the operating system to a grader error with a one-line explanation.
 
@@ -73,7 +73,7 @@ def defect(error: Exception, where: str) -> GraderError:
     :param where: what the grader was working on, such as the exam's name
     """
     if isinstance(error, OSError) and is_disk_full(error):
-        return of_system(error, where)
+        return from_os_error(error, where)
     return GraderError(
         f'{where}: the grader failed with {type(error).__name__}: {error}.',
         'Please report this with the submission.',

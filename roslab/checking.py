@@ -58,11 +58,11 @@ def check(exam: Any = None) -> CheckReport:
 
 def _run(exam: Any, package: LearnerPackage) -> CheckReport:
     if not isinstance(exam, str):
-        return _no_name(exam)
+        return _ask_for_name(exam)
     try:
         about = catalog.load(exam, hidden=False)
     except ExamInvalid as error:
-        return _no_such(exam, error)
+        return _unknown_exam(exam, error)
     files = package.files() if package.folder.is_dir() else {}
     if not files:
         return _not_checked(
@@ -110,7 +110,7 @@ def _not_checked(
     return CheckReport(exam, problem=Problem(place, expected, got, try_this))
 
 
-def _no_name(given: Any) -> CheckReport:
+def _ask_for_name(given: Any) -> CheckReport:
     """Explain that ``check`` needs the name of an exercise, and suggest one."""
     meant = _exercise_of(given)
     names = [meant] if meant else _exercises_here() or catalog.names(hidden=False)
@@ -147,7 +147,7 @@ def _exercises_here() -> list[str]:
     return [name for name in dict.fromkeys(named) if name in known]
 
 
-def _no_such(exam: str, error: ExamInvalid) -> CheckReport:
+def _unknown_exam(exam: str, error: ExamInvalid) -> CheckReport:
     names = catalog.names(hidden=False)
     if exam in names:
         got = error.what.rstrip('.')

@@ -95,7 +95,7 @@ def inseparable_slips(exam: Exam) -> Iterator[str]:
     """
     seen: dict[str, str] = {}
     for number in range(SECRETS if exam.asks else 0):
-        other = catalog.drawn(exam.name, f'secret {number}')
+        other = catalog.load_with_secret(exam.name, f'secret {number}')
         for name, asked in other.asks.items():
             for mistake in asked.mistakes():
                 seen.setdefault(f'{name}: {mistake}', f'secret {number}')

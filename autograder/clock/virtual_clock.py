@@ -92,7 +92,7 @@ class VirtualClock:
         return int(_PAGE.unpack_from(self.page)[2])
 
 
-def built() -> tuple[str, str]:
+def clock_programs() -> tuple[str, str]:
     """
     Return the paths of the driver and of the library.
 
@@ -113,7 +113,7 @@ def virtual_clock(places: int) -> Iterator[VirtualClock]:
     :param places: number of processes that the run starts; their children get further places
     :raises SandboxUnavailable: if the set-up has not built the clock
     """
-    driver_file, library = built()
+    driver_file, library = clock_programs()
     pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
     for _, theirs in pairs:
         # Set this before a process sends its first message: the driver reads the process id from

@@ -32,7 +32,7 @@ FEW = 20
 """Maximum number of notebooks read to distinguish a class from the copies of one student."""
 
 
-class Found(NamedTuple):
+class SourceContents(NamedTuple):
     """
     The contents of a source.
 
@@ -47,7 +47,9 @@ class Found(NamedTuple):
     single: bool
 
 
-def find_deliveries(tree: Tree, course: Course, kind: str = '', prefix: str = '') -> Found:
+def find_deliveries(
+    tree: Tree, course: Course, kind: str = '', prefix: str = ''
+) -> SourceContents:
     """
     Return all deliveries in a source.
 
@@ -56,7 +58,7 @@ def find_deliveries(tree: Tree, course: Course, kind: str = '', prefix: str = ''
     :raises UnusableUploadError: if ``kind`` or ``prefix`` does not fit the source, or the source
         is an exchange with several courses
     """
-    chosen, place = (kind, None) if kind else recognised(tree)
+    chosen, place = (kind, None) if kind else recognise_platform(tree)
     if system := SYSTEMS.get(chosen):
         if prefix:
             raise UnusableUploadError(
@@ -90,10 +92,10 @@ def find_deliveries(tree: Tree, course: Course, kind: str = '', prefix: str = ''
     known |= {system.needs} if system else set()
     why = f'not named the way {chosen} names submissions'
     left += [unclaimed(name, why) for name in place if name not in known]
-    return Found(chosen, deliveries, tuple(left), chosen not in (FOLDER, EXCHANGE))
+    return SourceContents(chosen, deliveries, tuple(left), chosen not in (FOLDER, EXCHANGE))
 
 
-def recognised(tree: Tree) -> tuple[str, Level | None]:
+def recognise_platform(tree: Tree) -> tuple[str, Level | None]:
     """Return the platform that recognises most names, and the level with these names."""
     places = _levels(tree)
     for place in places:

@@ -19,7 +19,7 @@ import sys
 from typing import Any, TYPE_CHECKING
 
 from autograder.commands import describe, JSON, OK, option, takes, USAGE, VISIBLE
-from autograder.errors import GraderError, of_system, SandboxUnavailable, UsageError
+from autograder.errors import from_os_error, GraderError, SandboxUnavailable, UsageError
 from autograder.layout import Layout
 from autograder.results import Problem
 from environment.ros import RosEnvironmentError
@@ -138,7 +138,7 @@ def _what_and_fix(error: Exception) -> tuple[str, str]:
         what = f'{sys.executable}: this Python has no module {error.name}.'
         return what, 'Try: make grade, or .venv/bin/python -m autograder'
     if isinstance(error, OSError) and error.strerror:
-        said = of_system(error)
+        said = from_os_error(error)
         return said.what, said.fix
     what, found, fix = str(error).partition('Try: ')
     return what, found + fix

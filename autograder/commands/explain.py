@@ -97,7 +97,7 @@ def evidence(
     for submission in discover(folder, lesson.assignment, lesson.notebook, ()):
         if submission.student == student:
             files = lesson.files(open_one(submission, lesson))[exam.name].files
-            now = _now(layout, exam, verdict, files, exam_result)
+            now = _compare_with_now(layout, exam, verdict, files, exam_result)
     path = layout.recordings / exam.name / exam_result.recording
     recording = None
     with suppress(RecordingInvalid):
@@ -113,7 +113,7 @@ def evidence(
         'isolation': exam_result.mode,
         'flags': list(result.flags),
         'recording': _about(path, recording, files) if recording else None,
-        **(_around(exam, verdict.check, files, recording) if recording else {}),
+        **(_events_around(exam, verdict.check, files, recording) if recording else {}),
     }
 
 
@@ -160,7 +160,7 @@ def _find(
     )
 
 
-def _now(
+def _compare_with_now(
     layout: Layout,
     exam: Exam,
     verdict: CheckResult,
@@ -201,7 +201,7 @@ def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[s
     }
 
 
-def _around(
+def _events_around(
     exam: Exam, name: str, files: Mapping[str, str], recording: Recording
 ) -> dict[str, Any]:
     """Return the first deviation, the events around it, and the last inputs before it."""

@@ -26,7 +26,7 @@ from autograder.classroom.people import extensions, read_people
 from autograder.classroom.results_of_class import modes, ran_s, results_of_others
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, slowest_text
-from autograder.errors import GraderError, of_system, UsageError
+from autograder.errors import from_os_error, GraderError, UsageError
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
 from autograder.gradebook.database import refuse_damaged
@@ -327,7 +327,7 @@ class Grading:
                 write_all_reports(layout, assignment, everybody, summary), layout
             )
         except OSError as error:  # Print the table first, then report the error.
-            unwritten = str(of_system(error, str(layout.reports)))
+            unwritten = str(from_os_error(error, str(layout.reports)))
         print_table(console, assignment, results, read_people(layout), missing)
         console.print(summary, highlight=False, markup=False)
         if where:

@@ -81,7 +81,7 @@ def load(name: str, hidden: bool = True) -> Exam:
     return exam
 
 
-def drawn(name: str, secret: str) -> Exam:
+def load_with_secret(name: str, secret: str) -> Exam:
     """
     Return a hidden exam with inputs drawn from a given secret instead of the course secret.
 

@@ -7,7 +7,7 @@ answers, not the reason for them.
 
 from collections.abc import Sequence
 
-from autograder.exam.specification import Cause, in_order, Specification
+from autograder.exam.specification import Cause, sorted_answers, Specification
 
 QUEUE = 'Drop nothing: give your own list or queue no maximum size.'
 DEPTH = 'Give create_subscription() the depth 10, and store no message for later.'
@@ -79,7 +79,7 @@ def why_burst_cut(asked: Specification, came: tuple[object, ...]) -> Cause | Non
     due = list(asked.due(asked.inputs))[-asked.burst :]
     for count in range(1, asked.burst):
         first, last = (
-            asked.like(in_order(part for one in some for part in one), came)
+            asked.like(sorted_answers(part for one in some for part in one), came)
             for some in (due[:count], due[-count:])
         )
         if first and not last:

@@ -135,7 +135,7 @@ class Specification:
         found = list(rule(self.inputs))
         if not self.burst:
             return found
-        return [*found[: -self.burst], together(found[-self.burst :])]
+        return [*found[: -self.burst], merge_answers(found[-self.burst :])]
 
     def row(self, place: int) -> Sequence[Any]:
         """Return the input at an index, or the whole burst."""
@@ -203,14 +203,14 @@ class Specification:
                     yield f'no input distinguishes {name} from {other}'
 
 
-def together(answers: Sequence[Any]) -> Any:
+def merge_answers(answers: Sequence[Any]) -> Any:
     """Merge several answers: the sum of numbers, or all parts of tuples in a fixed order."""
     if all(isinstance(one, tuple) for one in answers):
-        return in_order(part for one in answers for part in one)
+        return sorted_answers(part for one in answers for part in one)
     return sum(answers)
 
 
-def in_order(answers: Iterable[Any]) -> tuple[Any, ...]:
+def sorted_answers(answers: Iterable[Any]) -> tuple[Any, ...]:
     """Sort answers of any types into an order that is independent of their arrival."""
     return tuple(sorted(answers, key=_order))
 

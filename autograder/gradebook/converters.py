@@ -28,7 +28,7 @@ from nbgrader.coursedir import CourseDirectory
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
 from traitlets.config import Config
 
-from autograder.errors import GraderError, is_disk_full, of_system
+from autograder.errors import from_os_error, GraderError, is_disk_full
 from autograder.gradebook.database import address, database_failure, load_config, refusal
 from autograder.gradebook.journal import refuse_incomplete
 from autograder.layout import Layout
@@ -127,7 +127,7 @@ def _run(
             command.start()
         except NbGraderException as error:
             if isinstance(command.failure, OSError):
-                raise of_system(command.failure, str(layout.work)) from error
+                raise from_os_error(command.failure, str(layout.work)) from error
             if isinstance(command.failure, SQLAlchemyError):
                 raise refusal(layout, command.failure) from error
             raise

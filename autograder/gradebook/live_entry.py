@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from autograder.classroom.people import extensions
-from autograder.errors import GraderError, of_system
+from autograder.errors import from_os_error, GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.gradebook import journal
 from autograder.gradebook.database import dump_instructions, has_gradebook, load_config, save_copy
@@ -200,7 +200,7 @@ class LiveEntry:
         except GraderError as error:
             return self.new + len(self.waiting), str(error)
         except OSError as error:
-            return self.new + len(self.waiting), str(of_system(error, str(self.layout.work)))
+            return self.new + len(self.waiting), str(from_os_error(error, str(self.layout.work)))
         return self.new, ''
 
     def _enter(self) -> None:

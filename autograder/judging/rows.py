@@ -24,7 +24,7 @@ from autograder.exam.slips import (
     SEVERAL_ANSWERS,
     UNASKED,
 )
-from autograder.exam.specification import in_order, Specification
+from autograder.exam.specification import sorted_answers, Specification
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import acts_by_cause, cause_of
@@ -86,7 +86,7 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
         for row in rows(run, ask, run.recording.messages(topic))
     ]
     if run.asked(ask).burst and found[-1]:  # several threads may answer in any order
-        found[-1] = in_order(found[-1])
+        found[-1] = sorted_answers(found[-1])
     return found
 
 

@@ -21,7 +21,7 @@ import subprocess
 from typing import Any, BinaryIO
 import weakref
 
-from autograder.clock.virtual_clock import built
+from autograder.clock.virtual_clock import clock_programs
 from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confinement import end_group, Limits, Program
@@ -96,13 +96,13 @@ class ForkServer:
 
     def _start(self, channel: socket.socket) -> subprocess.Popen[bytes]:
         pipes: dict[str, Any] = {'stdin': channel, 'stdout': subprocess.DEVNULL}
-        variables = {**self.loaded.program.variables, 'LD_PRELOAD': built()[1]}
+        variables = {**self.loaded.program.variables, 'LD_PRELOAD': clock_programs()[1]}
         program = replace(self.loaded.program, variables=variables)
         if self.loaded.boxed:
             options = self.sandbox.bwrap(program, Limits(), (), [ENTER])
             options += ['--remount-ro', '/tmp', '--remount-ro', '/dev/shm']
             return sandboxes.start_bwrap(options, program.argv, (), **pipes)
-        argv, variables = self.sandbox.outside(program, Path(sandboxes.HOME), 0)
+        argv, variables = self.sandbox.host_command(program, Path(sandboxes.HOME), 0)
         del variables['TMPDIR']  # a program in namespaces has its own /tmp
         return subprocess.Popen(argv, env=variables, cwd='/', **{**sandboxes.PIPES, **pipes})
 

@@ -222,7 +222,7 @@ class Sandbox:
         self, program: Program, limits: Limits, home: Path, inherited: Sequence[int]
     ) -> ConfinedProgram:
         claimed = landlock.claim_free_domain()
-        argv, variables = self.outside(program, home, claimed.domain, limits)
+        argv, variables = self.host_command(program, home, claimed.domain, limits)
         if self.facts.landlock:
             rules = {**self.landlock_rules(program, str(home)), 'inherited': list(inherited)}
             if rules['uid']:
@@ -240,7 +240,7 @@ class Sandbox:
         confined.supervised, confined.claimed = self.facts.landlock, claimed
         return confined
 
-    def outside(
+    def host_command(
         self, program: Program, home: Path, domain: int, limits: Limits | None = None
     ) -> tuple[list[str], dict[str, str]]:
         """
@@ -250,12 +250,12 @@ class Sandbox:
         """
         inside = {guest: host for host, guest in program.binds.items()}
         variables = {
-            name: _outside(value, inside)
+            name: _host_path(value, inside)
             for name, value in self.variables(program, str(home), domain).items()
         }
         prefix = ['setpriv', '--pdeathsig', 'KILL', '--']  # end the program if the grader ends
         prefix += limits.argv(self.processes()) if limits else []
-        argv = [*prefix, *(_outside(word, inside) for word in program.argv)]
+        argv = [*prefix, *(_host_path(word, inside) for word in program.argv)]
         return argv, {**variables, 'TMPDIR': str(home)}
 
     def processes(self) -> int:
@@ -335,7 +335,7 @@ def _parents(path: str) -> list[str]:
     return argv
 
 
-def _outside(text: str, inside: Mapping[str, str]) -> str:
+def _host_path(text: str, inside: Mapping[str, str]) -> str:
     """Translate a sandbox path to a host path, for modes without separate file systems."""
     for guest, host in inside.items():
         if text == guest or text.startswith(f'{guest}/'):

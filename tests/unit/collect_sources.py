@@ -8,7 +8,7 @@ import zipfile
 import pytest
 
 from autograder.collect import copy_notebooks as collecting
-from autograder.collect.recognise import recognised
+from autograder.collect.recognise import recognise_platform
 from autograder.collect.source import deliveries
 from autograder.collect.source.deliveries import opened
 from autograder.layout import Layout
@@ -82,7 +82,7 @@ def table(rows) -> dict[tuple[str, str], str]:
 
 def kind(source: Path) -> str:
     with opened(source) as found:
-        return recognised(found)[0]
+        return recognise_platform(found)[0]
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:

@@ -29,7 +29,7 @@ from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import write_reports
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.recognise import recognised
+from autograder.collect.recognise import recognise_platform
 from autograder.collect.source.deliveries import opened
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
@@ -58,7 +58,7 @@ class TestEveryKind:
     def test_it_is_recognised(self, files, kind, how, tmp_path):
         """The names in a source are enough to recognise its platform."""
         with opened(how(tmp_path / 'source.zip', files)) as found:
-            assert recognised(found)[0] == kind
+            assert recognise_platform(found)[0] == kind
 
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
         self, files, kind, how, tmp_path, layout

@@ -9,7 +9,7 @@ from autograder.exam.exam import Failed, Run
 from autograder.exam.specification import Specification
 from autograder.exams.visible import inspector, limit_keeper, pilot
 from autograder.exams.visible.limit_keeper import LIMIT, Reading
-from autograder.exams.visible.pilot import joining, Told
+from autograder.exams.visible.pilot import joining, PilotInput
 from autograder.recording import Recording
 
 SECRETS = [str(number) for number in range(10)]
@@ -34,11 +34,16 @@ class TestJoining:
     rule = staticmethod(joining())
 
     def test_nothing_is_due_before_all_have_come(self):
-        assert self.rule([Told(0, 0.5, 1.0), Told(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
+        assert self.rule([PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
         """Once both inputs are fresh again, the latest of both is due."""
-        inputs = [Told(0, 0.5, 0.5), Told(1, 0.2, 2.5), Told(1, 0.3, 0.5), Told(0, 0.0, 0.5)]
+        inputs = [
+            PilotInput(0, 0.5, 0.5),
+            PilotInput(1, 0.2, 2.5),
+            PilotInput(1, 0.3, 0.5),
+            PilotInput(0, 0.0, 0.5),
+        ]
 
         assert self.rule(inputs) == [
             (),
@@ -71,14 +76,14 @@ class TestInputsOfThePilot:
 
     def test_any_timer_publishes_all_that_is_due(self, secret):
         """Every command is due long enough for at least one tick."""
-        asked = catalog.drawn('pilot', secret).asks['commands']
+        asked = catalog.load_with_secret('pilot', secret).asks['commands']
         for hundredth in range(50):
             assert ticked(asked.inputs, hundredth / 100 + 0.003) == asked.answers
 
     def test_no_two_inputs_are_whole_periods_apart(self, secret):
         """A timer that is created when one input arrives never ticks when another arrives."""
         times = [0.0]
-        for one in catalog.drawn('pilot', secret).asks['commands'].inputs[:-1]:
+        for one in catalog.load_with_secret('pilot', secret).asks['commands'].inputs[:-1]:
             times.append(times[-1] + one.lasts_s)
         gaps = [(later - earlier) / pilot.PERIOD_S for earlier, later in combinations(times, 2)]
 

@@ -19,7 +19,7 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
     """One command is a stop; only fast commands reveal a wrong limit."""
-    asked = catalog.drawn('safety_stop', secret).asks['commands']
+    asked = catalog.load_with_secret('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]
     fast = [asked.inputs[place].speed for place in places(asked, silent=False, fast=True)]

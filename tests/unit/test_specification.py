@@ -131,7 +131,7 @@ class TestMistakes:
         """Drawing with a different secret does not change the exam in use."""
         before = catalog.load('running_mean')
 
-        other = catalog.drawn('running_mean', 'another secret')
+        other = catalog.load_with_secret('running_mean', 'another secret')
 
         assert catalog.load('running_mean') is before
         assert other.scenario != before.scenario

@@ -15,7 +15,7 @@ from itertools import groupby
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
 from autograder.exam.slips import leaving_out
-from autograder.exam.specification import each, in_order, Rule, Specification
+from autograder.exam.specification import each, Rule, sorted_answers, Specification
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import safe_quotation
@@ -81,7 +81,7 @@ def new_maps(run: Run) -> list[Maps | None]:
 def compared(run: Run) -> list[Maps | None]:
     """Return the new maps; those of a burst are sorted, as threads may publish in any order."""
     *singles, last = new_maps(run)
-    return [*singles, in_order(last) if last and run.asked('maps').burst else last]
+    return [*singles, sorted_answers(last) if last and run.asked('maps').burst else last]
 
 
 def has_a_map_from_the_start(run: Run) -> None:

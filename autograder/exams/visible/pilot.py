@@ -44,7 +44,7 @@ Heard = Sequence[Sequence[float]]
 WHY = Causes(__file__, OLD_S=OLD_S)
 
 
-class Told(NamedTuple):
+class PilotInput(NamedTuple):
     """
     One input.
 
@@ -89,7 +89,7 @@ def joining(
     :param clock: returns the time that the node reads, given the time since the first input [s]
     """
 
-    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+    def rule(inputs: Sequence[PilotInput]) -> list[tuple[Any, ...]]:
         heard: list[list[float]] = [[] for _ in BOTH]
         came_s, now_s, stopped = [0.0, 0.0], 0.0, False
         found = []
@@ -121,7 +121,7 @@ def queueing(begins_s: float) -> Rule:
     :param begins_s: time from the first input to the next tick [s]
     """
 
-    def rule(inputs: Sequence[Told]) -> list[tuple[Any, ...]]:
+    def rule(inputs: Sequence[PilotInput]) -> list[tuple[Any, ...]]:
         waiting: list[list[float]] = [[] for _ in BOTH]
         came_s, now_s, ticks, found = [0.0, 0.0], 0.0, 0, []
         for topic, number, lasts_s in inputs:
@@ -268,7 +268,7 @@ def stops_when_one_is_old(run: Run) -> None:
     _require_commands(run, stops=True)
 
 
-def build(inputs: Sequence[Told]) -> Exam:
+def build(inputs: Sequence[PilotInput]) -> Exam:
     """
     Return the exam for some inputs.
 
@@ -306,7 +306,7 @@ def build(inputs: Sequence[Told]) -> Exam:
     return exam
 
 
-def journey(values: Sequence[float], first: int = 0) -> list[Told]:
+def journey(values: Sequence[float], first: int = 0) -> list[PilotInput]:
     """
     Return inputs in which the messages of each topic begin, pause, resume and repeat a value.
 
@@ -320,7 +320,7 @@ def journey(values: Sequence[float], first: int = 0) -> list[Told]:
     numbers = [*values[:4], 0.0, *values[4:7], 0.0, *values[7:13], *list(values[13:]) * 3]
     lasts = {5: LONG_S, 10: MIDDLE_S, 12: MIDDLE_S}
     return [
-        Told(topic, number, lasts.get(place, SHORT_S))
+        PilotInput(topic, number, lasts.get(place, SHORT_S))
         for place, (topic, number) in enumerate(zip(topics, numbers, strict=True))
     ]
 
