@@ -67,6 +67,7 @@ def _comparisons(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...
         slip('upper_bound', rule(lambda value, limit: limit < value <= HIGHEST)),
         slip('cut_off', *map(cutting, CUTS)),
         slip('nan', rule(lambda value, limit: math.isnan(value) or value > limit)),
+        slip('ignores_infinity', rule(lambda value, limit: limit < value < math.inf)),
     )
 
 

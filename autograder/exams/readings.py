@@ -146,10 +146,6 @@ UNIT_SLIPS = (
     ),
     WHY.slip('any_case', takes_for(str.capitalize)),
     WHY.slip(
-        'ignores_infinity',
-        warns(celsius=lambda one: None if math.isinf(one.value) else one.celsius),
-    ),
-    WHY.slip(
         'unknown_unit',
         warns(celsius=lambda one: one.value if one.celsius is None else one.celsius),
     ),

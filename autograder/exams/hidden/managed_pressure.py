@@ -29,7 +29,7 @@ _edges = [
     round(-_first - _draw.uniform(1.0, 3.0), 2),  # only its absolute value is above the limit
     round(_draw.uniform(500.0, 900.0), 1),  # above the limit, but not a sensor fault
     _between(),
-    *(0.0, math.nan),
+    *(0.0, math.nan, math.inf),
 ]
 _draw.shuffle(_edges)
 _again = _high()
