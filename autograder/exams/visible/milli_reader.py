@@ -31,7 +31,12 @@ SOURCE, TARGET = '/raw', '/readings'
 SOURCE_TYPE = 'temp_monitor_pkg/msg/Num'
 TARGET_TYPE = 'temp_monitor_pkg/msg/Temperature'
 CLOCK = RosClock(begins_s=5_000.1)  # no tick falls on a whole second
-EVERY_S = 2.5  # between two numbers: enough for a thread that answers late [s]
+EVERY_S = 2.3
+"""
+Time between two numbers [s], enough for a thread that answers late.
+
+No timer of 0.5 s or 1 s ticks with every number, so a stamp that a timer took is detected.
+"""
 EXERCISE = 'Exercise 2: from one type to another'
 
 
