@@ -11,6 +11,7 @@ from functools import reduce
 from itertools import accumulate, pairwise
 import math
 from statistics import fmean
+import struct
 
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
@@ -114,6 +115,11 @@ def kept(change: Change) -> Rule:
     return averaging(answer)
 
 
+def single(number: float) -> float:
+    """Return a number rounded to a 32-bit float."""
+    return float(struct.unpack('f', struct.pack('f', number))[0])
+
+
 SLIPS = (
     WHY.slip('passes_on', averaging(lambda seen: seen[-1])),
     WHY.slip('sum', averaging(sum)),
@@ -136,6 +142,7 @@ SLIPS = (
         averaging(lambda seen: sum(seen) / (len(seen) - 1 or 1)),
         averaging(lambda seen: sum(seen) / (2 * len(seen))),
     ),
+    WHY.slip('single_precision', averaging(lambda seen: fmean(map(single, seen)))),
     WHY.slip('never_adds', averaging(lambda seen: 0.0)),
     WHY.slip('last_few', *map(of_the_last, (2, 3, 5, 10, 20, 25, 30, 50, 64, 100))),
     WHY.slip('each_once', averaging(lambda seen: fmean(set(seen)))),
