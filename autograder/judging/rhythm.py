@@ -257,6 +257,8 @@ def why_other_rhythm(
         return _why_wrong_rate(run, mean_s, period_s, what)
     if steady and len(found) < due - 1.5:
         return cause_of('stops', what=what, closer=[cause_of('used_up', act='next(1)')])
+    if change := _why_changed(gaps, period_s, grain_s, what):
+        return change
     periods = [gap / period_s for gap in gaps]
     whole = (
         abs(one - round(one)) * period_s <= max(grain_s, GRAIN_S * one * period_s)
@@ -265,6 +267,20 @@ def why_other_rhythm(
     if periods and not steady and min(periods) > 0.5 and all(whole):
         return cause_of('some_missing', what=what, period_s=period_s)
     return None
+
+
+def _why_changed(
+    gaps: Sequence[float], period_s: float, grain_s: float, what: str
+) -> Cause | None:
+    """Explain a rhythm that is right at first, and later even with a different period."""
+    right = next((n for n, gap in enumerate(gaps) if not _is(period_s, gap)), len(gaps))
+    later = gaps[right + 1 :]
+    if right < 2 or len(later) < 2 or max(later) - min(later) > grain_s:
+        return None
+    if _is(period_s, later[0]):
+        return None
+    words: dict[str, Any] = {'what': what, 'mean_s': later[0], 'period_s': period_s}
+    return cause_of('changes_rhythm', count=right + 1, **words)
 
 
 def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Cause:

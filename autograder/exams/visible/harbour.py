@@ -102,6 +102,10 @@ def _require_reports(run: Run, node: str, period_s: int) -> None:
                 or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )
         few = len(lines) < seconds // period_s or waited_s > period_s
+        every = own_logs(watch, node)
+        others = [one for one in every if one['level'] != INFO]
+        if few and others and abs(len(every) - seconds / period_s) <= 1.5:
+            return why_not_logged(run, others, INFO)
         return why_left_out(run, INFO, lines) if few else None
 
     require_period(run, lines, period_s, seconds, 'INFO line', explain, waited_s=waited_s)
