@@ -109,7 +109,7 @@ def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
     :param start: limit at the start, with one decimal; its fraction is below 0.5 [degC]
     """
     first = (start - 1.5, start + 1.25, start + 2.5, start + 2.5, start, start + 0.004)
-    for value in (*first, -90.0, math.nan, 300.0):
+    for value in (*first, -90.0, math.nan, 300.0, math.inf):
         yield Reading(value, 'a temperature', start, start, start)
     limit = tried = start
     for number, (name, wanted) in enumerate(changes, 1):
