@@ -235,7 +235,7 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
     people = read_people(layout)
     for result in results:
         of = f'{number(result.points)} of {number(result.max_points)} points'
-        said = f'for review: {result.fault}' if result.fault else of
+        said = f'for review: {result.review}' if result.review else of
         lines.append(f'{with_name(result.student, people)}, {result.assignment}: {said}')
         for exam in result.exams:
             for check in exam.checks:

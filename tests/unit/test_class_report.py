@@ -13,6 +13,7 @@ import pytest
 from autograder.classroom.pages import class_page, write_class_report, write_reports
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
+from autograder.commands.explain import verdicts_text
 from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
 from autograder.layout import Layout
@@ -224,6 +225,7 @@ class TestPage:
         index = (layout.reports / ASSIGNMENT / 'index.html').read_text('utf-8')
 
         assert numbers.review == (('zoe', cut.line()),)
+        assert f'for review: {cut.line()}'[:60] in ' '.join(verdicts_text(layout, results).split())
         assert numbers.marks.count == 1
         for text in (read(page).text, read(index).text):
             look = text.index('Worth a look')
