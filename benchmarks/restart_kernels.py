@@ -2,8 +2,8 @@
 Start and end kernels repeatedly, to find out whether they leave anything behind.
 
 Each kernel runs the cells of a small lesson: a node that logs, a listener, a node that fails, an
-interrupted wait.  Then it is shut down as by *Restart & Run All*, while its nodes are running.
-Afterwards the program looks for processes, for files of the middleware in ``/dev/shm`` and for
+interrupted wait.  Then the program shuts it down as *Restart & Run All* does, while its nodes run.
+Afterwards it looks for processes, for files of the middleware in ``/dev/shm`` and for
 nodes in the graph.  Threads are counted inside the kernel, because they end with it.
 """
 

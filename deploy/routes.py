@@ -179,7 +179,7 @@ def debootstrap(folder: Path, suite: str, *options: str) -> Path:
 
 
 def container(folder: Path) -> str:
-    """Build the image on a new Debian 12, and grade the sample class as compose.yaml runs it."""
+    """Build the image on a new Debian 12; grade the sample class with compose.yaml's options."""
     course = copy_of_project(folder)
     root = debootstrap(folder, 'bookworm')
     run(folder, 'tar', '-C', root, '-cf', folder / 'base.tar', '.')

@@ -50,7 +50,7 @@ class Plan:
         return self.interpreter
 
     def clean_environ(self) -> dict[str, str]:
-        """Return the shell's environment without variables that affect another Python."""
+        """Return the shell's environment without variables that harm the venv's programs."""
         return {k: v for k, v in self.environ.items() if k not in _HARMFUL}
 
     def description(self) -> RosEnvironment:

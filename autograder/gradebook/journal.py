@@ -141,7 +141,7 @@ class Journal:
         ]
 
     def note(self, entered: Sequence[Graded]) -> None:
-        """Append notes about submissions that were passed to nbgrader, if it has entered them."""
+        """Append a note for each of these submissions that nbgrader has entered."""
         rows = gradebook_values(self.layout, self.lesson.assignment)
         lines = [
             _json_line({'student': one.result.student, **self._line(one, rows)})

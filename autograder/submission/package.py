@@ -76,7 +76,7 @@ def read_package(folder: Path) -> dict[str, str]:
 
 def read_upload(path: Path) -> dict[str, str]:
     """
-    Return the texts of a script, a package folder or a zip file by relative path.
+    Return the text of each file in a script, package folder or zip file, by relative path.
 
     :param path: a ``.py`` file, or a folder or ``.zip`` file with one package at any depth
     :raises UnusableUploadError: if the path is none of these, or its content is not safe

@@ -155,7 +155,7 @@ def opened(source: Path, bounds: Bounds) -> Iterator[Tree]:
     except _DAMAGED as error:
         raise UnusableUploadError(
             f'{source}: the zip file cannot be read: {error}.',
-            'Try: download or pack it again, or give the unpacked folder',
+            'Try: download the zip file again, pack it again, or pass the unpacked folder',
         ) from error
 
 

@@ -69,7 +69,7 @@ def update(settings: Settings) -> None:
 
 
 def remove_old_copies(settings: Settings) -> None:
-    """Remove students' copies that no server uses, because no server is running."""
+    """Remove students' copies except the current one; call this only while no server runs."""
     for path in settings.folder.glob(f'{COPY}*'):
         if path != settings.copy.resolve():
             shutil.rmtree(path, ignore_errors=True)

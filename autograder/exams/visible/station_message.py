@@ -41,7 +41,7 @@ _CONSTANT = re.compile(r'(\S+)\s+(\w+)\s*=\s*(\S+)')
 
 def constants_of(text: str) -> dict[str, tuple[str, str]]:
     """
-    Return the constants of a message definition, name to (type, value).
+    Return the constants of a message definition as name -> (type, value).
 
     :param text: content of a .msg file
     """

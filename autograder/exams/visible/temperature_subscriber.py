@@ -284,7 +284,7 @@ def _why_deaf(run: Run) -> Cause | None:
 
 def build(readings: Sequence[Reading], burst: int = 0) -> Exam:
     """
-    Return the exam for some readings.
+    Return the exam that sends the given readings.
 
     :param readings: the first and the last single reading are cool and proper
     :param burst: number of readings at the end that are sent at once: in Celsius, the first one

@@ -158,7 +158,7 @@ def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause |
 
 
 def why_no_verdict(run: Run) -> Cause | None:
-    """Explain a lifecycle node that ended because a transition callback returned a wrong type."""
+    """Explain why a lifecycle node ended: a transition callback returned the wrong type."""
     found = _NO_VERDICT.search(str(run.recording.process.get('stderr', '')))
     if found is None:
         return None

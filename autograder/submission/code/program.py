@@ -24,7 +24,7 @@ _ONE_AT_A_TIME = threading.Lock()
 and warnings are switched off for all threads."""
 _MOST = 3  # maximum nesting of names and operations: hostile code may have thousands
 Scope = tuple[ast.AST | None, str]
-"""A function, or None for the file, and a name in it; names in a class begin with a dot."""
+"""A function (None: the whole file) and a name in it; a dot precedes names in a class."""
 
 
 class NotPythonError(ValueError):
