@@ -20,7 +20,7 @@ from autograder.errors import GraderError
 from autograder.exam.catalog import for_assignment
 from autograder.exam.exam import Exam
 from autograder.gradebook import converters
-from autograder.gradebook.record import unfit_points
+from autograder.gradebook.record import points_mismatches
 from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release
@@ -110,7 +110,7 @@ def unfit_checks(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Itera
                     f'{where}, cell {grade_id}: the exam needs the answer {needed}, but no cell '
                     'above has that id.'
                 )
-    yield from unfit_points(notebook, where, exams)
+    yield from points_mismatches(notebook, where, exams)
 
 
 # -- release --------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
 from autograder.classroom.people import class_list
-from autograder.classroom.tables import read_note
+from autograder.classroom.tables import read_json
 from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
@@ -67,7 +67,7 @@ def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
     try:
         return {
             (str(assignment), str(student)): Delivered(str(one['kind']), str(one['place']))
-            for assignment, students in (read_note(layout.delivered) or {}).items()
+            for assignment, students in (read_json(layout.delivered) or {}).items()
             for student, one in students.items()
         }
     except (KeyError, TypeError, AttributeError):
@@ -94,7 +94,7 @@ def save_delivered(layout: Layout, found: Deliveries, without: str = '') -> None
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
     """Return the entries of students whose work has not been collected since."""
     try:
-        kept = [NotCollected(**one) for one in read_note(layout.not_collected) or ()]
+        kept = [NotCollected(**one) for one in read_json(layout.not_collected) or ()]
         return tuple(one for one in kept if not _has_submission(layout, one))
     except TypeError:  # The file is damaged.
         return ()

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 import unicodedata
 
-from autograder.classroom.tables import parse_table, read_bytes, read_note
+from autograder.classroom.tables import parse_table, read_bytes, read_json
 from autograder.errors import GraderError
 from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
@@ -128,7 +128,7 @@ def read_people(layout: Layout) -> dict[str, str]:
 
 def saved_people(layout: Layout) -> dict[str, str]:
     """Return the names that ``collect`` has saved, by student id; none if they are damaged."""
-    found = read_note(layout.people)
+    found = read_json(layout.people)
     return _clean(found) if isinstance(found, dict) else {}
 
 

@@ -79,7 +79,7 @@ def read_bytes(path: Path, what: str, fix: str) -> bytes:
         raise GraderError(f'{path}: {what} cannot be read: {error.strerror}.', fix) from error
 
 
-def read_note(path: Path) -> Any:
+def read_json(path: Path) -> Any:
     """Return the content of a JSON file; None if it is missing or damaged."""
     data, _ = read_file(path, path.name)
     try:

@@ -159,7 +159,7 @@ def timestamp_of(folder: Path) -> str:
     return text
 
 
-def unfit_points(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
+def points_mismatches(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
     """Yield one line for each check cell of a notebook whose points differ from its exam's."""
     cells = {
         marks['grade_id'].removeprefix(CHECK_PREFIX): float(marks['points'])
@@ -195,5 +195,5 @@ def refuse_unfit_points(layout: Layout, lesson: Lesson) -> None:
         if not path.is_file():
             continue  # nbgrader reports a missing notebook in more detail.
         where = path.relative_to(layout.root).as_posix()
-        if wrong := list(unfit_points(read_release(path), where, lesson.exams)):
+        if wrong := list(points_mismatches(read_release(path), where, lesson.exams)):
             raise ExamInvalid(f'{" ".join(wrong)} No mark was changed.', f'Try: {fix}')

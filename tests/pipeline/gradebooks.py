@@ -155,7 +155,7 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
         return  # a test does not damage a server
     path.write_bytes(b'no database' * 100)
 
-    assert 'gradebook.db: the gradebook is damaged: ' in refused(course)
+    assert 'gradebook.db: the gradebook is damaged: ' in refusal_after_grading(course)
     assert path.read_bytes() == b'no database' * 100
 
 
@@ -171,14 +171,14 @@ def says_that_settings_are_wrong(course: Layout) -> None:
         "c.CourseDirectory.db_url = 'postgresql://u@localhost:port/g'": 'is not the address of',
     }.items():
         config.write_text(f'{text}\n{line}\n', encoding='utf-8')
-        why = refused(course)
+        why = refusal_after_grading(course)
         assert said in why, why
         assert due_dates(course).problem.startswith(
             'due dates unknown, because the gradebook cannot be read'
         )
 
 
-def refused(course: Layout, count: int = 1) -> str:
+def refusal_after_grading(course: Layout, count: int = 1) -> str:
     """Grade the class, and return why its submissions were not entered."""
     engine = FakeEngine()
     lesson = load_lesson(course, ASSIGNMENT, engine)

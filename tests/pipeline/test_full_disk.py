@@ -5,7 +5,7 @@ import errno
 
 from conftest import ASSIGNMENT
 from fake_engine import FakeEngine
-from gradebooks import grade, hand_in, refused
+from gradebooks import grade, hand_in, refusal_after_grading
 import pytest
 from rich.console import Console
 from sqlalchemy import event
@@ -79,7 +79,7 @@ def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
     """Writing the notebooks for nbgrader already fails."""
     with monkeypatch.context() as patch:
         patch.setattr(record, '_stage', no_room)
-        said = refused(class_, count=len(STUDENTS))
+        said = refusal_after_grading(class_, count=len(STUDENTS))
 
     assert said.startswith(f'{class_.work}: the disk is full. Try: free space on it')
     assert grade(class_) == len(STUDENTS)

@@ -334,7 +334,7 @@ class TestCommands:
         """Make the graded course the current one."""
         monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
 
-    def test_rejudge_ends_with_an_exit_code_if_points_are_kept(self, now):
+    def test_rejudge_returns_for_review_when_a_scenario_has_changed(self, now):
         """A different scenario needs a new run."""
         now(build(21, 0.07, 1.25))
 

@@ -79,7 +79,7 @@ class TestNumbers:
         assert marks.median == pytest.approx(4.995)
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
-    def test_one_submission_has_numbers_too(self):
+    def test_quartiles_of_a_single_submission_equal_its_mark(self):
         """With a single submission, every quartile is its mark."""
         marks = numbers_of(*with_points(7)).marks
 
@@ -102,7 +102,7 @@ class TestNumbers:
         assert {one.failed for one in numbers.checks} == {0}
         assert numbers.review == (('eve', 'The probe broke off. Grade it again.'),)
 
-    def test_a_class_for_review_has_no_marks(self):
+    def test_class_with_only_submissions_for_review_has_no_marks(self):
         numbers = numbers_of(REVIEW)
 
         assert numbers.marks is None

@@ -221,7 +221,7 @@ class TestHostileSources:
             collect(source, layout, layout.submitted)
 
     @pytest.mark.parametrize('how', [packed, laid])
-    def test_what_programs_leave_does_not_make_a_class_too_large(
+    def test_generated_files_do_not_count_towards_the_size_limit(
         self, how, tmp_path, layout, monkeypatch
     ):
         """Files that programs leave do not count, up to a higher limit."""

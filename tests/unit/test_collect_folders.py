@@ -175,7 +175,7 @@ class TestIdsOfFolders:
             collect(source, layout, layout.submitted, prefix='Li ')
 
 
-class TestNamesThatStudentsGive:
+class TestStudentChosenNames:
     """Only names from the platform determine how a class is read."""
 
     FORGED = (

@@ -31,7 +31,7 @@ def held(root):
     return process
 
 
-def unfinished(layout):
+def create_leftover_files(layout):
     """Return one file that a killed grading leaves, and two that belong to other programs."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
@@ -59,7 +59,7 @@ def test_what_a_killed_grading_left_goes(tmp_path):
     """The next grading removes the files, because the kernel has released the lock."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
-        half, *others = unfinished(layout)
+        half, *others = create_leftover_files(layout)
         first.kill()
         first.communicate()
     with lock_course(layout, 'a grading'):
@@ -67,7 +67,7 @@ def test_what_a_killed_grading_left_goes(tmp_path):
         assert all(path.exists() for path in others)
 
 
-def test_what_somebody_is_writing_stays(tmp_path, monkeypatch):
+def test_unfinished_file_of_a_running_process_is_kept(tmp_path, monkeypatch):
     """``run`` may keep a recording during a grading."""
     layout = Layout(tmp_path)
     path = layout.recordings / 'talker' / 'x.jsonl'
@@ -90,6 +90,6 @@ def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
     layout = Layout(tmp_path)
     with lock_course(layout, 'a grading'):
         pass
-    half, *_ = unfinished(layout)
+    half, *_ = create_leftover_files(layout)
     with lock_course(layout, 'a grading'):
         assert half.exists()

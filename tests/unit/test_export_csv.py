@@ -51,7 +51,7 @@ def marks_of(graded):
     return [dict(zip(rows[0], row)) for row in rows[1:]]
 
 
-def test_each_submission_has_a_line():
+def test_each_submission_has_a_row():
     """Each submission has a line, with numbers as numbers."""
     ann, bob, _, hostile = marks_of(CLASS)
 

@@ -64,7 +64,7 @@ def test_moodle_finds_the_participant(tmp_path, layout, download):
     assert names['Ann Example'].endswith('_file_feedback.html')
 
 
-def test_a_file_called_link_has_a_name_that_canvas_reads():
+def test_file_named_link_is_renamed_for_canvas():
     """A last part that begins with link is renamed, because Canvas reads it as a web address."""
     name = name_in_zip('7', Delivered('canvas', 'ann_7_88_my_link.ipynb'))
 

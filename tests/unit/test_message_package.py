@@ -75,7 +75,7 @@ class TestFields:
         'text',
         [RIGHT, RIGHT.replace(' ', '\t'), f'# stamp unit\nuint8 A=1\n{RIGHT}uint8 B = 2 # x\n'],
     )
-    def test_right_ones_pass_however_they_are_laid_out(self, text):
+    def test_correct_fields_pass_in_any_layout(self, text):
         """Comments, spaces and constants do not count."""
         require_fields(text, WANTED)
 

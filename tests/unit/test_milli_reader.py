@@ -128,7 +128,7 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
     assert failed.value.why.cause_id == cause
 
 
-def test_message_that_was_too_large_to_be_recorded_is_an_answer_too_many():
+def test_unrecorded_large_message_counts_as_extra_answer():
     """The message counts, and its missing data is not read."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}

@@ -118,7 +118,7 @@ class TestFile:
         with pytest.raises(RecordingInvalid, match=r'of version 1\. Try: grade again'):
             Recording.from_bytes(old, 'r.jsonl')
 
-    def test_line_that_is_no_event_is_refused(self, tmp_path):
+    def test_line_that_is_not_an_event_is_rejected(self, tmp_path):
         """A damaged line is not skipped."""
         path = tmp_path / 'r.jsonl'
         SAMPLE.save(path)

@@ -156,7 +156,7 @@ def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatc
         one.holder.close()
 
 
-def test_domain_that_the_user_has_set_stays(name, monkeypatch, capsys):
+def test_domain_set_by_the_user_is_kept(name, monkeypatch, capsys):
     """Other kernels avoid this domain; a second one with the same setting shares it."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '42')
     shell = Shell()

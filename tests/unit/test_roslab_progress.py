@@ -58,7 +58,7 @@ class TestRemember:
 
         assert len(read_results(file)['checks']) == 32
 
-    def test_notebook_outside_the_course_leaves_nothing(self, file, tmp_path, monkeypatch):
+    def test_notebook_outside_the_course_stores_no_progress(self, file, tmp_path, monkeypatch):
         """Tests execute copies of lessons in other folders."""
         monkeypatch.setenv(CHOSEN, str(file.parent.parent))
         monkeypatch.chdir(tmp_path)
