@@ -179,9 +179,11 @@ class TestNightWatch:
 
 class TestHarbour:
     @staticmethod
-    def keeper(*moments, code='create_timer(2.0, self.report)'):
-        """Return a run in which the keeper reports at these moments [s]."""
+    def keeper(*moments, code='create_timer(2.0, self.report)', warned=()):
+        """Return a run in which the keeper reports, or logs a warning, at these moments [s]."""
         lines = [log(moment, 'light on', name='harbour.keeper') for moment in moments]
+        lines += [log(moment, 'a ship', WARN, 'harbour.keeper') for moment in warned]
+        lines.sort(key=lambda line: line['clock_ns'])
         events = (log(0.1, 'I begin', name='harbour.keeper'), WATCHED, *lines, *RUNS)
         return Run({'harbour.py': code}, Recording({}, events), {'seconds': 8})
 
@@ -200,12 +202,21 @@ class TestHarbour:
             ((4.0, 8.0, 12.0), '', 'wrong_rate'),
             ((2.1, 2.1, 4.1, 4.1, 6.1, 6.1, 8.1, 8.1), '', 'several_at_once'),
             ((1.1, 2.1, 2.1, 3.1, 4.1, 4.1, 5.1, 6.1, 6.1, 7.1, 8.1, 8.1), '', 'other_node_logs'),
+            ((2.1, 4.1, 6.1, 7.1, 8.1, 9.1), '', 'changes_rhythm'),
             ((3.1, 4.1, 6.1, 8.1), '', None),
         ],
     )
     def test_other_rhythm_is_explained(self, moments, code, cause_id):
         """The program's code helps to explain silence."""
         run = self.keeper(*moments, code=code)
+
+        assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
+
+    @pytest.mark.parametrize(
+        ('warned', 'cause_id'), [((4.1,), 'wrong_level'), ((2.2, 6.2, 8.2), 'some_missing')]
+    )
+    def test_line_of_another_level_explains_only_the_line_that_it_replaces(self, warned, cause_id):
+        run = self.keeper(2.1, 6.1, 8.1, warned=warned)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
 
