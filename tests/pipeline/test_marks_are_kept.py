@@ -39,7 +39,7 @@ def use(course, monkeypatch):
     monkeypatch.setattr(grading, '_engine', lambda *_: nullcontext((Edited(), 1)))
     monkeypatch.setattr(catalog, 'for_assignment', lambda name, *_, **__: Edited().exams(name))
     monkeypatch.setattr(
-        rejudge, 'again', lambda folder, exam, files, old: (Edited().run(exam, files), '')
+        rejudge, 'judge_again', lambda folder, exam, files, old: (Edited().run(exam, files), '')
     )
 
 
