@@ -15,7 +15,6 @@ import sys
 
 from autograder.commands import OK, USAGE
 from autograder.commands.check import REFUSALS, refuse, sandbox_for
-from autograder.commands.run import find_tasks
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import printable
@@ -24,8 +23,11 @@ from autograder.layout import Layout
 from autograder.results import ExamResult, Problem
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.cells import UNSOLVED
+from autograder.submission.extract import extract
 from autograder.submission.notebook import marks_of, read_release
 from autograder.submission.package import name_missing
+from autograder.submission.reading import read_file
+from autograder.submission.submission import open_submission
 from autograder.workflow.report import Checked, classroom_result, error_commands, summary
 
 
@@ -72,18 +74,21 @@ def _of_notebook(
     path: Path, exams: Sequence[Exam], layout: Layout, sandbox: Sandbox
 ) -> Iterator[Checked]:
     """Yield the outcome of each exam of a notebook."""
-    name, text = path.relative_to(layout.root).as_posix(), path.read_text('utf-8', 'replace')
-    cells = read_release(path)['cells']
-    sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in cells}
-    for task in find_tasks(path, exams, layout):
-        exam, files = task.exam, task.files
-        if not task.problems and any(UNSOLVED in one for one in files.values()):
+    name = path.relative_to(layout.root).as_posix()
+    data, problems = read_file(path, path.name)
+    release = read_release(path)  # the student's copy, because the repository has no other
+    opened = open_submission(data, release, path.name, problems)
+    sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in release['cells']}
+    for exam, files in zip(exams, extract(opened, exams, release, path.name).values()):
+        said = (*opened.problems, *files.problems)
+        if not said and any(UNSOLVED in text for text in files.files.values()):
             yield _unwritten(name, exam, sandbox)
             continue
-        result = examine(exam, files, sandbox=sandbox)
-        result = result if task.problems else name_missing(result, files)
+        result = examine(exam, files.files, sandbox=sandbox)
+        result = result if said else name_missing(result, files.files)
+        text = (data or b'').decode('utf-8', 'replace')
         source = next((sources[cell] for cell in exam.cells if cell in sources), '')
-        yield Checked(name, text, source, True, result, _lines(task.problems))
+        yield Checked(name, text, source, True, result, _lines(said))
 
 
 def _unwritten(name: str, exam: Exam, sandbox: Sandbox, problems: tuple[str, ...] = ()) -> Checked:
