@@ -8,30 +8,26 @@ instant may change places.
 
 import argparse
 from collections import Counter, defaultdict
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 import json
 import os
 import sys
 import time
 from typing import Any
 
-from autograder.authoring.sample_class import compose, samples
-from autograder.grading.pipeline import load_lesson, SandboxEngine
-from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.runs.stored_runs import load_or_record
 from autograder.sandboxes.choose import strongest
-from autograder.submission.extract import extract
-from autograder.submission.submission import open_submission
 from benchmarks import report
+from benchmarks.soak import all_tasks, Task
 
 PROGRAMS = (
-    ('03_topics', 'pass__reference', 'talker'),
-    ('07_temperature_monitor', 'pass__reference', 'temperature_subscriber'),
-    ('02_spinning', 'pass__tutorial_style', 'inspector'),
+    '03_topics/pass__functions_style/talker',
+    '07_temperature_monitor/pass__functions_style/temperature_subscriber',
+    '02_spinning/pass__tutorial_style/inspector',
 )
-"""Lesson, sample submission and exam of each program."""
+"""Lesson, sample submission and exam of each program: tasks of the soak."""
 REPEATS = 200
 CORES = os.cpu_count() or 1
 BURNERS = {'calm': 0, 'eight busy processes per core': 8 * CORES}
@@ -49,15 +45,17 @@ def main() -> int:
     repeats = parser.parse_args().repeats
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
+    known = {task.name: task for task in all_tasks()}
+    tasks = [known[name] for name in PROGRAMS]
     seen: defaultdict[str, Counter[str]] = defaultdict(Counter)
     ways: dict[str, Any] = {}
     for way, burners in BURNERS.items():
         walls = defaultdict(list)
         with report.busy(burners), ThreadPoolExecutor(CORES) as pool:
-            for program in PROGRAMS:
-                for found, wall_s in pool.map(_run_of(program), range(repeats)):
-                    seen[program[-1]][found] += 1
-                    walls[program[-1]].append(wall_s)
+            for task in tasks:
+                for found, wall_s in pool.map(_run_of(task), range(repeats)):
+                    seen[task.exam.name][found] += 1
+                    walls[task.exam.name].append(wall_s)
             load = report.load()
         ways[way] = {
             'load': load,
@@ -73,22 +71,12 @@ def main() -> int:
     return int(bool(report.differing(seen)))
 
 
-def _run_of(program: tuple[str, str, str]) -> Any:
-    """Return a function that runs a program, and returns its events and the duration [s]."""
-    assignment, wanted, name = program
-    layout, sandbox = Layout.here(), strongest()
-    lesson = load_lesson(layout, assignment, SandboxEngine(sandbox))
-    sample = next(
-        one for one in samples(layout, assignment, everything=True) if one.name == wanted
-    )
-    opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')
-    files = extract(opened, lesson.exams, lesson.release, lesson.notebook)[name].files
-    exam = next(one for one in lesson.exams if one.name == name)
-    run = partial(load_or_record, exam, files, sandbox)
+def _run_of(task: Task) -> Callable[[int], tuple[str, float]]:
+    """Return a function that runs a task, and returns its events and the duration [s]."""
 
     def once(_: int) -> tuple[str, float]:
         began = time.monotonic()
-        events = _events(run().recording)
+        events = _events(load_or_record(task.exam, dict(task.files), strongest()).recording)
         return events, time.monotonic() - began
 
     return once

@@ -47,7 +47,6 @@ class Task:
 
     :param bound: maximum points for a result that is only compared with a bound, else None
     :param slow: whether it takes much longer than others
-    :param builds: whether it builds a package
     """
 
     name: str
@@ -55,7 +54,11 @@ class Task:
     files: tuple[tuple[str, str], ...]
     bound: float | None = None
     slow: bool = False
-    builds: bool = False
+
+    @property
+    def builds(self) -> bool:
+        """Return whether a run builds a package first."""
+        return self.exam.scenario.program in BUILDS
 
 
 @dataclass(frozen=True)
@@ -155,8 +158,7 @@ def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
             if (exam.name, files) not in known:
                 known.add((exam.name, files))
                 name = f'{assignment}/{sample.name}/{exam.name}'
-                program = exam.scenario.program
-                yield Task(name, exam, files, None, program == 'build', program in BUILDS)
+                yield Task(name, exam, files, slow=exam.scenario.program == 'build')
 
 
 def _attacks() -> Iterator[Task]:
@@ -167,8 +169,7 @@ def _attacks() -> Iterator[Task]:
         name, exam = f'attack/{attack.kind}/{attack.name}', catalog.load(attack.kind)
         # A flag about a limit, or a bound, means that the program runs until the grader ends it.
         slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
-        slow |= exam.scenario.program == 'build'
-        yield Task(name, exam, files, bound, slow, exam.scenario.program in BUILDS)
+        yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')
 
 
 # -- runs ----------------------------------------------------------------------------------
