@@ -3,7 +3,7 @@ Run the student's program in the sandbox with the probe next to it, and record t
 
 Both processes share one virtual clock, so the recording does not depend on the machine.  One loop
 over file descriptors reads a limited amount of output from the probe and the program.  It ends the
-run when the probe has finished or the watchdog reports an exceeded limit.
+run when the probe has finished, the program has ended, or the watchdog reports an exceeded limit.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -176,6 +176,7 @@ class _RunLoop:
         self.killed = ''
         self.exit: int | None = None
         self.ended_ns: int | None = None
+        self.over_ns: int | None = None
         self.ready_s = 0.0
         self.done = False
         self.left = False
@@ -197,36 +198,63 @@ class _RunLoop:
         finally:
             said = self.probe.end()
         self._read_the_rest()
-        if not self.events or self.events[-1]['event'] != 'end':
-            if self.killed and not self.ready_s:
-                raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
-            if not self.killed and self.ready_s and self.probe.returncode in BROKEN:
-                self.killed = 'probe_broken'
-            if not self.killed:
-                code, said = self.probe.returncode, said or 'no word'
-                raise ProbeFailed(
-                    f'exam {self.exam}: the probe stopped with exit code {code}: {said}.',
-                    _NO_TYPE if 'ModuleNotFoundError' in said else '',
-                )
-            self._keep_event({'event': 'end', 'clock_ns': None, 'reason': self.killed})
+        if self.ended_ns is not None:
+            self.events = _until(self.events, self.ended_ns)
+            self._keep_end(self.ended_ns, 'student_exited')
+        elif not self._has_end():
+            self._keep_end(None, self._why_stopped(said))
         if self.student.held():
             why = self.events[-1]['reason']
             raise ProbeFailed(f'The program had not begun when the run ended: {why}.')
         self._keep_event(self._process_event())
-        return self.events if self.ended_ns is None else _until(self.events, self.ended_ns)
+        return self.events
+
+    def _has_end(self) -> bool:
+        return bool(self.events) and self.events[-1]['event'] == 'end'
+
+    def _keep_end(self, clock_ns: int | None, reason: str) -> None:
+        self._keep_event({'event': 'end', 'clock_ns': clock_ns, 'reason': reason})
+
+    def _why_stopped(self, said: str) -> str:
+        """
+        Return the limit that ended the run, ``probe_broken`` if the program broke the probe.
+
+        :param said: the last line of the probe's standard error
+        :raises ProbeFailed: if the probe was not ready in time, or failed by itself
+        """
+        if self.killed and not self.ready_s:
+            raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
+        code, said = self.probe.returncode, said or 'no word'
+        if not self.killed and not (self.ready_s and code in BROKEN):
+            raise ProbeFailed(
+                f'exam {self.exam}: the probe stopped with exit code {code}: {said}.',
+                _NO_TYPE if 'ModuleNotFoundError' in said else '',
+            )
+        self.killed = self.killed or 'probe_broken'
+        return self.killed
 
     def _record_end(self) -> None:
         """Record the exit of the program if, in virtual time, it ended before its scenario."""
-        over = self.events[-1] if self.events else {}
-        if over.get('event') != 'end':
+        if self.killed or (self.done and not self._has_end()):
             return  # a limit has ended the run, or the probe has failed
-        ended_ns = self.clock.ended_ns(STUDENT)
-        if ended_ns is None or ended_ns - self.released_ns > over['clock_ns']:
+        self.ended_ns = self._early_end_ns()
+        if self.ended_ns is None:
             self.exit = None  # the run does not include what happens after the scenario
-            return
-        self.ended_ns = ended_ns - self.released_ns
-        if self.exit is None:
+        elif self.exit is None:
             self.exit = self.student.process.wait(EXIT_TIMEOUT_S)
+
+    def _early_end_ns(self) -> int | None:
+        """Return when the program ended [ns], None if it runs or its scenario ended first."""
+        ended_ns = self.clock.ended_ns(STUDENT)
+        if ended_ns is None or not self.ready_s:
+            return None
+        ended_ns -= self.released_ns
+        return None if self.over_ns is not None and ended_ns > self.over_ns else ended_ns
+
+    def _is_past_end(self) -> bool:
+        """Return whether virtual time has passed an early end of the program."""
+        ended_ns = self._early_end_ns()
+        return ended_ns is not None and self.clock.elapsed_ns - self.released_ns > ended_ns
 
     def _loop(self) -> None:
         # A random name for the probe's node, which no program can predict.
@@ -245,7 +273,10 @@ class _RunLoop:
 
     def _read_until_done(self, pipes: selectors.BaseSelector) -> None:
         while not self.done:
-            for key, _ in pipes.select(WATCH_EVERY_S):
+            # The probe writes all events of a moment before virtual time passes it, and one read
+            # empties its pipe.
+            past_end = self._is_past_end()
+            for key, _ in pipes.select(0 if past_end else WATCH_EVERY_S):
                 if key.data == 'ended':
                     pipes.unregister(key.fileobj)
                     self._student_ended()
@@ -254,7 +285,7 @@ class _RunLoop:
             if self.watchdog.is_due():
                 begun = bool(self.events)
                 self.killed = self.killed or self.watchdog.look(self.recorded, self.printed, begun)
-            if self.killed:
+            if self.killed or (past_end and self._is_past_end()):
                 return
 
     def _read(self, pipes: selectors.BaseSelector, key: selectors.SelectorKey) -> None:
@@ -305,6 +336,8 @@ class _RunLoop:
                 continue
             self._keep_event(event)
             self.done = self.done or event['event'] == 'end'
+            if event.get('when') == 'end':
+                self.over_ns = event['clock_ns']
         if self.recorded > LARGEST_RECORDING:
             self.killed = 'too_much_recorded'
 
@@ -361,11 +394,6 @@ class _RunLoop:
 
 
 def _until(events: list[dict[str, Any]], ended_ns: int) -> list[dict[str, Any]]:
-    """Return the events up to the end of the program, and the last graph."""
-    *before, end, process = events
-    kept = [
-        event
-        for event in before
-        if (event['clock_ns'] or 0) <= ended_ns or event.get('when') == 'end'
-    ]
-    return [*kept, {**end, 'clock_ns': ended_ns, 'reason': 'student_exited'}, process]
+    """Return the events up to the end of the program, without those of the scenario's end."""
+    early = (event for event in events if (event['clock_ns'] or 0) <= ended_ns)
+    return [one for one in early if one['event'] != 'end' and one.get('when') != 'end']

@@ -36,11 +36,10 @@ rclpy.spin(node)
 """
 
 
-def graded(
-    text: str, on_event: Callable[[Event], None] | None = None, hidden: bool = True
-) -> ExamResult:
-    exam = catalog.load(EXAM, hidden=hidden)
-    return examine(exam, {'temp_publisher.py': text}, sandbox=strongest(), on_event=on_event)
+def graded(text: str, on_event: Callable[[Event], None] | None = None) -> ExamResult:
+    return examine(
+        catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), on_event=on_event
+    )
 
 
 class Killer:
@@ -101,7 +100,7 @@ def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
 
 
 def test_a_program_that_ends_itself_so_is_judged():
-    result = graded(ENDS_ITSELF, hidden=False)
+    result = graded(ENDS_ITSELF)
 
     assert result.timing['repeated'] == 1.0
     assert {check.cause_id for check in result.checks if check.cause_id} == {'died'}
@@ -112,7 +111,7 @@ def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
     counted = iter(range(100))
     monkeypatch.setattr(observe, 'oom_kills', lambda: next(counted))
     with pytest.raises(ProbeFailed, match='ran out of memory'):
-        graded(ENDS_ITSELF, hidden=False)
+        graded(ENDS_ITSELF)
 
 
 def test_a_probe_that_is_held_up_for_a_second_changes_nothing(monkeypatch):
