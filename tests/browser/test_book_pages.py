@@ -26,6 +26,16 @@ OF_THE_THEME = ('landmark-unique',)
 SLOW = ('color-contrast',)
 """Takes four times as long as all other rules; the colours are those of the wide page."""
 NARROW, WIDE = 400, 1400
+A4_WIDTH = 794
+"""Pixels at 96 dpi."""
+PRINTED = (
+    '00_quick_tour/quick_tour',
+    '03_topics/topics',
+    '05_quality_of_service/quality_of_service',
+)
+CUT_OFF = """() => [...document.querySelectorAll('article pre, article svg, article table')]
+    .filter(one => one.getBoundingClientRect().right > window.innerWidth + 1)
+    .map(one => one.outerHTML.slice(0, 200))"""
 WIDER_THAN_THE_PAGE = 'document.documentElement.scrollWidth > window.innerWidth'
 
 
@@ -78,6 +88,20 @@ def test_every_page_is_accessible_and_loads_nothing_from_elsewhere(
     assert {name: one for name, one in found.items() if one} == {}
     assert len(found) == 2 * (len(list((ROOT / 'notebooks').glob('*/*.ipynb'))) + 1)
     assert [url for url in asked if not url.startswith((address, 'data:'))] == []
+
+
+@pytest.mark.parametrize('lesson', PRINTED)
+def test_page_fits_paper(address: str, page: Any, shots: Path, lesson: str) -> None:
+    """On A4, folded content is open, and no line is cut off."""
+    page.set_viewport_size({'width': A4_WIDTH, 'height': 1123})
+    page.emulate_media(media='print')
+    page.goto(f'{address}/{lesson}.html')
+    page.pdf(path=shots / 'printed.pdf', format='A4')
+    data = page.locator('.cell_output details table').first
+
+    assert data.bounding_box()['height'] > 0
+    assert page.locator('.skip-to-content').is_hidden()
+    assert page.evaluate(CUT_OFF) == []
 
 
 def test_search_finds_a_word_of_a_lesson(address: str, page: Any) -> None:

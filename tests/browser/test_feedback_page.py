@@ -80,7 +80,7 @@ def failing(name: str) -> CheckResult:
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of feedback as nbgrader writes it for this course."""
     from autograder.gradebook.database import load_config
-    from autograder.gradebook.grade_cells import _score, _told
+    from autograder.gradebook.grade_cells import _feedback_output, _score
     from autograder.gradebook.nbgrader_plugin import FeedbackExporter
     from autograder.layout import Layout
 
@@ -100,7 +100,7 @@ def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
     check = new_code_cell(
         "check('talker')",
         metadata={'nbgrader': {**marks, 'grade_id': 'check_talker', 'comment': EVIL}},
-        outputs=[_told(result, ()), _score(1.0)],
+        outputs=[_feedback_output(result, ()), _score(1.0)],
         execution_count=1,
     )
     words = f'| topic | type |\n|---|---|\n| {LONG} | String |\n\n{"Some words. " * 400}'

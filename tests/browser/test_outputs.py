@@ -21,11 +21,15 @@ OUTPUTS = '.jp-OutputArea-output'
 SHOWN = {
     'notebooks/START_HERE.ipynb': ('next: lesson',),
     '00_quick_tour': ('Plot of',),
+    '01_node_life': ('ROS graph', 'Passed:'),
     '02_spinning': ('Robot at', 'Callbacks in', 'Timeline of'),
     '03_topics': ('ROS graph', 'Show me a worked answer'),
     '04_messages': ('Passed:',),
     '05_quality_of_service': ('Reliability and durability', 'Robot at', 'Timeline of'),
     '06_managed_lifecycle': ('States of', 'Passed:'),
+    '08_what_went_wrong': ('ROS graph',),
+    '09_check_your_understanding': ('Passed:',),
+    '10_package_of_your_own': ('Passed:',),
     '11_testing': ('Plot of', 'Passed:'),
     ASSIGNMENT: ('✗ Failed:', 'log lines', 'Plot of', 'ROS graph'),
 }

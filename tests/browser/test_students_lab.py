@@ -1,11 +1,19 @@
 """Students and instructors see different parts of nbgrader, and terminals know the course."""
 
-from conftest import ASSIGNMENT
-from lab_page import CELL_MS, choose, OPEN_MS, open_notebook
+from collections.abc import Iterable, Mapping
+import json
+from pathlib import Path
+from typing import Any
+
+from conftest import ASSIGNMENT, Lab
+from lab_page import CELL_MS, choose, OPEN_MS, open_notebook, solved
 import pytest
+
+from autograder.submission.cells import parse_cell
 
 pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 
+PACKAGE = '10_package_of_your_own'
 LESSON = f'notebooks/{ASSIGNMENT}/temperature_monitor.ipynb'
 CREATE = '.jp-SideBar [title*="Create Assignment"], .jp-SideBar [data-id*="create_assignment"]'
 
@@ -41,31 +49,74 @@ def test_instructors_see_all_of_it(lab, page, shots):
     assert {'Assignment List', 'Validate', *instructors} <= offered(page)
 
 
-def test_a_terminal_knows_the_course(lab, page, shots):
-    """It opens in a lesson's folder, and finds ros2 and the targets of the Makefile."""
-    open_notebook(lab, page, LESSON)
+def open_terminal(lab: Lab, page: Any) -> None:
+    """Open a terminal from the launcher, so that it begins in the folder of the lesson."""
     choose(page, 'File', 'New Launcher')
     page.locator('.jp-LauncherCard', has_text='Terminal').click()
-    screen = page.locator('.jp-Terminal .xterm-screen')
-    screen.click(timeout=OPEN_MS)
-    # The program ends at once, because its parameter is refused: no process is left behind.
-    for line in (
-        'basename "$PWD" > said.txt',
-        'ros2 pkg executables temp_monitor_pkg >> said.txt',
-        'make publisher ARGS="--ros-args -p rate_hz:=0.0" >> said.txt; echo done >> said.txt',
-    ):
+    page.locator('.jp-Terminal .xterm-screen').click(timeout=OPEN_MS)
+
+
+def type_in(page: Any, lines: Iterable[str], said: Path) -> list[str]:
+    """
+    Type commands into the terminal, and return the lines of a file when it ends with ``done``.
+
+    :param said: the file to which the commands write
+    """
+    for line in (*lines, 'echo done >> said.txt'):
         page.keyboard.type(f'{line}\n')
-    said = lab.course / 'notebooks' / ASSIGNMENT / 'said.txt'
     for _ in range(CELL_MS // 200):
-        if said.is_file() and 'done' in said.read_text():
+        if said.is_file() and said.read_text().endswith('done\n'):
             break
         page.wait_for_timeout(200)
+    return said.read_text().splitlines()
+
+
+def test_a_terminal_knows_the_course(lab: Lab, page: Any, shots: Path) -> None:
+    """It opens in a lesson's folder, and finds ros2 and the targets of the Makefile."""
+    open_notebook(lab, page, LESSON)
+    open_terminal(lab, page)
+    # The program ends at once, because its parameter is refused: no process is left behind.
+    commands = (
+        'basename "$PWD" > said.txt',
+        'ros2 pkg executables temp_monitor_pkg >> said.txt',
+        'make publisher ARGS="--ros-args -p rate_hz:=0.0" >> said.txt',
+    )
+    lines = type_in(page, commands, lab.course / 'notebooks' / ASSIGNMENT / 'said.txt')
     page.screenshot(path=shots / 'terminal.png')
 
-    lines = said.read_text().splitlines()
     assert lines[:3] == [
         ASSIGNMENT,
         'temp_monitor_pkg temp_publisher',
         'temp_monitor_pkg temp_subscriber',
     ]
     assert any('rate_hz' in line and 'FATAL' in line for line in lines[3:])
+
+
+def commands_of(cells: Mapping[str, str], name: str) -> list[str]:
+    """Return the commands of a cell, as the lesson says to type them: without exclamation mark."""
+    joined = cells[name].replace('\\\n', ' ')
+    return [line.removeprefix('!') for line in joined.splitlines()]
+
+
+def test_a_package_is_made_in_a_terminal(lab: Lab, page: Any, shots: Path) -> None:
+    """The commands of lesson 10 also work when they are typed; an editor saves the files."""
+    path = solved(lab, PACKAGE)
+    notebook = json.loads((lab.course / path).read_text(encoding='utf-8'))
+    cells = {cell['id']: ''.join(cell['source']) for cell in notebook['cells']}
+    folder = (lab.course / path).parent
+    open_notebook(lab, page, path)
+    open_terminal(lab, page)
+    create = [*commands_of(cells, 'part-1-workspace'), *commands_of(cells, 'part-1-create')]
+    created = type_in(page, create, folder / 'said.txt')
+    (folder / 'said.txt').unlink()
+    package = folder / 'ros_ws' / 'src' / 'my_robot_pkg'
+    for name in ('part-2-talker', 'part-2-listener', 'part-2-setup'):
+        file = parse_cell(cells[name])
+        inside = package / 'my_robot_pkg' if file.kind == 'node' else package
+        (inside / file.path).write_text(file.body, encoding='utf-8')
+    build, _, run = commands_of(cells, 'part-2-run')
+    said = type_in(page, [f'{build} > said.txt', f'{run} >> said.txt'], folder / 'said.txt')
+    page.screenshot(path=shots / 'package.png')
+
+    assert created == ['done']
+    assert any('Publishing: "Hello World: 0"' in line for line in said), said

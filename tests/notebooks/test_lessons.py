@@ -14,6 +14,7 @@ from functools import cache
 import os
 from pathlib import Path
 import re
+from statistics import median
 import tempfile
 import time
 
@@ -307,6 +308,14 @@ def test_lesson_is_stored_clean(path: Path) -> None:
 @lessons
 def test_lesson_comes_in_small_portions(path: Path) -> None:
     assert list(portions(nbformat.read(path, as_version=4)).problems()) == []
+
+
+def test_course_comes_in_small_portions() -> None:
+    """The median text cell of all lessons has at most 40 words, the median code cell 4 lines."""
+    found = [portions(nbformat.read(path, as_version=4)) for path in LESSONS]
+
+    assert median(words for one in found for words in one.words) <= 40
+    assert median(lines for one in found for lines in one.lines) <= 4
 
 
 def test_grade_ids_are_unique_in_the_course() -> None:
