@@ -25,7 +25,7 @@ STYLE = """\
 body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
 /* JupyterLab's yellow is too pale and its red too dark: mix them with the colour of the text. */
 body pre .ansi-yellow-fg { color: color-mix(in srgb, #ddb62b, var(--jp-content-font-color1)); }
-body pre .ansi-red-intense-fg { color: color-mix(in srgb, #e75c58, var(--jp-content-font-color1)); }
+body pre .ansi-red-intense-fg { color: color-mix(in srgb, #e53, var(--jp-content-font-color1)); }
 """
 ROS2_MARK = "the course's own small ros2 command"
 
