@@ -87,7 +87,6 @@ GOES_ON, STILL, EITHER = 'goes on', 'stands still', 'either'
 
 PROGRAMS = {
     'nothing': ('attacks(); time.sleep(0.05)', GOES_ON),
-    'a thread that never waits': ('threading.Thread(target=compute).start(); attacks()', STILL),
     '500 threads that sleep': (
         """
 def doze():

@@ -1,39 +1,30 @@
 """
-Programs keep time in forty-one ways: each message comes at its exact nanosecond.
+Programs keep time in many ways: each message and log line comes at its exact nanosecond.
 
 The programs of ``time_styles.py`` run in the grader's real sandbox, with its probe beside them.
 """
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 
 import pytest
 
-from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.recording import Recording
 from autograder.runs.observe import observe
 from autograder.sandboxes.choose import strongest, usable
 from autograder.sandboxes.sandbox import Sandbox
-from tests.clock.time_styles import ANSWERING, BEGIN, STYLES
+from tests.attacks.corpus import early_limits
+from tests.clock.time_styles import ANSWERING, ASKED, ENDS, LOGS, program, STYLES, WATCHED
 
 pytestmark = [pytest.mark.ros, pytest.mark.pipeline]
 SECOND = 1_000_000_000
 LATE_NS = SECOND // 16
 COMMANDS = ('subprocess', 'os.system')
-WATCHED = Scenario(file='style.py', watch={'/n': 'std_msgs/msg/Int32'}, steps=(Advance(19.8),))
-ASKED = Scenario(
-    file='style.py',
-    watch={'/answer': 'std_msgs/msg/Float64'},
-    feed={'/input': 'std_msgs/msg/Float64'},
-    steps=(
-        Feed('/input', [{'data': float(number)} for number in range(20)], every_s=0.5),
-        Feed('/input', [{'data': float(number)} for number in range(20, 25)], burst=True),
-    ),
-)
 
 
 def recording(body: str, scenario: Scenario, sandbox: Sandbox) -> Recording:
-    inside = ''.join(f'    {line}\n' for line in body.splitlines())
-    return observe('style', scenario.to_json(), {'style.py': BEGIN + inside}, sandbox)[0]
+    return observe('style', scenario.to_json(), {'style.py': program(body)}, sandbox)[0]
 
 
 def numbers(found: Recording) -> list[tuple[int, int]]:
@@ -48,14 +39,20 @@ def numbers_at(seconds: Sequence[float], first: int = 1) -> list[tuple[int, int]
 
 @pytest.mark.parametrize('style', STYLES)
 def test_style_is_exact(style: str) -> None:
-    """Every number comes at the nanosecond that the program's text says."""
+    """Every number comes at the nanosecond that the program's text says, and every log line."""
     body, seconds = STYLES[style]
     first = 2 if style == 'publish and sleep' else 1
+
+    with early_limits() if ENDS.get(style) == 'cpu_limit' else nullcontext():
+        found = recording(body, WATCHED, strongest())
 
     due = numbers_at(seconds, first)
     # The sleep command of coreutils 9.7 (Debian 13) asks for a nanosecond more than it is told.
     longer = [(at + number, number) for at, number in due] if style in COMMANDS else due
-    assert numbers(recording(body, WATCHED, strongest())) in (due, longer)
+    assert numbers(found) in (due, longer)
+    logged = [(one['clock_ns'], one['text']) for one in found.of('log')]
+    assert logged == [(round(at * SECOND), text) for at, text in LOGS.get(style, ())]
+    assert found.end_reason == ENDS.get(style, 'complete')
 
 
 @pytest.mark.parametrize('style', ANSWERING)

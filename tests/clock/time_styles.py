@@ -1,12 +1,25 @@
 """
-Forty-one ways in which ROS programs keep time.
+The ways in which ROS programs keep time.
 
 ``STYLES`` has the body of each program and the seconds at which its numbers come if its period
 ``P`` is one second.  The node's ``tick`` publishes the next number.  ``ANSWERING`` programs double
-what they hear.
+what they hear.  ``program`` makes a file of a body.
 """
 
 from collections.abc import Sequence
+from textwrap import indent
+
+from autograder.exam.scenario import Advance, feeds, Scenario
+
+WATCHED = Scenario(file='style.py', watch={'/n': 'std_msgs/msg/Int32'}, steps=(Advance(19.8),))
+INPUTS = [float(number) for number in range(25)]
+BURST = 5
+ASKED = Scenario(
+    file='style.py',
+    watch={'/answer': 'std_msgs/msg/Float64'},
+    feed={'/input': 'std_msgs/msg/Float64'},
+    steps=feeds('/input', [{'data': one} for one in INPUTS], BURST, every_s=0.5),
+)
 
 BEGIN = """
 import asyncio, concurrent.futures, ctypes, multiprocessing, os, queue, sched, select, signal
@@ -43,8 +56,17 @@ def spin_aside():
 
 if __name__ == '__main__':
     rclpy.init()
-    node = Numbers()
 """
+
+
+def program(body: str) -> str:
+    """
+    Return the text of a program.
+
+    :param body: uses the node; one that creates the node itself contains ``node =``
+    """
+    return BEGIN + indent(body if 'node = ' in body else f'node = Numbers()\n{body}', '    ')
+
 
 EVERY_SECOND = [float(second) for second in range(1, 21)]
 LOOP = 'while True: {wait}; node.tick()'
@@ -187,6 +209,12 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'time.sleep(3)\n' + TIMER + 'rclpy.spin(node)',
         [second for second in EVERY_SECOND if second > 3],
     ),
+    'sleep in __init__': (
+        'class Slow(Numbers):\n'
+        ' def __init__(self): super().__init__(); time.sleep(3); self.create_timer(P, self.tick)\n'
+        'node = Slow()\nrclpy.spin(node)',
+        [second for second in EVERY_SECOND if second > 3],
+    ),
     'polling time()': (
         'due = time.time() + P\nwhile True:\n if time.time() >= due: node.tick(); due += P',
         EVERY_SECOND,
@@ -211,6 +239,13 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'def busy():\n while True: time.sleep(0.001)\n'
         'threading.Thread(target=busy, daemon=True).start()\n' + TIMER + 'rclpy.spin(node)',
         EVERY_SECOND,
+    ),
+    # It begins only when the program has a node; otherwise a different limit ends the run.
+    'thread that never waits': (
+        'def busy():\n while True: pass\nthreading.Timer(P * 5.5, busy).start()\n'
+        + TIMER
+        + 'rclpy.spin(node)',
+        EVERY_SECOND[:5],
     ),
     'node that ends by itself': (
         TIMER + '\nwhile node.number < 7: rclpy.spin_once(node)\nrclpy.shutdown()',
@@ -240,6 +275,17 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         [3.2, 5.4, 7.6, 10.2, 12.4, 14.6, 17.2, 19.4],
     ),
 }
+ENDS = {'thread that never waits': 'cpu_limit', 'node that ends by itself': 'student_exited'}
+"""Why a run ends before its scenario."""
+LOGS = {
+    # Each message asserts that the publisher is alive. The run ends before the last deadline.
+    'deadline and liveliness': [
+        (second + after_s, text)
+        for second in EVERY_SECOND
+        for after_s, text in ((0.0, 'alive 1'), (0.4, 'alive 0'), (0.7, 'late'))
+    ][:-1],
+}
+"""When a program logs what [s]."""
 
 ANSWERS = """
 publisher = node.create_publisher(Float64, 'answer', 100)
