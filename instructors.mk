@@ -20,7 +20,7 @@
 #|  make judgement            write docs/agreement.md, mutants.md, causes.md: how well the grader
 #|                            judges
 #|  make bench                run the benchmarks; half an hour, preferably on a quiet machine
-#|  make soak                 judge all samples 12 times, with and without load; an hour
+#|  make soak                 judge all samples 12 times, with and without load; 90 minutes
 
 .PHONY: grade quick hub test test-browser test-hub test-cluster test-lti test-postgres test-routes check coverage judgement release execute book bench soak
 
@@ -104,6 +104,6 @@ bench: prepare
 	$(PY) -m benchmarks.stock_nbgrader
 	$(PY) -m benchmarks.same_recordings
 
-# ARGS='--minutes 30' ends it sooner, '--all' includes the slow tasks.
+# ARGS='--minutes 30' ends it sooner.
 soak: prepare
 	@exec $(PY) -m benchmarks.soak $(ARGS)

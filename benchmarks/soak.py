@@ -1,16 +1,16 @@
 """
 Judge the same files again and again, to find out whether a verdict or a message ever changes.
 
-A task is one exam on one set of files: each exam of each submission in ``tests/submissions``, and
-each program in ``tests/attacks``.  Each repeat runs all tasks in a different order and in one of
-three ways.
+A task is one exam on one set of files: each exam of each submission in ``tests/submissions``, each
+program in ``tests/attacks``, and a right and a wrong program for each style of keeping time.  Each
+repeat runs all tasks in a different order and in one of four ways.
 """
 
 import argparse
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import json
 import os
 import random
@@ -26,6 +26,7 @@ from autograder.exam.exam import Exam
 from autograder.grading.examine import examine
 from autograder.grading.pipeline import load_lesson, SandboxEngine
 from autograder.layout import Layout
+from autograder.recording import Event
 from autograder.runs.observe import BUILDS
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.sandbox import Sandbox
@@ -33,10 +34,12 @@ from autograder.submission.extract import extract
 from autograder.submission.submission import open_submission
 from benchmarks import report
 from tests.attacks.corpus import files_of, programs
+from tests.clock.style_pairs import judged, NAMES
 
 REPEATS = 12
 CORES = os.cpu_count() or 1
-ENDED = ('limit', 'ended', 'busy')
+SLOW_S = 3.0
+"""The figures of a pass without load name each run that takes longer."""
 REVIEW, OVER = 'for review: ', ', over its bound'
 
 
@@ -46,14 +49,12 @@ class Task:
     One exam applied to one set of files.
 
     :param bound: maximum points for a result that is only compared with a bound, else None
-    :param slow: whether it takes much longer than others
     """
 
     name: str
     exam: Exam
     files: tuple[tuple[str, str], ...]
     bound: float | None = None
-    slow: bool = False
 
     @property
     def builds(self) -> bool:
@@ -76,9 +77,25 @@ WAYS = (
     # competitors, and twice as many runs are completed.
     Way('oversubscribed', 6 * CORES, burners=2 * CORES),
     Way('parallel', 8),
+    Way('one at a time', 1),
 )
-Found = list[tuple[str, str, str, float]]
-"""For each run: the task's name, the outcome and the pictures, as JSON, and the duration [s]."""
+
+
+@dataclass(frozen=True)
+class Ran:
+    """
+    One run of a task.
+
+    :param outcome: the result without timing and pictures, as JSON
+    :param shown: the pictures, as JSON
+    :param reason: what may have taken the time
+    """
+
+    task: Task
+    outcome: str
+    shown: str = ''
+    reason: str = ''
+    seconds: float = 0.0
 
 
 def main() -> int:
@@ -90,9 +107,7 @@ def main() -> int:
     chosen = _arguments()
     os.environ.setdefault('COURSE_SECRET', 'benchmark')
     facts = report.machine()
-    tasks = [
-        one for one in all_tasks() if chosen.only in one.name and (chosen.all or not one.slow)
-    ]
+    tasks = [one for one in all_tasks() if chosen.only in one.name]
     if chosen.list:
         print('\n'.join(task.name for task in tasks))
         return 0
@@ -105,16 +120,15 @@ def main() -> int:
         while len(done) < REPEATS and time.monotonic() < until:
             repeat, found = _repeat(tasks, sandbox, len(done), until)
             done.append(repeat)
-            for name, outcome, shown, _ in found:
-                outcomes[name][outcome] += 1
-                pictures[name][shown] += 1
+            for one in found:
+                outcomes[one.task.name][one.outcome] += 1
+                pictures[one.task.name][one.shown] += 1
             several = len(report.differing(outcomes))
             print(len(done), repeat, f'{several} tasks with more than one outcome', flush=True)
     except KeyboardInterrupt:
         print('Stopped; these are the results so far.')
     figures = {
         'isolation': sandbox.mode,
-        'without_slow_tasks': not chosen.all,
         **_figures(tasks, done, outcomes),
         'differing_pictures': sorted(report.differing(pictures)),
     }
@@ -126,8 +140,6 @@ def main() -> int:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.soak')
-    help_text = 'also run builds, and attacks that run into a time limit'
-    parser.add_argument('--all', action='store_true', help=help_text)
     help_text = 'start no further run after this many minutes (default: no limit)'
     parser.add_argument('--minutes', type=float, default=1e6, metavar='M', help=help_text)
     parser.add_argument('--only', default='', metavar='TEXT', help='run only tasks named *TEXT*')
@@ -139,11 +151,16 @@ def _arguments() -> argparse.Namespace:
 
 
 def all_tasks() -> Iterator[Task]:
-    """Yield each exam of each submission, then each attack."""
+    """Yield each exam of each submission, then each attack, then the styles of keeping time."""
     layout = Layout.here()
     for assignment in layout.assignments():
         yield from _submissions(layout, assignment)
     yield from _attacks()
+    for style in NAMES:
+        for right in (True, False):
+            exam, files = judged(style, right)
+            name = f'style/{style}/{"right" if right else "wrong"}'
+            yield Task(name, exam, tuple(files.items()))
 
 
 def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
@@ -158,7 +175,7 @@ def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
             if (exam.name, files) not in known:
                 known.add((exam.name, files))
                 name = f'{assignment}/{sample.name}/{exam.name}'
-                yield Task(name, exam, files, slow=exam.scenario.program == 'build')
+                yield Task(name, exam, files)
 
 
 def _attacks() -> Iterator[Task]:
@@ -167,9 +184,7 @@ def _attacks() -> Iterator[Task]:
         files = tuple(sorted(files_of(attack).items()))
         bound = attack.points if attack.at_most else None
         name, exam = f'attack/{attack.kind}/{attack.name}', catalog.load(attack.kind)
-        # A flag about a limit, or a bound, means that the program runs until the grader ends it.
-        slow = bound is not None or any(word in str(attack.flags) for word in ENDED)
-        yield Task(name, exam, files, bound, slow or exam.scenario.program == 'build')
+        yield Task(name, exam, files, bound)
 
 
 # -- runs ----------------------------------------------------------------------------------
@@ -177,18 +192,17 @@ def _attacks() -> Iterator[Task]:
 
 def _repeat(
     tasks: Sequence[Task], sandbox: Sandbox, number: int, until: float
-) -> tuple[dict[str, Any], Found]:
+) -> tuple[dict[str, Any], list[Ran]]:
     """Run all tasks once, in an order and a way that depend on the repeat."""
     way = WAYS[number % len(WAYS)]
     order = random.Random(number).sample(tasks, len(tasks))
     began = time.monotonic()
 
-    def run(task: Task) -> tuple[str, str, str, float] | None:
+    def run(task: Task) -> Ran | None:
         began = time.monotonic()
         if began > until:
             return None
-        outcome, shown = _outcome(task, sandbox)
-        return task.name, outcome, shown, time.monotonic() - began
+        return replace(_run(task, sandbox), seconds=time.monotonic() - began)
 
     with report.busy(way.burners), ThreadPoolExecutor(way.jobs) as pool:
         try:
@@ -203,28 +217,57 @@ def _repeat(
         'wall_s': wall_s,
         'load': report.load(),
     }
-    built = {task.name for task in tasks if task.builds}
-    each_s = [seconds for name, *_, seconds in found if name not in built]
+    return {**repeat, **_durations(found, way)}, found
+
+
+def _durations(found: Sequence[Ran], way: Way) -> dict[str, Any]:
+    """Return how long runs take that build no package and, without load, name the slow ones."""
+    each_s = [one.seconds for one in found if not one.task.builds]
+    durations: dict[str, Any] = {}
     if len(each_s) > 1:
         p95 = round(statistics.quantiles(each_s, n=20)[-1], 4)
-        repeat['run_s'] = {**report.spread(each_s), 'p95': p95}
-        longest = sorted(found, key=lambda one: -one[-1])[:5]
-        repeat['longest'] = {name: round(seconds, 2) for name, *_, seconds in longest}
-    return repeat, found
+        durations['run_s'] = {**report.spread(each_s), 'p95': p95}
+    if way.jobs <= CORES:
+        slow = [one for one in found if one.seconds > SLOW_S]
+        slow.sort(key=lambda one: -one.seconds)
+        durations['slow'] = {one.task.name: f'{one.seconds:.1f} s: {one.reason}' for one in slow}
+    return durations
 
 
-def _outcome(task: Task, sandbox: Sandbox) -> tuple[str, str]:
-    """Return a result without its timing, and its pictures, both as JSON."""
+def _run(task: Task, sandbox: Sandbox) -> Ran:
+    """Run a task, without measuring its duration."""
+    ends: list[Event] = []
+
+    def keep_end(event: Event) -> None:
+        if event['event'] == 'process':
+            ends.append(event)
+
     try:
-        result = examine(task.exam, dict(task.files), sandbox=sandbox)
+        result = examine(task.exam, dict(task.files), sandbox=sandbox, on_event=keep_end)
     except GraderError as error:
-        return f'{REVIEW}{type(error).__name__}', ''
+        failed = f'{REVIEW}{type(error).__name__}'
+        return Ran(task, failed, reason=failed)
+    reason = _reason(task, ends)
     if task.bound is not None:
         within = result.points <= task.bound
-        return 'within its bound' if within else f'{result.points:g} points{OVER}', ''
+        outcome = 'within its bound' if within else f'{result.points:g} points{OVER}'
+        return Ran(task, outcome, reason=reason)
     data = result.to_json()
-    pictures = json.dumps(data['pictures'], sort_keys=True)
-    return json.dumps(report.compared(data), sort_keys=True), pictures
+    outcome = json.dumps(report.compared(data), sort_keys=True)
+    return Ran(task, outcome, json.dumps(data['pictures'], sort_keys=True), reason)
+
+
+def _reason(task: Task, ends: Sequence[Event]) -> str:
+    """
+    Return what may have taken the time of a run.
+
+    :param ends: the ``process`` event of each run of the program
+    """
+    limits = [f'ended by the grader: {one["killed"]}' for one in ends if one['killed']]
+    built = ['builds a package'] * task.builds
+    repeated = ['repeated'] * (len(ends) > 1)
+    used_s = sum(one['cpu_s'] for one in ends)
+    return ', '.join([*limits, *built, *repeated, f'{used_s:.1f} s of processor time'])
 
 
 def _verdicts(outcome: str) -> str:
@@ -245,7 +288,11 @@ def _figures(
             'runs': sum(repeat['runs'] for repeat in mine),
             'wall_s': round(sum(repeat['wall_s'] for repeat in mine), 1),
             'load': report.spread([repeat['load'] for repeat in mine]),
-            **{key: [one[key] for one in mine if key in one] for key in ('run_s', 'longest')},
+            **{
+                key: [one[key] for one in mine if key in one]
+                for key in ('run_s', 'slow')
+                if key in mine[0]
+            },
         }
         for way in WAYS
         if (mine := [repeat for repeat in done if repeat['way'] == way.name])
