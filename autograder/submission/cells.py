@@ -30,7 +30,7 @@ ANSWER_MAX = 2000
 MAGIC_LINE_MAX = 200
 """Maximum length of a magic line [characters]; file names have at most 255 bytes."""
 
-_SOLUTION_MARKS = ('### BEGIN SOLUTION', '### END SOLUTION')
+_EMPTIED = ('', '### BEGIN SOLUTION', '### END SOLUTION')
 _SOMETHING = re.compile(r'\S')
 _ODD = re.compile(r'[\\0-9]')
 _RULES = {
@@ -158,11 +158,13 @@ def first_line(source: str) -> tuple[str, int]:
 
 def body_of(text: str) -> str:
     """
-    Replace solution markers by empty lines, and end the text with exactly one newline.
+    Replace solution markers and lines of blanks by empty lines, and end with exactly one newline.
+
+    IPython also empties lines of blanks before it passes a cell to a magic function.
 
     :param text: the cell's text below its magic line
     """
-    kept = ['' if line.strip() in _SOLUTION_MARKS else line for line in text.split('\n')]
+    kept = ['' if line.strip() in _EMPTIED else line for line in text.split('\n')]
     return '\n'.join(kept).rstrip() + '\n'
 
 

@@ -151,15 +151,14 @@ def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
 
 def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
     """The saved notebook has another text for the cell that saved the file."""
+    ran = TWICE_A_SECOND.replace('\n\n', '\n    \n')  # IPython empties lines of blanks
+    assert ran != TWICE_A_SECOND
     kernel.run('from roslab import *')
-    kernel.run(TWICE_A_SECOND)
+    kernel.run(ran)
     path = tmp_path / 'lesson.ipynb'
     found = []
-    for text, number in (
-        (TWICE_A_SECOND, 2),
-        (TWICE_A_SECOND.replace('0.5', '1.0'), 2),
-        (TWICE_A_SECOND.replace('0.5', '1.0'), 1),
-    ):
+    edited = ran.replace('0.5', '1.0')
+    for text, number in ((ran, 2), (edited, 2), (edited, 1)):
         cell = nbformat.v4.new_code_cell(text, execution_count=number)
         cells = [cell, nbformat.v4.new_code_cell(CHECK)]
         nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
