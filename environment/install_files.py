@@ -95,7 +95,9 @@ def write_jupyter_settings(places: Places) -> None:
                 # On a busy machine, a save that overtakes the previous one looks like a change by
                 # another program, and JupyterLab asks whether to overwrite it.
                 'lastModifiedCheckMargin': 1000 * AUTOSAVE_S,
-            }
+            },
+            # Feedback and tracebacks name lines of a cell.
+            '@jupyterlab/notebook-extension:tracker': {'codeCellConfig': {'lineNumbers': True}},
         },
     }.items():
         write_atomically(places.venv / name, json.dumps(settings, indent=1) + '\n')

@@ -22,6 +22,7 @@ from autograder.simulation.order import order_of
 from autograder.simulation.result import read_simulation
 from roslab import run_command
 from roslab.errors import not_written_yet, NotHereError, RoslabError
+from roslab.output import say
 from roslab.package_files import learner_package
 
 _DEADLINE_S = 300.0
@@ -80,6 +81,8 @@ def simulate(
     last = run.printed.rstrip().rpartition('\n')[2]
     if run.exit and last.startswith('NotImplementedError'):
         raise not_written_yet(f'A part of {file} is still to be written.')
+    if run.exit:
+        say(run.ended)
     return run
 
 

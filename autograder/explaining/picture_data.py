@@ -185,13 +185,15 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
     inputs, clock = run.recording.of('input'), exam.scenario.ros_clock
     unit, rate = ('ros_seconds', clock.rate) if clock else ('seconds', 1.0)
     if inputs and failure.every_s is None:
+        if len(inputs) == 1:
+            return None  # a picture of one input shows no more than the check's sentence
         unit, rate = 'input', 0.0
     rows = _rows(exam, run, result, rate)
     seen = [
         *(time for row in rows for time in row['times']),
         *_moments(run.recording.events, rate),
     ]
-    begin, end = (0.0, max(seen, default=0.0)) if rate else (1.0, float(max(2, len(inputs))))
+    begin, end = (0.0, max(seen, default=0.0)) if rate else (1.0, float(len(inputs)))
     if not rows or end <= begin:
         return None
     at = _first_difference(check, run, failure, rate)
@@ -291,6 +293,8 @@ def _first_difference(check: Check, run: Run, failure: Failed, rate: float) -> f
     events = run.recording.events
     if failure.at is not None:
         return round(failure.at / SECOND * rate, 3) if rate else None
+    if failure.every_s:
+        return None  # nothing came, so the row of expected times shows more than one moment
     where = deviation(check, run) if len(events) <= MOST_EVENTS else None
     found = _moments([events[where.index]], rate) if where and where.how == 'cut' else []
     return round(found[0], 3) if found else None

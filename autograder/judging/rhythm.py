@@ -48,7 +48,7 @@ def require_period(
     seconds = _seconds(found)
     gaps = _gaps(seconds)
     more = len(seconds) - during_s / period_s
-    odd = [late for late, gap in zip(seconds[1:], gaps) if not _is(period_s, gap)]
+    odd = [gap for gap in gaps if not _is(period_s, gap)]
     late = waited_s > period_s + GRAIN_S
     if abs(more) <= 1.5 and not odd and not late:
         return
@@ -71,10 +71,29 @@ def require_period(
         expected=f'one {what} every {period_s:g} s for {during_s:g} s{when}',
         observed=observed + (f', the first after {waited_s:.2g} s' if late else ''),
         why=ended or explain() or rhythm or why_silent(run),
-        at=round(odd[0] * SECOND) if odd else None,
+        at=_first_difference_ns(seconds, period_s, waited_s if late else 0.0),
         every_s=period_s,
         shown_by=found,
     )
+
+
+def _first_difference_ns(seconds: Sequence[float], period_s: float, waited_s: float) -> int | None:
+    """
+    Return when the first message was missing or came too early [ns]; None if none came.
+
+    :param seconds: times of the messages [s]
+    :param waited_s: time until the first message if this was too long, otherwise 0 [s]
+    """
+    if not seconds:
+        return None
+    if waited_s:
+        return round((seconds[0] - waited_s + period_s) * SECOND)
+    odd = (
+        one + min(gap, period_s)
+        for one, gap in zip(seconds, _gaps(seconds))
+        if not _is(period_s, gap)
+    )
+    return round(next(odd, seconds[-1] + period_s) * SECOND)
 
 
 def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:

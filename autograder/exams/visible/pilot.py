@@ -227,7 +227,8 @@ def first_complete(asked: Specification) -> int:
 def waits_for_both(run: Run) -> None:
     """It publishes nothing until a speed and a turn have arrived."""
     asked, _ = commands(run)
-    first = require_messages(run, topic=TARGET)[0]['after_input']
+    what = 'a command once both have arrived'
+    first = require_messages(run, what=what, topic=TARGET)[0]['after_input']
     if first is None or first < first_complete(asked):
         raise Failed(
             expected='no command before a speed and a turn have arrived',

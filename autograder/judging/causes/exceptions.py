@@ -65,8 +65,9 @@ WANTED = {
     "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
     'node: self.get_clock().now().to_msg(). int(value) removes the fraction of a number.',
     "type 'int'": 'Use a whole number: int(value), or // instead of /.',
-    "type 'str'": "Use a string: str(value), or an f-string: f'{value}'.",
-    "type 'float'": 'The field needs a float, and 25 is an integer: write 25.0, or float(value).',
+    "type 'str'": 'Use a string: str(value), or the field of a message, as in message.data.',
+    "type 'float'": 'Use a float: 25.0 instead of 25, float(value), or the field of a message, as '
+    'in message.data.',
     "type 'bool'": 'Write True or False, without quotes.',
     r' in \[': 'The number is outside the range of this field: keep it within the limits.',
     '': 'Give it a value of that type.',
