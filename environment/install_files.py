@@ -24,8 +24,9 @@ STYLE = """\
 /* Written by the set-up. JupyterLab breaks lines of output in the middle of words. */
 body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
 /* JupyterLab's yellow is too pale and its red too dark: mix them with the colour of the text. */
-body pre .ansi-yellow-fg { color: color-mix(in srgb, #ddb62b, var(--jp-content-font-color1)); }
-body pre .ansi-red-intense-fg { color: color-mix(in srgb, #e53, var(--jp-content-font-color1)); }
+body .jp-OutputArea-output { --mix: in srgb, var(--jp-content-font-color1); }
+body .jp-OutputArea-output pre .ansi-yellow-fg { color: color-mix(var(--mix), #ddb62b); }
+body .jp-OutputArea-output pre .ansi-red-intense-fg { color: color-mix(var(--mix), #e75c58); }
 """
 ROS2_MARK = "the course's own small ros2 command"
 
