@@ -350,9 +350,11 @@ def require_answers(
         got = {name: field_of(answer, name) for name in fields}
         if got != dict(fields):
             due = 'the expected answer' if secret else _shown(fields)
-            to = f' to {inputs[number]!r}' if inputs and not secret else ''
+            where = f'{what}: {due} in answer {number + 1}'
+            if inputs and not secret:
+                where = f'{due} as the answer to {_asked(inputs[number])}'
             raise Failed(
-                expected=f'{what}: {due} in answer {number + 1}{to}',
+                expected=where,
                 observed='a different answer' if secret else _shown(got),
                 why=explain(number) or why_silent(run),
             )
@@ -362,6 +364,10 @@ def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
     if answer.get('reason') != 'no_service' or ended_after_refusal(run):
         return None
     return cause_of('no_service', service=service)
+
+
+def _asked(sent: object) -> str:
+    return ' = '.join(map(str, sent)) if isinstance(sent, tuple) else repr(sent)
 
 
 def _shown(fields: Mapping[str, Any]) -> str:

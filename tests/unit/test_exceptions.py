@@ -331,8 +331,8 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
         ('m.pose = 1', "a sub message of type 'Pose'", 'Assign a whole Pose'),
         ('m.stamp.sec = time.time()', "of type 'int'", 'now().to_msg()'),
         ('m.data = 3.0', "of type 'int'", 'int(value)'),
-        ('m.data = self.count', "of type 'str'", 'str(value), or an f-string'),
-        ('m.data = 25', "of type 'float'", 'write 25.0'),
+        ('m.data = self.count', "of type 'str'", 'str(value), or the field of a message'),
+        ('m.data = 25', "of type 'float'", '25.0 instead of 25'),
         ('m.data = 1', "of type 'bool'", 'True or False'),
         ('m.data = 300', 'an unsigned integer in [0, 255]', 'within the limits'),
         (

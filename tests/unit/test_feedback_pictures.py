@@ -294,11 +294,12 @@ class TestSecrets:
 
     def test_the_order_of_hidden_inputs_is_not_shown(self):
         """The order of the messages with a warning would reveal answers."""
-        inputs = fed(1, TOPIC)
+        inputs = fed(2, TOPIC)
         failure = Failed(expected='one WARN line', observed='no WARN line')
 
         assert drawn(recorded(*inputs, said(1.0)), failure) is not None
         assert drawn(recorded(*inputs, said(1.0)), failure, hidden=True) is None
+        assert drawn(recorded(inputs[0], said(1.0)), failure) is None  # nothing to compare
 
 
 class TestDrawing:
