@@ -134,6 +134,25 @@ class TestMessages:
 
         assert failed.value.observed == observed
 
+    @pytest.mark.parametrize(
+        ('clocks', 'waited_s', 'at'),
+        [
+            ([1.0, 2.0, 5.0, 6.0], 0.0, 3.0),
+            ([1.0, 2.0], 0.0, 3.0),
+            ([1.0, 1.5, 2.0, 2.5, 3.0], 0.0, 1.5),
+            ([4.0, 5.0], 4.0, 1.0),
+        ],
+        ids=['a hole', 'the end', 'too often', 'late'],
+    )
+    def test_first_difference_is_where_a_message_is_missing_or_too_early(
+        self, clocks, waited_s, at
+    ):
+        found = [message(clock) for clock in clocks]
+        with pytest.raises(Failed) as failed:
+            rhythm.require_period(run_of(), found, 1.0, 7.0, waited_s=waited_s)
+
+        assert failed.value.at == at * checks.SECOND
+
     def test_first_message_comes_within_one_period(self):
         """The first call of the timer has no message."""
         found = [message(clock) for clock in (2.0, 3.0, 4.0)]
