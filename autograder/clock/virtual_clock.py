@@ -105,6 +105,25 @@ def clock_programs() -> tuple[str, str]:
     return str(folder / 'driver'), str(folder / 'clock.so')
 
 
+def refusal() -> tuple[str, str]:
+    """
+    Return why a program of this system cannot load the library, and the fix; empty if it can.
+
+    :raises SandboxUnavailable: if the set-up has not built the clock
+    """
+    _, library = clock_programs()
+    # The loader prints the reason. Some reasons do not end the program.
+    tried = subprocess.run(['true'], env={'LD_PRELOAD': library}, capture_output=True, check=False)
+    if not tried.stderr:
+        return '', ''
+    if os.statvfs(library).f_flag & os.ST_NOEXEC:
+        what = f'{library}: the file system is mounted noexec, so programs cannot load the clock.'
+        return what, 'Try: make VENV=... with a folder on a different file system'
+    said = tried.stderr.decode(errors='replace').strip().splitlines()[-1]
+    what = f'Programs cannot load the virtual clock: {said.rstrip(".")}.'
+    return what, 'Try: make clean, then make prepare, which builds it for this system'
+
+
 @contextmanager
 def virtual_clock(places: int) -> Iterator[VirtualClock]:
     """

@@ -13,7 +13,8 @@ import shutil
 import subprocess
 import tempfile
 
-from autograder.clock.virtual_clock import SYSTEM_TIME_NS, virtual_clock, VirtualClock
+from autograder.clock import virtual_clock
+from autograder.clock.virtual_clock import SYSTEM_TIME_NS, VirtualClock
 from autograder.errors import ProbeFailed, SandboxUnavailable
 from autograder.sandboxes import isolation, landlock
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
@@ -68,6 +69,8 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
     """Return what the system lacks for a sandbox, and the fix; empty strings if nothing."""
     if not landlock.filter_file().is_file():
         return landlock.NO_FILTER
+    if any(clock := virtual_clock.refusal()):
+        return clock
     if sandbox.isolated:
         found = shutil.which('bwrap') is not None
         return ('', '') if found else ('bubblewrap is not installed.', isolation.FIX_MISSING)
@@ -92,7 +95,7 @@ def try_out(sandbox: Sandbox) -> None:
         with (
             sandbox.turn(),
             tempfile.TemporaryDirectory(prefix='trial-') as home,
-            virtual_clock(2) as clock,
+            virtual_clock.virtual_clock(2) as clock,
         ):
             confined = start_program(sandbox, program, Limits(), Path(home), clock)
             try:
@@ -109,8 +112,8 @@ def try_out(sandbox: Sandbox) -> None:
             f'Isolation {sandbox.mode} lets a program read grader files.', isolation.SECTION
         )
     if said == 'real':
-        what = f'With isolation {sandbox.mode}, a program does not load the virtual clock.'
-        raise SandboxUnavailable(what, 'Try: make doctor')
+        what = f'With isolation {sandbox.mode}, a program does not load the virtual clock: {error}'
+        raise SandboxUnavailable(f'{what}.', isolation.SECTION)
     if said != 'in':
         what = f'rclpy does not run with isolation {sandbox.mode}: {error}.'
         raise SandboxUnavailable(what, isolation.fix_for(error))

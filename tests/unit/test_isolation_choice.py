@@ -9,6 +9,7 @@ import pytest
 from rich.console import Console
 
 from autograder.classroom.pages import print_table, write_reports
+from autograder.clock import virtual_clock
 from autograder.commands.grade import warn_if_weak
 from autograder.errors import SandboxUnavailable
 from autograder.explaining.feedback import exam_text
@@ -66,6 +67,35 @@ def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monk
 
     assert 'sudo apt-get install -y bubblewrap' in caught.value.fix
     assert '--allow-weak=landlock' in caught.value.fix
+
+
+@pytest.fixture
+def clock(tmp_path, monkeypatch):
+    """Return the path of a library of the virtual clock that no program can load."""
+    library = tmp_path / 'clock.so'
+    library.write_bytes(b'built for another system')
+    monkeypatch.setattr(virtual_clock, 'clock_programs', lambda: ('driver', str(library)))
+    return library
+
+
+def refused() -> SandboxUnavailable:
+    with pytest.raises(SandboxUnavailable) as caught:
+        choose.usable(isolation.full(os.geteuid() == 0))
+    return caught.value
+
+
+def test_a_clock_that_cannot_be_loaded_is_built_again(clock):
+    """The message quotes the system's loader."""
+    assert f"object '{clock}' from LD_PRELOAD cannot be preloaded" in refused().what
+    assert 'make clean, then make prepare' in refused().fix
+
+
+def test_a_clock_on_a_file_system_without_programs_names_the_place(clock, monkeypatch):
+    facts = SimpleNamespace(f_flag=os.ST_NOEXEC)
+    monkeypatch.setattr(virtual_clock.os, 'statvfs', lambda path: facts)
+
+    assert f'{clock}: the file system is mounted noexec' in refused().what
+    assert 'make VENV=...' in refused().fix
 
 
 @pytest.mark.parametrize('said', [UID_MAP, NO_NAMESPACE])
