@@ -15,10 +15,10 @@ from pathlib import Path
 import signal
 from typing import Any
 
-from autograder.errors import ProbeFailed, RecordingInvalid, TooBusy
+from autograder.errors import ProbeFailed, RecordingInvalid
 from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
-from autograder.runs.observe import observe
+from autograder.runs.observe import BUILDS, observe
 from autograder.runs.task import parse_outcome, Place, task_of
 from autograder.runs.version import environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
@@ -75,7 +75,7 @@ def load_or_record(
         return parse_outcome(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
 
     def run() -> Outcome:
-        recording, timing = _run_with_retry(once)
+        recording, timing = _run_with_retry(once, exam.scenario.program in BUILDS)
         notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
         notes['made_with'] = dict(made_with())
         notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
@@ -98,11 +98,15 @@ def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
     return recording, timing
 
 
-def _run_with_retry(once: Callable[[], Outcome]) -> Outcome:
-    """Run once; if the probe failed or something outside ended the run, repeat it once."""
-    with suppress(ProbeFailed, TooBusy):
+def _run_with_retry(once: Callable[[], Outcome], builds: bool) -> Outcome:
+    """
+    Run once; if the probe failed or something outside ended the run, repeat it once.
+
+    A run for which the machine was too busy took ten minutes, and is not repeated.
+    """
+    with suppress(ProbeFailed):
         recording, timing = once()
-        if not _may_have_been_ended(recording):
+        if not _may_have_been_ended(recording, builds):
             return recording, timing
     recording, timing = once()
     return recording, {**timing, 'repeated': 1.0}
@@ -112,18 +116,20 @@ ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.S
 """Signals with which people and systems end a process; a program's own errors cause others."""
 
 
-def _may_have_been_ended(recording: Recording) -> bool:
+def _may_have_been_ended(recording: Recording, builds: bool) -> bool:
     """
     Return whether another program may have ended the student's program or a compiler.
 
     A program that kills itself does so again in the repeated run, which then counts.
+
+    :param builds: whether the output may be a compiler's; a program chooses its own
     """
     process = recording.process
     if process.get('killed') or not process.get('exit'):
         return False
     if process['exit'] in {sign for one in ENDING for sign in (-one, 128 + one)}:
         return True
-    return 'Killed' in process.get('stderr', '') + process.get('stdout', '')
+    return builds and 'Killed' in process.get('stderr', '') + process.get('stdout', '')
 
 
 def files_digest(files: Mapping[str, str]) -> str:

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from autograder.errors import TooBusy
+from autograder.errors import ProbeFailed, TooBusy
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
 from autograder.grading.examine import examine
 from autograder.recording import header, Recording
 from autograder.runs import stored_runs as module
-from autograder.runs.stored_runs import _load_or_run
+from autograder.runs.stored_runs import _load_or_run, _run_with_retry
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},
@@ -137,13 +137,13 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
 
 
 def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):
-    """A run that was repeated, for example on a busy machine, stays marked."""
+    """A run that was repeated, for example because the probe failed, stays marked."""
     whole, ended = module.observe, []
 
     def ends_once(*given):
         if not ended:
             ended.append(given)
-            raise TooBusy('The machine was too busy.')
+            raise ProbeFailed('The probe failed.')
         return whole(*given)
 
     monkeypatch.setattr(module, 'observe', ends_once)
@@ -152,3 +152,42 @@ def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatc
 
     assert first.timing['repeated'] == again.timing['repeated'] == 1.0
     assert Recording.load(tmp_path / 'talker' / first.recording).header['repeated'] is True
+
+
+def test_a_run_for_which_the_machine_was_too_busy_is_not_repeated():
+    """It took ten minutes, and so would the next one."""
+    runs = []
+
+    def once():
+        runs.append('a run')
+        raise TooBusy('The machine was too busy.')
+
+    with pytest.raises(TooBusy):
+        _run_with_retry(once, builds=True)
+
+    assert len(runs) == 1
+
+
+@pytest.mark.parametrize(
+    ('process', 'builds', 'count'),
+    [
+        ({'exit': 1, 'stdout': 'c++: fatal error: Killed signal terminated program'}, True, 2),
+        ({'exit': 1, 'stdout': 'Killed'}, False, 1),
+        ({'exit': -9}, False, 2),
+        ({'exit': -11}, True, 1),
+        ({'exit': -9, 'killed': 'cpu_limit'}, True, 1),
+    ],
+)
+def test_a_run_is_repeated_once_if_something_outside_may_have_ended_it(process, builds, count):
+    """A program chooses its output, so the word of a compiler counts only for a build."""
+    runs = []
+
+    def once():
+        runs.append('a run')
+        event = {'event': 'process', 'killed': '', **process}
+        return Recording(WHOLE.header, (*WHOLE.events[:-1], event)), {}
+
+    _, timing = _run_with_retry(once, builds)
+
+    assert len(runs) == count
+    assert timing == ({'repeated': 1.0} if count == 2 else {})
