@@ -23,7 +23,7 @@ from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.recording import header, Recording
 from autograder.runs.one_processor import keep_on, one_processor
-from autograder.runs.watchdog import WATCH_EVERY_S, Watchdog
+from autograder.runs.watchdog import Watchdog
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.forked import INSIDE, PROBE, start_program, STUDENT
 from autograder.sandboxes.probes import start_probe
@@ -276,15 +276,16 @@ class _RunLoop:
             # The probe writes all events of a moment before virtual time passes it, and one read
             # empties its pipe.
             past_end = self._is_past_end()
-            for key, _ in pipes.select(0 if past_end else WATCH_EVERY_S):
+            # The program's output must not choose the moments of the watchdog's checks.
+            for key, _ in pipes.select(0 if past_end else self.watchdog.due_in_s()):
                 if key.data == 'ended':
                     pipes.unregister(key.fileobj)
                     self._student_ended()
                 else:
                     self._read(pipes, key)
-            if self.watchdog.is_due():
+            if not self.watchdog.due_in_s():
                 begun = bool(self.events)
-                self.killed = self.killed or self.watchdog.look(self.recorded, self.printed, begun)
+                self.killed = self.killed or self.watchdog.look(self.printed, begun)
             if self.killed or (past_end and self._is_past_end()):
                 return
 

@@ -176,7 +176,7 @@ class TestBuild:
         cause = self.built(exit=None, killed='waits_outside')
 
         assert cause.cause_id == 'waits_outside'
-        assert 'nothing could end' in cause.text
+        assert 'too long for something outside' in cause.text
 
     def test_a_known_error_is_named_with_its_line(self):
         said = "package name 'b' in '/x' does not match current PROJECT_NAME 'a'. You must"

@@ -1,4 +1,4 @@
-"""The time without progress after which a run ends."""
+"""The budgets of real time in which no process of a run computes."""
 
 from types import SimpleNamespace
 
@@ -8,66 +8,84 @@ from autograder.runs import watchdog
 from autograder.sandboxes.confinement import Limits
 
 PROGRAM, PROBE = 1, 2
+FOR_5_S, FOR_20_S = 101, 401
 
 
 @pytest.fixture
-def look(monkeypatch):
-    """Return a function that polls processes in a state a number of times, 0.1 s apart."""
-    clock = SimpleNamespace(now=0.0, jumps=0)
-    state = {}
-    printed = [0]
-    monkeypatch.setattr(watchdog.time, 'monotonic', lambda: clock.now)
-    monkeypatch.setattr(watchdog, 'states', lambda pid: state[pid])
+def world(monkeypatch):
+    """Return a machine on which nothing computes, with a watchdog that the test advances."""
+    world = SimpleNamespace(now=0.0, jumps=0, used_s=0.0, state={PROGRAM: b'S', PROBE: b'S'})
+    monkeypatch.setattr(watchdog.time, 'monotonic', lambda: world.now)
+    monkeypatch.setattr(watchdog, 'states', lambda pid: world.state[pid])
     monkeypatch.setattr(watchdog, 'usage', lambda pid: (0, 0.0))
-    monkeypatch.setattr(watchdog, 'used_ns', lambda pid: 0)
-    ready = [1]
-    monkeypatch.setattr(watchdog, 'ready_to_run', lambda: ready[0])
-    monkeypatch.setattr(watchdog.os, 'cpu_count', lambda: 2)
-    process = SimpleNamespace(poll=lambda: None)
+    used_ns = {PROGRAM: lambda: round(world.used_s * 1e9), PROBE: lambda: 0}
+    monkeypatch.setattr(watchdog, 'used_ns', lambda pid: used_ns[pid]())
     student = SimpleNamespace(
-        pids=(PROGRAM,), process=process, released=True, files=lambda: (0, 0), home=None
+        pids=(PROGRAM,),
+        process=SimpleNamespace(poll=lambda: None),
+        released=True,
+        files=lambda: (0, 0),
+        home=None,
     )
-    dog = watchdog.Watchdog(student, (PROBE,), Limits(), clock, builds=False)
+    world.dog = watchdog.Watchdog(student, (PROBE,), Limits(), world, builds=False)
 
-    def look(times: int, program: bytes, probe: bytes, prints: int = 0, threads: int = 1) -> str:
-        ready[0] = threads
-        state.update({PROGRAM: program, PROBE: probe})
+    def look(times: int, program: bytes = b'S', begun: bool = True, every_s: float = 0.05) -> str:
+        world.state[PROGRAM] = program
         for _ in range(times):
-            clock.now += 0.1
-            printed[0] += prints
-            if said := dog.look(recorded=0, printed=printed[0], begun=True):
+            world.now += every_s
+            if said := world.dog.look(printed=0, begun=begun):
                 return said
         return ''
 
-    return look
+    world.look = look
+    return world
 
 
-def test_a_program_that_waits_outside_the_clock_has_a_third_of_a_second(look):
-    """Three polls take less than that, the fourth takes more."""
-    assert look(1, b'S', b'S') == ''  # the first poll sees all progress so far
-    assert look(2, b'S', b'S') == ''
-    assert look(2, b'S', b'S') == 'waits_outside'
+@pytest.mark.parametrize('state', [b'S', b'D', b'T'])
+def test_a_program_that_waits_outside_the_clock_has_five_seconds(world, state):
+    """A program that waits for a disk looks like one that waits for a child of vfork."""
+    assert world.look(FOR_5_S - 2, state) == ''
+    assert world.look(2, state) == 'waits_outside'
 
 
-def test_a_probe_that_was_stopped_leaves_the_program_its_own_patience(look):
-    """The second before the probe continues is not charged to the program."""
-    assert look(20, b'S', b'T') == ''
-    assert look(2, b'S', b'S') == ''
-    assert look(2, b'S', b'S') == 'waits_outside'
+def test_neither_computing_nor_progress_renews_the_budget(world):
+    """Short naps with jumps of the clock between them take as long as one wait."""
+    for _ in range(49):
+        assert world.look(2) == ''
+        world.jumps += 1
+        assert world.look(1, b'R') == ''
+    assert world.look(3) == 'waits_outside'
 
 
-def test_a_program_that_waits_for_a_disk_has_three_seconds(look):
-    """A program that waits for a child of vfork looks the same."""
-    assert look(30, b'D', b'S') == ''
-    assert look(3, b'D', b'S') == 'waits_outside'
+def test_a_program_that_computes_or_waits_for_a_processor_uses_no_budget(world):
+    """Between two checks in which it waits, it used nearly all of the time."""
+    assert world.look(2 * FOR_5_S, b'R') == ''
+    for _ in range(2 * FOR_5_S):
+        world.used_s += 0.05
+        assert world.look(1) == ''
+    assert world.look(FOR_5_S + 1) == 'waits_outside'
 
 
-def test_a_program_that_waits_on_a_busy_machine_has_three_seconds(look):
-    assert look(30, b'S', b'S', threads=3) == ''
-    assert look(3, b'S', b'S', threads=3) == 'waits_outside'
+def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
+    assert world.look(FOR_5_S - 2, every_s=3.0) == ''
 
 
-def test_a_program_whose_output_is_read_slowly_does_not_wait_outside(look):
-    """More was read than a pipe holds, so the program did write; a few bytes prove nothing."""
-    assert look(20, b'S', b'S', prints=100_000) == ''
-    assert look(20, b'S', b'S', prints=10) == 'waits_outside'
+def test_a_build_has_its_own_budget(world):
+    """Only a package that is built and run uses both."""
+    world.dog.builds = True
+    assert world.look(FOR_20_S - 2, begun=False) == ''
+    assert world.look(FOR_5_S - 2) == ''
+    assert world.look(2) == 'waits_outside'
+
+
+def test_the_setup_of_the_sandbox_has_its_own_budget(world):
+    world.dog.student.released = False
+    assert world.look(FOR_20_S - 2, begun=False) == ''
+    assert world.look(2, begun=False) == 'waits_outside'
+
+
+def test_the_next_check_is_due_after_a_twentieth_of_a_second(world):
+    world.look(1)
+    assert world.dog.due_in_s() == pytest.approx(0.05)
+    world.now += 0.06
+    assert world.dog.due_in_s() == 0

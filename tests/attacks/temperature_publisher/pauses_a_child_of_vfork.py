@@ -2,7 +2,7 @@
 Tries: hold a thread in the state of a wait for a disk, by ``clone(CLONE_VFORK)`` with a child that
     pauses.
 
-Stopped by: three seconds in which virtual time stands still and nobody computes
+Stopped by: 5 s of the whole run in which nobody computes
 Deserves: 0
 Ends: waits_outside
 """

@@ -1,7 +1,7 @@
 """
 Tries: sleep where the virtual clock does not see it, by the number of the system call.
 
-Stopped by: 0.3 s in which virtual time stands still and nobody computes
+Stopped by: 5 s of the whole run in which nobody computes
 Deserves: 0
 Ends: waits_outside
 """

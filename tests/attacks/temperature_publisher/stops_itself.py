@@ -1,7 +1,7 @@
 """
 Tries: stop its own process by a signal, and be waited for.
 
-Stopped by: 0.3 s in which virtual time stands still and nobody computes
+Stopped by: 5 s of the whole run in which nobody computes
 Deserves: 0
 Ends: waits_outside
 """
