@@ -76,11 +76,19 @@ def test_missed_run_is_explained_by_what_its_node_does():
     found = results(missed)['refuses_other_warnings']
 
     assert found.cause_id == 'accepts_nan'
-    assert found.cause.startswith(
-        'The node of this run is wrong. Its author would read: "Your node logs a WARN line for NaN'
-    )
+    assert found.cause.startswith('The node of this run is wrong. It logs a WARN line for NaN')
     assert found.observed == 'False for 3 of them; not for run 9, with a reading that is NaN'
     assert found.points == 2.25
+
+
+def test_no_mistake_of_a_node_reads_as_the_learners():
+    """A learner who writes a check has not written a node."""
+    slips = (*warning_check.OF_A_MONITOR, warning_check.LATE, warning_check.LAGS)
+    known = {*warning_check.MISSES, *warning_check.UNITS, *warning_check.WRONG}
+    texts = [warning_check._of_a_node(slip) for slip in slips if slip.cause_id in known]
+
+    assert len(texts) >= len(known)
+    assert not [text for text in texts if 'your' in text.lower()]
 
 
 def test_warning_that_comes_a_reading_late_is_explained():

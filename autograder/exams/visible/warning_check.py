@@ -155,6 +155,11 @@ def of_monitor(name: str, readings: Sequence[Reading]) -> tuple[Slip, list[int]]
     raise ExamInvalid(f'The readings {readings} do not reveal a slip {name}.')
 
 
+def _of_a_node(slip: Slip) -> str:
+    """Return what a slip says to the author of a node, as a sentence about this node."""
+    return slip.text.replace('Your node', 'It').replace('your node', 'it')
+
+
 def celsius(*values: float) -> list[Reading]:
     """Return readings in Celsius."""
     return [Reading(value, 'a reading in Celsius') for value in values]
@@ -196,7 +201,7 @@ SLIPS = (
     *(
         Slip(
             f'check_{slip.cause_id}',
-            f'Your check expects the warnings of a node with this mistake: {slip.text}',
+            f'Your check expects the warnings of a node with this mistake: {_of_a_node(slip)}',
             OTHER_FIXES.get(slip.cause_id, slip.try_this),
             *(compares(due=rule) for rule in slip.rules),
         )
@@ -290,7 +295,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     own = asked.cause(came, place)
     if slip is None:
         return own or WHY['refuses_right']
-    does = f'The node of this run is wrong. Its author would read: "{slip.text}"'
+    does = f'The node of this run is wrong. {_of_a_node(slip)}'
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
     more = '' if own.cause_id == f'check_{slip.cause_id}' else f' {does}'
