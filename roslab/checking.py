@@ -5,7 +5,7 @@ The learner's code does not run in the kernel.  A child process runs it, in a sa
 available, and prints its verdicts as one line of JSON.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 import difflib
 import json
@@ -22,7 +22,8 @@ from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.layout import Layout, lesson_files
 from autograder.results import ExamResult, Problem
-from autograder.submission.cells import UNSOLVED
+from autograder.submission.cells import magic_line, UNSOLVED
+from autograder.submission.package import with_missing_file
 from roslab import run_command
 from roslab.error_hints import saved_file, texts_now
 from roslab.errors import RoslabError, shown_as
@@ -80,12 +81,28 @@ def _run(exam: Any, package: LearnerPackage) -> CheckReport:
         deadline_s=_DEADLINE_S,
     )
     report = _read(exam, outcome)
+    if report.result is not None:
+        missing = [name for name in about.requires if name not in files]
+        report.result = _with_cells(report.result, missing, package.shown(package.folder))
     report.judged, report.edited = describe(saved), tuple(edited_since(saved))
     report.unfinished = tuple(name for name, text in own.items() if _is_stub(name, text))
     report.left_over = _left_over(own)
     with suppress(FileNotFoundError):
         report.lessons = _addresses(about.assignment)
     return report
+
+
+def _with_cells(result: ExamResult, missing: Sequence[str], folder: str) -> ExamResult:
+    """Return a result whose message about missing files names the cells that save them."""
+    lines = [line for line in map(magic_line, missing) if line]
+    if not lines:
+        return result
+    cells = 'cells of the exercise that begin' if lines[1:] else 'cell of the exercise that begins'
+    return with_missing_file(
+        result,
+        observed=f'not saved in {folder}',
+        try_this=f'Run the {cells} with {" and ".join(lines)}, then check again.',
+    )
 
 
 def _addresses(assignment: str) -> dict[str, str]:

@@ -9,8 +9,6 @@ from autograder.explaining.feedback_html import checks_html, Lessons, paragraph
 from autograder.results import ExamResult, Problem, Verdict
 from roslab.output import current_cell, show
 
-_MISSING_FILE = 'missing_file'
-_RUN_FIRST = 'A cell is saved when it runs: run the cell of the exercise before its check.'
 _NO_SANDBOX = (
     'Your code ran in a plain process without a sandbox, which is fine for your own code.'
 )
@@ -98,8 +96,6 @@ class CheckReport:
             remarks.append(self.problem.line())
         if self.result is not None:
             remarks += [self.result.note] if self.result.note else []
-            if any(check.cause_id == _MISSING_FILE for check in self.result.checks):
-                remarks.append(_RUN_FIRST)
             if self.result.mode == 'none':
                 remarks.append(_NO_SANDBOX)
         return remarks

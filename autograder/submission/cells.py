@@ -8,6 +8,7 @@ that the student runs.
 
 import ast
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 import re
 
 from autograder.submission.code.program import parsed
@@ -140,6 +141,20 @@ def parse_cell(source: str) -> CellFile | None:
     check_name(kind, name)
     below = source[start + len(line) + 1 :]
     return CellFile(kind, name, body_of(below), source.count('\n', 0, start) + 1)
+
+
+def magic_line(path: str) -> str:
+    """
+    Return the magic line of the cell that saves a file, empty if no cell can.
+
+    :param path: path in the package, as :attr:`CellFile.path` returns it
+    """
+    # The last kind is node: setup.py is a package file, although a node may have any name.
+    for kind, (rule, _) in reversed(_RULES.items()):
+        for name in (path, PurePosixPath(path).stem):
+            if rule.fullmatch(name) and CellFile(kind, name, '').path == path:
+                return f'%%{kind} {name}'
+    return ''
 
 
 def first_line(source: str) -> tuple[str, int]:

@@ -234,9 +234,10 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
     """
     return with_missing_file(
         result,
+        title='All files of the exercise are there.',  # the first check is about other things
         observed=describe_files(files),
-        cause='The file was not saved in the folder that is checked.',
-        try_this='Save the file in that folder, then check again.',
+        cause='',
+        try_this='Save each missing file at its path in the package folder, then check again.',
     )
 
 

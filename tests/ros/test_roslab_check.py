@@ -76,7 +76,8 @@ def test_cell_that_was_not_run_is_asked_for(kernel):
     kernel.run('from roslab import *')
     kernel.run('%%node something_else\npass')
 
-    assert 'run the cell of the exercise before' in kernel.run(CHECK).text
+    line = '%%node temp_publisher'
+    assert f'Run the cell of the exercise that begins with {line}' in kernel.run(CHECK).text
 
 
 def test_unknown_exercise_is_named(kernel):

@@ -4,7 +4,13 @@ import time
 
 import pytest
 
-from autograder.submission.cells import CellSyntaxError, first_line, MAGIC_LINE_MAX, parse_cell
+from autograder.submission.cells import (
+    CellSyntaxError,
+    first_line,
+    magic_line,
+    MAGIC_LINE_MAX,
+    parse_cell,
+)
 
 
 @pytest.mark.parametrize(
@@ -14,6 +20,7 @@ from autograder.submission.cells import CellSyntaxError, first_line, MAGIC_LINE_
         ('%%node\ttalker  ', 'talker.py'),
         ('%%rosmsg Temperature', 'msg/Temperature.msg'),
         ('%%rospkg package.xml', 'package.xml'),
+        ('%%rospkg setup.py', 'setup.py'),
         ('%%rospkg CMakeLists.txt', 'CMakeLists.txt'),
         ('%%rospkg config/limiter.yaml', 'config/limiter.yaml'),
         ('%%rospkg launch/both.launch.xml', 'launch/both.launch.xml'),
@@ -23,6 +30,7 @@ from autograder.submission.cells import CellSyntaxError, first_line, MAGIC_LINE_
 )
 def test_the_magic_line_names_the_file(line, path):
     assert parse_cell(f'{line}\nx').path == path
+    assert magic_line(path).split() == line.split()
 
 
 @pytest.mark.parametrize(

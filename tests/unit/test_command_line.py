@@ -206,6 +206,7 @@ class TestCheckWithoutTheFile:
         assert first['cause_id'] == 'missing_file'
         assert first['expected'] == 'the file temp_publisher.py'
         assert first['observed'] == 'no file of a package'
+        assert first['title'] == 'All files of the exercise are there.'
         assert 'cell' not in f'{first["cause"]} {first["try_this"]}'
         assert {check['verdict'] for check in others} == {'NOT_RUN'}
 

@@ -1,5 +1,6 @@
 """The table of visible checks, as text and as HTML."""
 
+from dataclasses import replace
 import json
 import os
 
@@ -131,6 +132,22 @@ def test_files_with_a_stub_are_unfinished(exam, unfinished):
     own = checking._of_exercise(catalog.load(exam, hidden=False), files)
 
     assert [name for name, text in own.items() if checking._is_stub(name, text)] == unfinished
+
+
+def test_missing_files_are_named_with_their_folder_and_the_cells_to_run():
+    missing = replace(FAILED, cause='', cause_id='missing_file')
+    result = ExamResult('limiter', (missing, WAITING))
+    files = ['config/limiter.yaml', 'limiter.py']
+
+    changed, other = checking._with_cells(result, files, 'ros_ws/src/my_robot_pkg').checks
+
+    assert changed.observed == 'not saved in ros_ws/src/my_robot_pkg'
+    lines = '%%rospkg config/limiter.yaml and %%node limiter'
+    assert f'cells of the exercise that begin with {lines}, ' in changed.try_this
+    assert other == WAITING
+    one = checking._with_cells(result, files[:1], '').checks[0].try_this
+    assert 'cell of the exercise that begins with %%rospkg config/limiter.yaml, ' in one
+    assert checking._with_cells(result, [], '') == result
 
 
 @pytest.mark.parametrize(
