@@ -92,16 +92,41 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
         ("ModuleNotFoundError: No module named 'thermo'", 'no_modules', 'find_packages'),
         ("ModuleNotFoundError: No module named 'a'", 'entry_point_module', 'thermo.MODULE:main'),
         ("AttributeError: module 'thermo.a' has no attribute 'b'", 'entry_point_function', 'b'),
+        ("TypeError: 'module' object is not callable", 'entry_point_function', 'no function'),
     ],
 )
 def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
     """The entry point is named, because the traceback has no line of the student."""
     head = 'Traceback (most recent call last):\n  File "/ws/lib/thermo/temp_publisher", line 33\n'
     process = {'event': 'process', 'exit': 1, 'stderr': f'{head}{error}\n'}
-    why = packages.why_no_program(Run({'setup.py': ''}, Recording({}, [process]), EXAM.facts))
+    setup = {'setup.py': "# temp_publisher = a:main\n\n    'temp_publisher = thermo.a',\n"}
+    why = packages.why_no_program(Run(setup, Recording({}, [process]), EXAM.facts))
 
     assert why.cause_id == cause_id
     assert words in f'{why.text} {why.try_this}'
+    # Otherwise another line is wrong: the one with packages=.
+    assert why.text.startswith('setup.py, line 3: ') == (cause_id != 'no_modules')
+
+
+def test_entry_point_of_setup_cfg_has_its_line_there():
+    error = "Traceback (most recent call last):\nTypeError: 'module' object is not callable\n"
+    process = {'event': 'process', 'exit': 1, 'stderr': error}
+    files = {
+        'setup.py': 'setup()\n',
+        'setup.cfg': 'console_scripts =\n  temp_publisher=thermo.a\n',
+    }
+
+    why = packages.why_no_program(Run(files, Recording({}, [process]), EXAM.facts))
+
+    assert why.text.startswith('setup.cfg, line 2: ')
+
+
+def test_thread_that_calls_a_module_is_no_entry_point():
+    """The exception of a thread does not end the program, whose exit code is then 0."""
+    error = "Traceback (most recent call last):\nTypeError: 'module' object is not callable\n"
+    process = {'event': 'process', 'exit': 0, 'stderr': error}
+
+    assert packages.why_no_program(Run({}, Recording({}, [process]), EXAM.facts)) is None
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, col
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 import json
 from pathlib import Path
 import re
@@ -42,6 +43,7 @@ _ERROR_LINE = re.compile(r'^(?!ninja: ).*\berror:|^CMake Error: |\wError: |^[\w.
 _NO_ENTRY = re.compile(
     r"No module named '(?P<module>[\w.]{1,80})'"
     r"|module '(?P<place>[\w.]{1,80})' has no attribute '(?P<function>\w{1,60})'"
+    r"|(?P<called>'module' object is not callable)"
 )
 LONGEST = 240
 """Maximum length of a tool's message in feedback [characters]."""
@@ -169,19 +171,31 @@ def why_no_program(run: Run) -> Cause | None:
         return build_cause(diagnose(output_of(run), run.files))
     if code == NO_EXECUTABLE:
         return _why_no_executable(run)
-    return _why_no_entry(run) if code is not None else None
+    return _why_no_entry(run) if code else None
 
 
 def _why_no_entry(run: Run) -> Cause | None:
-    """Explain an entry point that names a missing package, module or function."""
+    """Explain an entry point that names a missing package, module or function, or no function."""
     trace, package = traceback_of(run), run.facts['package']
     found = _NO_ENTRY.search(trace.error) if trace is not None and not trace.line else None
     if found is None:
         return None
     words = {**found.groupdict(), 'executable': run.facts['executable'], 'package': package}
-    if found['function']:
-        return cause_of('entry_point_function', **words)
-    return cause_of('no_modules' if found['module'] == package else 'entry_point_module', **words)
+    if found['module'] == package:
+        return cause_of('no_modules', **words)
+    kind = 'entry_point_module' if found['module'] else 'entry_point_function'
+    why = cause_of('entry_point_without_function' if found['called'] else kind, **words)
+    return replace(why, text=f'{_place_of_entry(run)}{why.text}')
+
+
+def _place_of_entry(run: Run) -> str:
+    """Return file and line of an entry point, as the beginning of a message; empty if unknown."""
+    entry = re.compile(rf'\b{re.escape(run.facts["executable"])}\s*=\s*[\w.]')
+    for name in ('setup.py', 'setup.cfg'):
+        for number, line in enumerate(run.files.get(name, '').splitlines(), 1):
+            if entry.search(line.partition('#')[0]):
+                return f'{name}, line {number}: '
+    return ''
 
 
 def _why_no_executable(run: Run) -> Cause:
