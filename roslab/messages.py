@@ -22,8 +22,8 @@ from autograder.judging.causes.builds import (
     diagnose,
     Diagnosis,
     MISSING_AMENT_PACKAGE,
-    NO_MESSAGES,
     texts_of,
+    why_no_messages,
 )
 from autograder.submission.cells import UNSOLVED
 from environment.ros import ros_environment, RosEnvironmentError
@@ -164,7 +164,7 @@ def _built(package: LearnerPackage) -> BuildReport:
     log = package.workspace / 'log' / 'build_messages.log'
     log.parent.mkdir(parents=True, exist_ok=True)
     log.write_text(outcome.output, encoding='utf-8')
-    lacking = _lacking(package) if outcome.returncode == 0 else _failure(outcome, package)
+    lacking = (_lacking if outcome.returncode == 0 else _failure)(outcome, package)
     if lacking is not None:
         return _failed(package, lacking, Path(package.shown(log)))
     note.write_text(json.dumps(digest), encoding='utf-8')
@@ -240,10 +240,11 @@ def _generator(variables: dict[str, str]) -> tuple[str, ...]:
     return ('-GNinja',) if shutil.which('ninja', path=variables.get('PATH')) else ()
 
 
-def _lacking(package: LearnerPackage) -> Diagnosis | None:
+def _lacking(outcome: run_command.Outcome, package: LearnerPackage) -> Diagnosis | None:
     """Return what is missing after a build that succeeded."""
-    if not _site_packages(package).joinpath('msg', '__init__.py').is_file():
-        return NO_MESSAGES
+    needed = [_site_packages(package) / 'msg' / '__init__.py', *_libraries(package)]
+    if not all(map(Path.is_file, needed)):
+        return why_no_messages(outcome.output, texts_of(package.folder))
     index = _prefix(package) / 'share' / 'ament_index' / 'resource_index' / 'packages'
     return None if (index / package.name).is_file() else MISSING_AMENT_PACKAGE
 
@@ -271,8 +272,7 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
         return False
     for module in [key for key in sys.modules if key.split('.')[0] == name]:
         del sys.modules[module]
-    for part in _PRELOADED:
-        library = _prefix(package) / 'lib' / f'lib{name}__rosidl_{part}.so'
+    for library in _libraries(package):
         ctypes.CDLL(str(library), ctypes.RTLD_GLOBAL)
     sys.path.insert(0, str(_site_packages(package).parent))
     _put_first('AMENT_PREFIX_PATH', str(_prefix(package)))
@@ -293,6 +293,11 @@ def _put_first(variable: str, value: str) -> None:
 
 def _prefix(package: LearnerPackage) -> Path:
     return package.workspace / 'install' / package.name
+
+
+def _libraries(package: LearnerPackage) -> list[Path]:
+    folder = _prefix(package) / 'lib'
+    return [folder / f'lib{package.name}__rosidl_{part}.so' for part in _PRELOADED]
 
 
 def _site_packages(package: LearnerPackage) -> Path:

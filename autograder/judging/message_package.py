@@ -17,8 +17,8 @@ from autograder.judging.causes.builds import (
     build_cause,
     diagnose,
     Diagnosis,
-    NO_MESSAGES,
     output_of,
+    why_no_messages,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
 from autograder.judging.causes.text_table import cause_of, rows_of
@@ -247,9 +247,8 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
 def mistake_in_build(run: Run) -> Diagnosis:
     """Return the diagnosis of a failed build, from the output of the tools."""
     output = output_of(run)
-    found = diagnose(output, run.files)
-    lacks = not found.cause and 'Traceback' in output and 'echo_node.py' in output
-    return NO_MESSAGES if lacks else found
+    built = 'Traceback' in output and 'echo_node.py' in output
+    return why_no_messages(output, run.files) if built else diagnose(output, run.files)
 
 
 def why_no_build(run: Run) -> Cause:

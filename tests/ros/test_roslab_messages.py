@@ -155,12 +155,17 @@ def test_course_messages_that_are_in_use_stay(kernel):
             'last line',
         ),
         (
+            (TEMPERATURE, PACKAGE, CMAKE.replace('interfaces(${PROJECT_NAME}', 'interfaces(temp')),
+            'target_name',
+            'is temp, but the project is called temp_monitor_pkg',
+        ),
+        (
             (TEMPERATURE, PACKAGE, CMAKE.partition('rosidl_gen')[0] + 'ament_package()'),
             'no_messages',
             'rosidl_generate_interfaces',
         ),
     ],
-    ids=['unknown type', 'no ament_package', 'no messages'],
+    ids=['unknown type', 'no ament_package', 'other target', 'no messages'],
 )
 def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
     write(kernel, *cells)

@@ -2,7 +2,12 @@
 
 import pytest
 
-from autograder.judging.causes.builds import diagnose, texts_of
+from autograder.judging.causes.builds import (
+    diagnose,
+    NO_MESSAGES,
+    texts_of,
+    why_no_messages,
+)
 from autograder.judging.causes.text_table import rows_of
 
 ADAPTER = """
@@ -53,6 +58,8 @@ PRINTED = {
     'file_not_listed': GENERATE
     + "  rosidl_generate_interfaces() the passed file 'msg/temperature.msg' doesn't\n"
     + '  exist relative to the CMAKE_CURRENT_SOURCE_DIR\n',
+    'target_name': '[26/26] Linking C shared module temp_monitor_pkg.so\n-- Installing: '
+    '/ws/install/share/temp_monitor_pkg/cmake/export_temp__rosidl_generator_cExport.cmake\n',
     'no_file_listed': GENERATE
     + '  rosidl_generate_interfaces() called without any interface files\n',
     'ament_package_first': GENERATE
@@ -154,6 +161,21 @@ def test_the_line_of_the_mistake_is_named(tmp_path):
     assert diagnosis.where == 'msg/Temperature.msg, line 3'
     assert "'float'" in diagnosis.error
     assert 'float64' in diagnosis.advice
+
+
+def test_line_of_a_command_is_not_that_of_a_comment():
+    """The lesson's comments name the commands that students write below them."""
+    cmake = '# rosidl_generate_interfaces(...)\n\nrosidl_generate_interfaces(temp "a.msg")\n'
+    found = diagnose(PRINTED['target_name'], {'CMakeLists.txt': cmake})
+
+    assert found.where == 'CMakeLists.txt, line 3'
+    assert found.error.endswith('is temp, but the project is called temp_monitor_pkg.')
+
+
+def test_libraries_named_after_the_package_have_the_right_target():
+    output = PRINTED['target_name'].replace('export_temp__', 'export_temp_monitor_pkg__')
+
+    assert why_no_messages(output, {}) == NO_MESSAGES
 
 
 def test_line_numbers_of_cmake_are_kept():

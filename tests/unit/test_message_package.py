@@ -3,7 +3,7 @@
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.exams.visible import station_message
+from autograder.exams.visible import station_message, temperature_message
 from autograder.judging.message_package import require_declarations, require_fields, why_no_build
 from autograder.recording import Recording
 
@@ -192,6 +192,20 @@ class TestBuild:
         )
 
         assert self.built(stderr=f'{said}ModuleNotFoundError: x').cause_id == 'no_messages'
+
+    @pytest.mark.parametrize(
+        ('target', 'missing'), [('words', False), ('${PROJECT_NAME}', False), ('word', True)]
+    )
+    def test_messages_are_generated_for_the_project(self, target, missing):
+        """The programs that use a message look for libraries with the name of the package."""
+        commands = f'project(words)\nrosidl_generate_interfaces({target} "msg/Temperature.msg")\n'
+        run = Run(
+            {'CMakeLists.txt': f'{commands}ament_package()\n'}, Recording({}, ()), {'sent': [1]}
+        )
+
+        failed = failure(temperature_message.generates_the_interface, run)
+
+        assert ('"msg/Temperature.msg"' in failed.observed) is missing
 
     def test_an_unknown_error_is_shown(self):
         cause = self.built(stderr='foo.c:1:2: error: no such thing\n')

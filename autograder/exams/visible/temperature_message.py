@@ -65,6 +65,7 @@ def generates_the_interface(run: Run) -> None:
     packages = {words[0] for name, words in found if name == 'find_package' and words}
     words = next((words for name, words in found if name == 'rosidl_generate_interfaces'), [])
     projects = [words[:1] for name, words in found if name == 'project']
+    listed = MSG in words and words[:1] in projects
     wanted = (
         ('project(temp_monitor_pkg)', ['temp_monitor_pkg'] in projects),
         ('find_package(ament_cmake REQUIRED)', 'ament_cmake' in packages),
@@ -72,7 +73,7 @@ def generates_the_interface(run: Run) -> None:
             'find_package(rosidl_default_generators REQUIRED)',
             'rosidl_default_generators' in packages,
         ),
-        (f'rosidl_generate_interfaces(${{PROJECT_NAME}} "{MSG}" ...)', MSG in words),
+        (f'rosidl_generate_interfaces(${{PROJECT_NAME}} "{MSG}" ...)', listed),
         ('DEPENDENCIES builtin_interfaces', 'builtin_interfaces' in _after('DEPENDENCIES', words)),
         ('ament_package()', any(name == 'ament_package' for name, _ in found)),
     )

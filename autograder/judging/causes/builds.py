@@ -110,6 +110,16 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     return Diagnosis('', _decisive_line(output), 'Read the log, above all its first error.', '')
 
 
+def why_no_messages(output: str, files: Mapping[str, str]) -> Diagnosis:
+    """
+    Return why a package that was built has no messages that a program can use.
+
+    The parameters are those of :func:`diagnose`.
+    """
+    found = diagnose(output, files)
+    return found if found.cause else NO_MESSAGES
+
+
 def mistakes(python: bool) -> list[Row]:
     """
     Return the rows for a package, which name the text and the file of the line to change.
@@ -131,6 +141,8 @@ def _where(row: Row, groups: Mapping[str, str], files: Mapping[str, str]) -> str
     messages = sorted(path for path in files if path.startswith('msg/'))
     for path in messages if name == 'msg' else [name]:
         for number, line in enumerate(files.get(path, '').splitlines(), 1):
+            if name == 'CMakeLists.txt':
+                line = line.partition('#')[0]  # the lesson's comments name the commands too
             if place and place in f' {" ".join(line.split())} ':
                 return f'{path}, line {number}'
     return '' if name == 'msg' else name
