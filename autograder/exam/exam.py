@@ -48,6 +48,7 @@ class Failed(Exception):
     :param share: fraction of the check's points that the learner still gets, 0 to 1
     :param blocks: whether the checks that need this one are then NOT_RUN
     :param at: virtual time of the first deviation [ns], if no single event shows it
+    :param place: index of the first input with a wrong answer, only used to draw the picture
     :param every_s: period of the expected messages [s], only used to draw the picture
     :param shown_by: log lines that show the failure; their place in the code helps to explain it
     :param act: the act that this check judges, see :mod:`autograder.submission.code.acts`; it
@@ -60,6 +61,7 @@ class Failed(Exception):
     share: float = 0.0
     blocks: bool = True
     at: int | None = None
+    place: int | None = None
     every_s: float | None = None
     shown_by: Sequence[Event] = ()
     act: str = ''

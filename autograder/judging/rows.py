@@ -25,7 +25,7 @@ from autograder.exam.slips import (
     UNASKED,
 )
 from autograder.exam.specification import sorted_answers, Specification
-from autograder.judging.causes.ended import why_silent
+from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import acts_by_cause, cause_of
 from autograder.judging.checks import (
@@ -88,6 +88,14 @@ def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, .
     if run.asked(ask).burst and found[-1]:  # several threads may answer in any order
         found[-1] = sorted_answers(found[-1])
     return found
+
+
+def _without_last(run: Run, came: Sequence[Any], place: int) -> Sequence[Any]:
+    """Return the answers to explain, without the last one before the end of the program."""
+    last = max((one for one, answer in enumerate(came) if answer is not None), default=place)
+    if run.recording.process.get('exit') is None or last == place:
+        return came
+    return [None if one == last else answer for one, answer in enumerate(came)]
 
 
 def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
@@ -156,9 +164,12 @@ def require_one_for_one(
                 expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
                 f'after input {place + 1}',
                 observed=f'{count or "none"}',
-                why=why_silent(run)
-                or why_other_answer(asked, came, place, delays(run, ask, topic)),
+                why=why_silent(while_running(run, asked, place, count < due))
+                or why_other_answer(
+                    asked, _without_last(run, came, place), place, delays(run, ask, topic)
+                ),
                 act=ANSWER,
+                place=place,
             )
 
 
@@ -215,10 +226,13 @@ def require_values(
     """
     for place in asked.wrong(came, places)[:1]:
         after = f'after input {place + 1}' + (f': {", ".join(fields)}' if fields[1:] else '')
+        short = len(came[place] or ()) < len(asked.answers[place])
         raise Failed(
             expected=f'{shown_values(run, asked.answers[place], what)} {after}',
             observed=f'{shown_values(run, came[place])} {after}',
-            why=why_silent(run) or asked.cause(came, place, places or ()),
+            why=why_silent(while_running(run, asked, place, short))
+            or asked.cause(_without_last(run, came, place), place, places or ()),
+            place=place,
         )
 
 
@@ -323,20 +337,23 @@ def require_warnings(
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
     other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
     row, inputs = followed[place] or [], asked.row(place)
-    elsewhere = why_missing or (lambda one: None if count else why_not_logged(run, row, WARN))
+    then, known = while_running(run, asked, place, short), _without_last(run, came, place)
+    elsewhere = why_missing or (lambda one: None if count else why_not_logged(then, row, WARN))
     what = f'a burst of {len(inputs)} readings' if len(inputs) > 1 else inputs[0].kind
     raise Failed(
         expected=f'{lines(due, WARN)} after {what}',
         observed='the run ended before it was sent' if came[place] is None else lines(count, WARN),
-        why=why_silent(run)
+        why=why_silent(then)
         or (elsewhere(place) or why_left_out(run, WARN, _warnings(followed)) if short else None)
-        or asked.cause(came, place, part)
-        or why_pattern(asked.answers, came, 'warns about', 'high value')
+        or asked.cause(known, place, part)
+        or why_pattern(asked.answers, known, 'warns about', 'high value')
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
         blocks=not any(came),  # judge the other checks of a node that warns at all
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
         act=acts_by_cause()['false_alarm'],
+        # If an input was not sent, the indices of the recording differ.
+        place=None if None in came[:place] else place,
     )
 
 

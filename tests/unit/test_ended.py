@@ -6,6 +6,7 @@ import pytest
 
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
+from autograder.exam.specification import each, Specification
 from autograder.judging.causes import ended as causes
 from autograder.recording import Recording
 from autograder.runs.observe import LARGEST_RECORDING, PACKAGE_LIMITS
@@ -95,6 +96,21 @@ def test_exception_is_named_with_its_line(error, cause_id):
 
     assert found.cause_id == cause_id
     assert found.line == 7
+
+
+@pytest.mark.parametrize(
+    ('place', 'short', 'explains'),
+    [(0, True, False), (1, True, True), (1, False, False), (2, True, True)],
+)
+def test_end_explains_only_what_is_missing_at_the_end(place, short, explains):
+    """A later input shows that the program ran on; a wrong answer came before the end."""
+    sent = [{'event': 'input', 'index': number} for number in range(2)]
+    seen = run(*sent, exit=1, stderr=traceback(7, 'ZeroDivisionError: division by zero'))
+    asked = Specification((1, 2, 3), each(lambda one: 1))
+
+    found = causes.why_silent(causes.while_running(seen, asked, place, short))
+
+    assert (found is not None and found.cause_id == 'exception') is explains
 
 
 def test_node_that_never_answers_was_never_spun():

@@ -233,6 +233,70 @@ def warnings_only(reading):
     return right(reading)[1:]
 
 
+STDERR = (
+    'Traceback (most recent call last):\n'
+    '  File "/submission/temp_subscriber.py", line 7, in judge\n    x\n'
+    "ValueError: unknown unit 'QXZ'\n"
+)
+EDGE = Reading(30.0, 'a reading of exactly the limit')
+
+
+def ended(readings, sent, answer):
+    """Return a run in which an exception ends the program at the last reading that is sent."""
+    run = heard(readings[:sent], answer)
+    process = {**ENDS[1], 'exit': 1, 'stdout': '', 'stderr': STDERR}
+    events = [*run.recording.events[:-2], {**ENDS[0], 'reason': 'student_exited'}, process]
+    asked = Specification(readings, warns(), slips())
+    return Run(run.files, Recording({}, events), {**run.facts, 'warnings': asked})
+
+
+class TestEndOfTheProgram:
+    """An exception explains what is missing from then on, and not what was wrong before."""
+
+    @pytest.mark.parametrize(
+        ('check', 'cause_id'),
+        [
+            (subscriber.stays_quiet_otherwise, 'warns_at_threshold'),
+            (subscriber.reports_an_unknown_unit, 'exception'),
+            (subscriber.logs_every_reading, 'exception'),
+        ],
+    )
+    def test_each_check_has_its_own_cause(self, check, cause_id):
+        run = ended([COOL, HOT, EDGE, ODD, COOL], 4, at_or_above)
+
+        assert why(check, run).cause_id == cause_id
+
+    def test_answer_that_the_exception_cut_off_does_not_hide_the_mistake(self):
+        """The hot reading at the end has no warning, unlike any other."""
+        run = ended([COOL, EDGE, HOT, COOL], 3, lambda one: at_or_above(one)[: 1 + (one is EDGE)])
+
+        assert why(subscriber.stays_quiet_otherwise, run).cause_id == 'warns_at_threshold'
+        assert why(subscriber.warns_when_too_hot, run).cause_id == 'exception'
+
+    def test_wrong_warning_without_a_known_mistake_is_only_described(self):
+        odd_one = Reading(20.0, 'a cool reading')
+        run = ended(
+            [COOL, HOT, odd_one, ODD, COOL], 4, lambda one: [(WARN, '')] * (one.value < 21)
+        )
+
+        assert why(subscriber.stays_quiet_otherwise, run).cause_id != 'exception'
+
+    def test_reading_that_was_not_sent_is_marked_and_said(self):
+        run = ended([COOL, HOT, EDGE, ODD, COOL], 4, at_or_above)
+
+        with pytest.raises(
+            Failed, match='which was not sent, because the run had ended'
+        ) as failed:
+            subscriber.logs_every_reading(run)
+        assert failed.value.place == 4
+
+
+def at_or_above(reading):
+    """Log as a program that also warns about the limit itself."""
+    value = reading.value
+    return [(INFO, f'{value:.2f}'), *[(WARN, 'hot')] * (value >= 30.0 and not reading.odd)]
+
+
 OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\n'
 
 

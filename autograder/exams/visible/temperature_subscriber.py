@@ -16,7 +16,12 @@ from autograder.exam.scenario import feeds, Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exams.readings import Reading, slips, warns, WHY
-from autograder.judging.causes.ended import close_name, no_node_answered, why_silent
+from autograder.judging.causes.ended import (
+    close_name,
+    no_node_answered,
+    while_running,
+    why_silent,
+)
 from autograder.judging.causes.missing_logs import (
     why_elsewhere,
     why_error_logged,
@@ -55,10 +60,16 @@ def logs_every_reading(run: Run) -> None:
     if missing:
         reading, group = proper[missing[0]]
         found = len(proper) - len(missing)
+        row = next(place for place, one in enumerate(groups) if one is group)
+        ended = ', which was not sent, because the run had ended' * (group.row is None)
         raise Failed(
-            expected=f'{len(proper)} readings sent, each in one INFO line with its value',
-            observed=f'{found} of them; missing: {reading.kind}',
-            why=_why_not_logged(run, proper, missing[0]),
+            expected=f'one INFO line with its value for each of {len(proper)} finite readings in '
+            '°C or °F',
+            observed=f'{found} of them; missing: {reading.kind}{ended}',
+            why=_why_not_logged(
+                while_running(run, run.asked('warnings'), row), proper, missing[0]
+            ),
+            place=row,
             shown_by=[line for line in group.logs if line['level'] == INFO],
             share=share(run, [one.row for one in groups], found, len(proper)),
         )
@@ -145,15 +156,15 @@ def _require_warnings(run: Run, kind: str, shared: bool = False) -> None:
     :param kind: group of readings, see :attr:`Reading.group`
     :param shared: whether partly correct results give part of the points
     """
-    groups = sent(run)
+    groups, asked = sent(run), run.asked('warnings')
     kinds = [group.inputs[0].group for group in groups]
     require_warnings(
         run,
-        run.asked('warnings'),
+        asked,
         [group.row for group in groups],
         [place for place, one in enumerate(kinds) if one == kind],
         [place for place, one in enumerate(kinds) if one in ('hot', 'cool')],
-        lambda place: _why_no_warning(run, groups[place]),
+        lambda place: _why_no_warning(while_running(run, asked, place), groups[place]),
         shared,
     )
 
@@ -248,14 +259,15 @@ def _is_right(group: Followed) -> bool:
 def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
     if group.count(ERROR) and not group.count(WARN):
         return WHY['several_errors']
-    groups = sent(run)
+    groups, asked = sent(run), run.asked('warnings')
     if groups[-1].count(WARN) > len(groups[-1].inputs):
         return REPEATED
-    if why := why_silent(run) if run.recording.logs() else why_elsewhere(run, ERROR):
+    then = while_running(run, asked, groups.index(group), not group.count(WARN))
+    if why := why_silent(then) if run.recording.logs() else why_elsewhere(run, ERROR):
         return why
     if group.count(WARN):
         came = warnings_after([one.row for one in groups])
-        return run.asked('warnings').cause(came, groups.index(group)) or WHY['unknown_unit']
+        return asked.cause(came, groups.index(group)) or WHY['unknown_unit']
     before = [
         one for one in groups[: groups.index(group)] if one.inputs[0].unit == group.inputs[0].unit
     ]

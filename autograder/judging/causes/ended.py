@@ -11,10 +11,12 @@ import difflib
 import re
 
 from autograder.exam.exam import Cause, Run
+from autograder.exam.specification import Specification
 from autograder.judging.causes.builds import why_no_program
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.text_table import cause_of, rows_of, why_by_code
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.recording import Recording
 from autograder.submission.code.source_code import Code, pause_in_callback
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
@@ -179,6 +181,25 @@ def why_silent(run: Run) -> Cause | None:
     if not no_node_answered(run):
         return why_late(run)
     return why_it_sleeps(run) or why_by_code('idle', run)
+
+
+def while_running(run: Run, asked: Specification, place: int, short: bool = True) -> Run:
+    """
+    Return the run without the end of the program, unless this end may explain a wrong answer.
+
+    It does not if the program got a later input, or gave a wrong answer instead of none.
+
+    :param place: index of the input, or of the burst, with the wrong answer
+    :param short: whether a message or line is missing from the answer
+    """
+    sent, last = len(run.recording.of('input')), place + len(asked.row(place))
+    if run.recording.process.get('exit') is None or sent < last or (short and sent == last):
+        return run
+    running = {'exit': None, 'stderr': ''}
+    events = [
+        {**one, **running} if one['event'] == 'process' else one for one in run.recording.events
+    ]
+    return replace(run, recording=Recording(run.recording.header, events))
 
 
 def no_node_answered(run: Run) -> bool:
