@@ -17,6 +17,7 @@ from typing import Any
 from autograder.exam.exam import Check, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.causes.redaction import namespace_of
+from autograder.judging.checks import own_logs
 from autograder.judging.deviation import deviation, failure_of
 from autograder.recording import Event, LEVELS
 from autograder.results import CheckResult, Verdict
@@ -189,14 +190,15 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
             return None  # a picture of one input shows no more than the check's sentence
         unit, rate = 'input', 0.0
     rows = _rows(exam, run, result, rate)
-    seen = [
-        *(time for row in rows for time in row['times']),
-        *_moments(run.recording.events, rate),
-    ]
-    begin, end = (0.0, max(seen, default=0.0)) if rate else (1.0, float(len(inputs)))
+    shown = [time for row in rows for time in row['times']]
+    at = _first_difference(check, run, failure, rate)
+    if rate:
+        begin, end = 0.0, max([*shown, *_moments(run.recording.events, rate)], default=0.0)
+    else:  # a line may precede all inputs, and the difference may be at one that was not sent
+        shown += [] if at is None else [at]
+        begin, end = min([1.0, *shown]), max([float(len(inputs)), *shown])
     if not rows or end <= begin:
         return None
-    at = _first_difference(check, run, failure, rate)
     if failure.every_s:
         every_s = round(rate * failure.every_s, 3)
         begin, end = _window(begin, end, every_s, at)
@@ -227,8 +229,12 @@ def _window(begin: float, end: float, every_s: float, at: float | None) -> tuple
 def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[str, Any]]:
     """Return the rows for inputs, and for the log lines or the messages that a check is about."""
     recording, about = run.recording, f'{result.title} {result.expected}'
-    sent = {} if rate else {str(event['topic']): 'sent' for event in recording.of('input')}
-    shown = [(f'sent on {topic}', recording.of('input', topic=topic)) for topic in sent]
+    offered = {one['publisher']: one['topic'] for one in recording.of('offered')}
+    sent: dict[str, list[Event]] = {}
+    for event in () if rate else recording.of('input'):
+        topic = str(offered.get(event['topic'], event['topic']))
+        sent.setdefault(topic, []).append(event)
+    shown = [(f'sent on {topic}', events) for topic, events in sent.items()]
     # A name may be the beginning of a longer one.
     named = [
         node
@@ -239,17 +245,17 @@ def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[s
         named = [node for node in recording.nodes if _names(about, node)]
     levels = list(dict.fromkeys(_LEVEL.findall(about)))
     for level in levels:
-        entries = recording.logs(level=_NUMBERS[level])
         for node in named:
-            own = [entry for entry in entries if entry['name'] == node[1:].replace('/', '.')]
-            shown.append((f'{level} lines of {node}', own))
-        if not named:
-            shown.append((f'{level} lines', entries))
+            shown.append((f'{level} lines of {node}', own_logs(run, node, _NUMBERS[level])))
+        if not named and len(recording.nodes) == 1:
+            shown.append((f'{level} lines', own_logs(run, recording.nodes[0], _NUMBERS[level])))
+        elif not named:
+            shown.append((f'{level} lines', recording.logs(level=_NUMBERS[level])))
     if not levels:
         topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
         topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
         shown += [(topic, recording.messages(topic)) for topic in topics[:3]]
-    kinds = [*sent.values(), *['observed'] * (len(shown) - len(sent))]
+    kinds = ['sent'] * len(sent) + ['observed'] * (len(shown) - len(sent))
     return [
         _row(label, kind, _moments(events, rate)) for kind, (label, events) in zip(kinds, shown)
     ]
@@ -260,13 +266,13 @@ def _moments(events: Iterable[Event], rate: float) -> list[float]:
     Return the positions of events on the axis of the picture.
 
     :param rate: seconds of the axis per virtual second; 0 for an axis with the number of the last
-        message before each event
+        input before each event, which is 0 before the first input
     """
     if rate:
         moments = (event.get('clock_ns') for event in events)
         return [moment / SECOND * rate for moment in moments if moment is not None]
-    after = (event.get('index', event.get('after_input')) for event in events)
-    return [index + 1.0 for index in after if index is not None]
+    after = (event.get('index', event.get('after_input', ...)) for event in events)
+    return [0.0 if index is None else index + 1.0 for index in after if index is not ...]
 
 
 def _row(label: str, what: str, times: Sequence[float]) -> dict[str, Any]:
@@ -291,6 +297,8 @@ def _due(every_s: float, rows: Sequence[Mapping[str, Any]], end: float) -> dict[
 def _first_difference(check: Check, run: Run, failure: Failed, rate: float) -> float | None:
     """Return the position of the first difference on the axis of the picture; None if unknown."""
     events = run.recording.events
+    if failure.place is not None and not rate:
+        return failure.place + 1.0
     if failure.at is not None:
         return round(failure.at / SECOND * rate, 3) if rate else None
     if failure.every_s:

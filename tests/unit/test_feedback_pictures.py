@@ -58,6 +58,24 @@ def recorded(*events, ends=None, nodes=('/lab/talker',)):
     return Recording({}, (*events, graph, last))
 
 
+def logged(after_input, name='lab.talker'):
+    """Return a WARN line after an input."""
+    facts = {'event': 'log', 'level': 30, 'text': 'SECRET', 'clock_ns': None}
+    return {**facts, 'name': name, 'after_input': after_input}
+
+
+def of_lines(*events, inputs=None, place=None):
+    """Return the picture of a check of WARN lines after three inputs."""
+    failure = Failed(expected='one WARN line after a reading', observed='others', place=place)
+    return drawn(
+        recorded(*(inputs or fed(3)), *events, ends=[end('/t', kind='subscription')]),
+        failure,
+        watch={},
+        feed={'/t': TYPE},
+        steps=(Feed('/t', ({'data': 'x'},)),),
+    )
+
+
 def drawn(recording, failure, hidden=False, **scenario):
     """Return the picture of a check that fails in this way, None if it has none."""
     whole = {
@@ -225,23 +243,45 @@ class TestTimeline:
         assert [row['count'] for row in picture['rows']] == [10, 0]
 
     def test_inputs_and_log_lines_are_numbered_by_message(self):
-        log = {'event': 'log', 'level': 30, 'text': 'SECRET', 'after_input': 1, 'clock_ns': None}
-        failure = Failed(
-            expected='one WARN line after a reading above 30', observed='no WARN line'
-        )
-        picture = drawn(
-            recorded(*fed(3), log, ends=[end('/t', kind='subscription')]),
-            failure,
-            watch={},
-            feed={'/t': TYPE},
-            steps=(Feed('/t', ({'data': 'x'},)),),
-        )
+        picture = of_lines(logged(1))
 
         assert picture['unit'] == 'input'
         assert [(row['label'], row['times']) for row in picture['rows']] == [
             ('sent on /t', [1.0, 2.0, 3.0]),
             ('WARN lines', [2.0]),
         ]
+
+    def test_line_before_the_first_input_is_counted_and_drawn(self):
+        """A check may be about lines that no input caused."""
+        picture = of_lines(logged(None), logged(2))
+        row = picture['rows'][1]
+
+        assert (row['count'], row['times']) == (2, [0.0, 3.0])
+        assert (picture['begin'], picture['end']) == (0.0, 3.0)
+
+    def test_line_of_another_logger_is_not_counted(self):
+        """A check of a single node ignores it too."""
+        picture = of_lines(logged(1, 'mine'), logged(2, 'lab.talker.child'))
+
+        assert picture['rows'][1]['times'] == [3.0]
+
+    def test_difference_at_an_input_that_was_not_sent_is_on_the_axis(self):
+        """The rows end where the run ended; the mark shows which input is missing."""
+        picture = of_lines(logged(0), logged(1), logged(2), place=4)
+
+        assert (picture['end'], picture['deviation']) == (5.0, 5.0)
+        assert [row['times'][-1] for row in picture['rows']] == [3.0, 3.0]
+
+    def test_input_of_a_late_publisher_is_named_by_its_topic(self):
+        """Learners do not know the names that an exam gives its publishers."""
+        offered = [
+            {'event': 'offered', 'publisher': name, 'topic': '/t', 'matched': True, 'refused': []}
+            for name in ('sensor', 'other')
+        ]
+        picture = of_lines(*offered, inputs=[*fed(2, 'sensor'), *fed(1, 'other')])
+
+        assert [row['label'] for row in picture['rows']] == ['sent on /t', 'WARN lines']
+        assert picture['rows'][0]['count'] == 3
 
     @pytest.mark.parametrize('name', ['/lab/keeper', 'the keeper'])
     def test_lines_are_those_of_the_node_that_is_meant(self, name):
