@@ -77,6 +77,11 @@ class Topic:
         """All types of its endpoints; more than one type is an error."""
         return sorted({end.type for end in self.ends})
 
+    @property
+    def hidden(self) -> bool:
+        """Return whether all its endpoints belong to hidden nodes, which are then shown."""
+        return all(end.hidden for end in self.ends)
+
 
 class Edge(NamedTuple):
     """
@@ -126,7 +131,7 @@ class Facts:
         found: dict[tuple[str, str, str], set[str]] = {}
         for topic in self.topics:
             for out, into in product(
-                self._shown(topic.publishers), self._shown(topic.subscriptions)
+                self._shown(topic, topic.publishers), self._shown(topic, topic.subscriptions)
             ):
                 names = topic.name, out.node, into.node
                 found.setdefault(names, set()).add(mismatch(out, into))
@@ -146,9 +151,9 @@ class Facts:
                 (topic.publishers, topic.subscriptions, True),
                 (topic.subscriptions, topic.publishers, False),
             ):
-                for name in sorted({end.node for end in self._shown(ends)}):
+                for name in sorted({end.node for end in self._shown(topic, ends)}):
                     own = [end for end in ends if end.node == name]
-                    matched, remark = self._verdict(own, others, outward)
+                    matched, remark = self._verdict(topic, own, others, outward)
                     found.append(Edge(name, topic.name, outward, matched, remark))
         return found
 
@@ -156,22 +161,24 @@ class Facts:
         """Return the label of a node in the text and the picture."""
         if node.endswith(UNKNOWN):
             return '(a node not yet known)'
+        if node == f'/{HELPER_NAME}':
+            return f'{node} (of a notebook)'
         same = self.nodes.count(node)
         return f'{node} ({same} nodes)' if same > 1 else node
 
-    def _shown(self, ends: Iterable[Endpoint]) -> list[Endpoint]:
-        return [end for end in ends if self.everything or not end.hidden]
+    def _shown(self, topic: Topic, ends: Iterable[Endpoint]) -> list[Endpoint]:
+        return [end for end in ends if self.everything or topic.hidden or not end.hidden]
 
     def _verdict(
-        self, own: Sequence[Endpoint], others: Sequence[Endpoint], outward: bool
+        self, topic: Topic, own: Sequence[Endpoint], others: Sequence[Endpoint], outward: bool
     ) -> tuple[bool, str]:
         """Return whether endpoints of a node are matched, and a remark."""
         fitting = [other for other in others if any(not _between(e, other, outward) for e in own)]
-        if self._shown(fitting):
+        if self._shown(topic, fitting):
             return True, ''
         if fitting:
             return True, _unseen(fitting, outward)
-        visible = self._shown(others)
+        visible = self._shown(topic, others)
         reasons = sorted({_between(e, other, outward) for e in own for other in visible or others})
         if not reasons:
             return False, NOBODY_SUBSCRIBES if outward else NOBODY_PUBLISHES
@@ -230,6 +237,9 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
     """
     Return the current graph as seen by one node.
 
+    It has the topics of ``ros2 topic list``, so a hidden node is included if no other node has an
+    endpoint on its topic: the listener of a notebook may be the one that misspells the name.
+
     :param node: any node; it sees what its process has discovered
     :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``
     """
@@ -243,10 +253,13 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
                 _endpoints(node.get_publishers_info_by_topic(name), own),
                 _endpoints(node.get_subscriptions_info_by_topic(name), own),
             )
-            if everything or any(not end.hidden for end in topic.ends):
+            if everything or topic.ends:
                 topics.append(topic)
     missing = {end.node for topic in topics for end in topic.ends} - set(known)
-    shown = (name for name in (*known, *missing) if everything or not is_hidden(name))
+    alone = {end.node for topic in topics if topic.hidden for end in topic.ends}
+    shown = (
+        name for name in (*known, *missing) if everything or name in alone or not is_hidden(name)
+    )
     return Facts(tuple(sorted(shown)), tuple(topics), everything)
 
 

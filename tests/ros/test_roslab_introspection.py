@@ -119,6 +119,17 @@ def test_graph_hides_what_every_node_has_unless_all_is_asked_for(session):
     assert listener.wait(1)
 
 
+def test_graph_shows_a_listener_whose_topic_nobody_publishes(session):
+    """Both sides of a misspelt name are dashed, as in ``ros2 topic list``."""
+    session.start(Wave)
+    listener = Listener('/lab/numbr', Float64, RELIABLE)
+
+    text = seen(session, 'nobody publishes')
+    assert '/lab/wave - -> /lab/number [std_msgs/msg/Float64]   nobody subscribes' in text
+    assert '/lab/numbr [std_msgs/msg/Float64] - -> /_roslab (of a notebook)' in text
+    assert listener.alive
+
+
 def test_graph_of_one_topic_leaves_the_others_out(session):
     """A relative name of the topic is enough."""
     session.start(Wave)

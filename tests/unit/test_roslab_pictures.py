@@ -148,6 +148,14 @@ def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
     assert 'this notebook' in facts.edges[0].remark
 
 
+def test_topic_on_which_only_the_notebook_listens_is_drawn_as_lonely():
+    """A listener with a misspelt topic is the mistake that the picture has to show."""
+    facts = chatter([], [end('/_roslab')], nodes=['/_roslab'])
+
+    assert '/chatter [std_msgs/msg/String] - -> /_roslab' in str(Graph(facts))
+    assert 'nobody publishes' in words(Graph(facts)._repr_html_())
+
+
 def test_names_from_other_programs_are_text_never_markup():
     """The name of a program cannot change the page."""
     page = Graph(chatter([end('/<script>')], [end('/b"onload="x')]))._repr_html_()
