@@ -138,12 +138,17 @@ class Watch:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the record, and add the messages that got no callback."""
+        """End the record, and add the messages and due ticks that got no callback."""
         Executor._make_handler, Publisher.publish = self._originals  # type: ignore[method-assign]
-        self.end = self._seconds(time.time_ns())
+        end_ns = time.time_ns()
+        self.end = self._seconds(end_ns)
         for key, (entity, source) in tuple(self._sources.items()):
             if isinstance(entity, Subscription):
                 self._add_unheard(source, self._taken[key])
+            elif isinstance(entity, Timer):
+                # A timer calls its callback once for all the ticks that it has missed.
+                for number, tick in enumerate(_due_ticks(entity, end_ns)):
+                    self._add(Call(source, self._seconds(tick), lost=number > 0))
         self._nodes = ()  # the record must not keep nodes and entities alive
         self._sources.clear()
         self._groups.clear()
@@ -181,7 +186,7 @@ class Watch:
                 self._threads.append(thread)
             began = self._seconds(time.time_ns())
             call = Call(source, came, began, thread=self._threads.index(thread) + 1)
-            number = self._add(call)
+            number = self._add(call) if self.end is None else 0
             try:
                 await run()
             finally:
@@ -191,9 +196,9 @@ class Watch:
         return noted
 
     def _add(self, call: Call) -> int:
-        """Record a call; return its number, 0 if the watch is over or full."""
+        """Record a call; return its number, 0 if the record is full."""
         number = next(self._numbers)  # atomic, unlike the length of a dict
-        if self.end is not None or number > MAX_CALLS:
+        if number > MAX_CALLS:
             return 0
         self._found[number] = call
         return number
@@ -260,8 +265,7 @@ def _take_timer(
     timer: Timer, take: Callable[[Any], Any]
 ) -> tuple[Callable[[], Any] | None, int | None, list[int]]:
     """Call a timer; return its callback, when it was due, and the ticks that it skips [ns]."""
-    # A simulated clock does not show when, on the picture's time axis, a tick was due.
-    if getattr(timer.clock, 'ros_time_is_active', False):
+    if not _is_real(timer):
         return take(timer), None, []
     try:
         due = _next_ns(timer)
@@ -274,6 +278,20 @@ def _take_timer(
     period = timer.timer_period_ns
     skipped = round((following - due) / period) - 1 if period else 0
     return run, due, [due + period * number for number in range(1, skipped + 1)]
+
+
+def _due_ticks(timer: Timer, end_ns: int) -> range:
+    """Return when the ticks of a timer were due that still wait at the end of a watch [ns]."""
+    try:
+        due = _next_ns(timer) if _is_real(timer) else None
+    except rclpy_implementation.InvalidHandle:
+        due = None
+    return range(end_ns if due is None else due, end_ns, max(timer.timer_period_ns, 1))
+
+
+def _is_real(timer: Timer) -> bool:
+    """Return whether the picture's time axis can show when a tick of a timer was due."""
+    return not getattr(timer.clock, 'ros_time_is_active', False)
 
 
 def _next_ns(timer: Timer) -> int | None:

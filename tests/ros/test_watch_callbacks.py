@@ -104,6 +104,23 @@ def test_ticks_during_a_slow_callback_are_one_late_call_and_skipped_ones(context
     assert all(tick.began is None and tick.ended is None for tick in seen.lost)
 
 
+def test_tick_that_is_due_at_the_end_waits_and_later_ones_are_lost(context):
+    """The executor was not spun again, so the picture shows one waiting call for all ticks."""
+    node = Node('keeper', context=context)
+    timer = node.create_timer(0.05, lambda: None)
+    executor = executor_of(node)
+
+    with watch_callbacks() as seen:
+        spin(executor, lambda: seen.calls)
+        threading.Event().wait(timer.time_until_next_call() / 1e9 + 0.12)
+
+    (waiting,) = [call for call in seen.events if call.began is None and not call.lost]
+    lost = [tick.came for tick in seen.lost if tick.came > waiting.came]
+    assert len(lost) >= 2
+    assert lost[-1] <= seen.end <= lost[-1] + timer.timer_period_ns / 1e9
+    assert '1 waiting' in seen._repr_html_()
+
+
 def test_ticks_that_were_skipped_before_the_watch_are_not_recorded(context):
     """The node was spun late; recording all missed ticks would fill the record."""
     node = Node('sleeper', context=context)
