@@ -62,7 +62,7 @@ class LifecyclePicture:
     def _next(self) -> str:
         """Return a sentence that lists the possible transitions."""
         if self.state not in STATES:
-            return 'a transition state: its callback has not returned'
+            return 'still in a transition state'
         ways = [f'{how} to {goal}' for how, goal in WAYS[self.state].items()]
         return (
             f'next: {", ".join(ways)}'

@@ -87,6 +87,7 @@ def test_drawing_shows_the_state_without_colour_and_in_words(state):
     assert re.findall(r'>(\w+)</text><text[^>]*>now<', drawn) == ([state] if primary else [])
     assert drawn.count('stroke-width="3"') == primary
     assert f'">/a&lt;b is {state} ' in drawn
+    assert ('configuring, still in a transition state<' in drawn) is not primary
     assert '/a<b' not in drawn
 
 
