@@ -20,8 +20,11 @@ from environment.places import PROJECT, stated, write_atomically
 from environment.stamps import digest_of, digest_of_files, files_below
 
 COPY = 'students-'
-PASSED_ON = ('PIP_', 'NODE_EXTRA_CA_CERTS')
-"""Beginnings of the variables that set up pip and npm, such as the certificates of a proxy."""
+PASSED_ON = ('PIP_', 'NODE_EXTRA_CA_CERTS', 'SUDO_UID')
+"""
+Beginnings of the variables that set up pip and npm, such as the certificates of a proxy, and name
+the user who typed sudo, whose clone git then reads for root.
+"""
 SERVER_SETTINGS = 'jupyter_server_config.py'
 COURSE_SETTINGS = """\
 # Written by the hub's set-up, for the students' servers.

@@ -1,6 +1,7 @@
 """The settings of a hub, and the files that give each kernel a separate ROS world."""
 
 import json
+import os
 from pathlib import Path
 import re
 import subprocess
@@ -8,12 +9,13 @@ import sys
 
 import pytest
 
-from deploy.hub import worlds
+from deploy.hub import prepare, worlds
 from deploy.hub.__main__ import forget_ended_proxy
 from deploy.hub.settings import HERE, read, SettingsError
 from environment.install_files import KERNEL_MESSAGES
 
 ROOT = Path(__file__).resolve().parents[2]
+NOBODY = 65534
 GOOD = {
     'folder': "'/srv/hub'",
     'port': '8000',
@@ -57,6 +59,25 @@ def test_a_value_that_cannot_be_used_is_named(
 ) -> None:
     with pytest.raises(SettingsError, match=said):
         read(written(tmp_path, **changed))
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason='only root can read as another user')
+def test_root_clones_the_repository_of_the_user_who_typed_sudo(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Git trusts no other owner, and ``make hub`` clones the project as root."""
+    theirs = tmp_path / 'theirs'
+    subprocess.run(['git', 'init', '--quiet', theirs], check=True)
+    for path in (theirs, theirs / '.git'):
+        os.chown(path, NOBODY, NOBODY)
+    clone = ('git', 'clone', '--quiet', theirs, tmp_path / 'clone')
+    monkeypatch.delenv('SUDO_UID', raising=False)
+    with pytest.raises(prepare.HubError, match='dubious ownership'):
+        prepare.run(*clone)
+
+    monkeypatch.setenv('SUDO_UID', str(NOBODY))
+    prepare.run(*clone)
+    assert (tmp_path / 'clone' / '.git').is_dir()
 
 
 def test_the_trial_of_a_world_reads_no_file_of_the_project(
