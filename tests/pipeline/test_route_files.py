@@ -39,7 +39,7 @@ def test_hadolint_accepts_the_dockerfile(tmp_path: Path) -> None:
 
 def test_actionlint_accepts_the_workflows(tmp_path: Path) -> None:
     """The project's and the students'; a misspelt output of a step is found."""
-    assert len(WORKFLOWS) == 3
+    assert len(WORKFLOWS) == 4
     done = run(BIN / 'actionlint', *WORKFLOWS)
     assert (done.returncode, done.stdout) == (0, ''), done.stdout
 
