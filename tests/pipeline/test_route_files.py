@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[2]
 BIN = Path(sys.prefix) / 'bin'
 DEVCONTAINER = Path('node_modules', '@devcontainers', 'cli', 'devcontainer.js')
 DOCKERFILE = ROOT / 'deploy' / 'container' / 'Dockerfile'
+COMPOSE = ROOT / 'deploy' / 'container' / 'compose.yaml'
 STUDENTS = ROOT / 'autograder' / 'authoring' / 'for_students'
 WORKFLOWS = [
     path
@@ -46,6 +47,17 @@ def test_actionlint_accepts_the_workflows(tmp_path: Path) -> None:
     wrong = tmp_path / 'wrong.yml'
     wrong.write_text(WORKFLOWS[0].read_text().replace('matrix.python', 'matrix.pyhton', 1))
     assert 'pyhton' in run(BIN / 'actionlint', wrong).stdout
+
+
+def test_the_compose_file_fits_the_schema_of_compose(tmp_path: Path) -> None:
+    """The schema is a copy that check-jsonschema contains; it refuses a misspelt option."""
+    check = (BIN / 'check-jsonschema', '--builtin-schema', 'vendor.compose-spec')
+    done = run(*check, COMPOSE)
+    assert done.returncode == 0, done.stdout
+
+    wrong = tmp_path / 'compose.yaml'
+    wrong.write_text(COMPOSE.read_text().replace('shm_size', 'shmsize'))
+    assert "'shmsize' was unexpected" in run(*check, wrong).stdout
 
 
 def test_repo2docker_takes_apt_post_build_and_start_of_binder() -> None:
