@@ -7,12 +7,14 @@ nbgrader itself runs student code and tests in one kernel and trusts the outputs
   the release plus the student's answers;
 * :class:`GradeOutside` replaces nbgrader's execution of the notebook: it grades in the sandbox
   and writes each check cell's feedback and score as outputs;
-* :class:`SaveGrades` records scores and extra time; a cell without a score needs manual grading;
+* :class:`SaveGrades` records scores, names and extra time; a cell without a score needs manual
+  grading;
 * :class:`ClearSolutionsByKind` creates the stubs of a release.
 
 nbgrader's formgrader, feedback and export work unchanged.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +24,12 @@ from nbconvert.exporters import HTMLExporter, NotebookExporter
 from nbconvert.filters import markdown2html
 from nbformat import NotebookNode
 from nbgrader import utils
-from nbgrader.api import Gradebook
+from nbgrader.api import Gradebook, Student
 from nbgrader.preprocessors import ClearSolutions, GetGrades, NbGraderPreprocessor, SaveAutoGrades
 from traitlets import Unicode
 from traitlets.utils.importstring import import_item
 
-from autograder.classroom.people import extensions
+from autograder.classroom.people import extensions, read_people
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
@@ -255,14 +257,15 @@ class SaveGrades(CoursePlugin, SaveAutoGrades):
     _unusable = False
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Record the extra time of the student and the scores of a notebook."""
+        """Record the name and the extra time of the student, and the scores of a notebook."""
         facts = resources['nbgrader']
         more = extensions(self.layout)
-        if more is not None:
-            with Gradebook(facts['db_url']) as gradebook:
-                submission = gradebook.find_submission(facts['assignment'], facts['student'])
+        with Gradebook(facts['db_url']) as gradebook:
+            submission = gradebook.find_submission(facts['assignment'], facts['student'])
+            if more is not None:
                 submission.extension = more.get((facts['student'], facts['assignment']))
-                gradebook.db.commit()
+            _name(submission.student, read_people(self.layout))
+            gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
         return super().preprocess(nb, resources)
 
@@ -292,3 +295,16 @@ class SaveGrades(CoursePlugin, SaveAutoGrades):
         if by_hand and same_work and grade.auto_score == before:
             grade.needs_manual_grade = False
         self.gradebook.db.commit()
+
+
+def _name(student: Student, people: Mapping[str, str]) -> None:
+    """
+    Enter the name of a student for formgrader, or else the id, unless the gradebook has a name.
+
+    Formgrader shows "last, first", and "None, None" if there is no name.
+    """
+    if student.first_name or student.last_name not in (None, '', student.id):
+        return
+    first, _, last = people.get(student.id, '').rpartition(' ')
+    student.first_name = first or (student.id if last else '')
+    student.last_name = last or student.id

@@ -1,5 +1,5 @@
 """
-Enter assignments, results and names in nbgrader's gradebook, and remove students from it.
+Enter assignments and results in nbgrader's gradebook, and remove students from it.
 
 nbgrader's own Autograde enters the results, one student after another.  So formgrader, feedback
 and export work as usual, and manual grades are kept.  nbgrader reads the maximum of a cell from
@@ -15,7 +15,6 @@ import tempfile
 from typing import Any
 
 from autograder.classroom.pages import write_all_reports
-from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam.exam import Exam
@@ -70,7 +69,6 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
         same = {one.result.student for one in entered if _is_same_work(layout, lesson, one)}
         if results:
             converters.autograde(layout, lesson.assignment, staged, results, same)
-            _name(layout, results)
 
 
 def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
@@ -90,23 +88,6 @@ def _answers(notebook: Mapping[str, Any]) -> dict[str, str]:
         if marks.get('solution') or marks.get('task'):
             found[marks['grade_id']] = ''.join(cell['source'])
     return found
-
-
-def _name(layout: Layout, students: Collection[str]) -> None:
-    """Add missing names of students to the gradebook, for formgrader."""
-    from autograder.gradebook import converters
-
-    people = {one: name for one, name in read_people(layout).items() if one in students}
-    if not people:
-        return
-    with converters.opened_gradebook(layout) as gradebook:
-        for student in gradebook.students:
-            if student.id in people and not (student.first_name or student.last_name):
-                first, _, last = people[student.id].rpartition(' ')
-                # Store a single-word name as last_name, because formgrader shows "last, first".
-                gradebook.update_or_create_student(
-                    student.id, first_name=first or student.id, last_name=last
-                )
 
 
 def remove_entries(layout: Layout, students: Collection[str]) -> None:

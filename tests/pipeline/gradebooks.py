@@ -285,8 +285,8 @@ def gives_students_more_time(course: Layout) -> None:
     assert (scores(course, 'ann')['late'], scores(course, 'bob')['late']) == (0, 0)
 
 
-def names_students_whose_names_are_known(course: Layout) -> None:
-    """Names that an instructor has written are not changed."""
+def names_students(course: Layout) -> None:
+    """Names that an instructor has written are not changed; a new name replaces an id."""
     for student in ('1001', '1002', '1003'):
         hand_in(course, student)
     save_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
@@ -297,13 +297,16 @@ def names_students_whose_names_are_known(course: Layout) -> None:
     assert found == {
         '1001': ('Example', 'Ann Mary'),
         '1002': ('doejane', '1002'),
-        '1003': (None, None),
+        '1003': ('1003', ''),
     }
 
-    hand_in(course, '1001', temperature_topic='temprature_topic')
+    save_people(course, {'1003': 'Cem Example'})
+    for student in ('1001', '1003'):
+        hand_in(course, student, temperature_topic='temprature_topic')
     grade(course)
     with book(course) as gradebook:
         assert gradebook.find_student('1001').first_name == 'Annie'
+        assert gradebook.find_student('1003').first_name == 'Cem'
 
 
 def lets_the_sample_students_go(course: Layout) -> None:
@@ -411,7 +414,7 @@ ALL = (
     leaves_lower_marks_as_they_are,
     forgets_a_student,
     forgets_a_folder_that_is_no_students,
-    names_students_whose_names_are_known,
+    names_students,
     lets_the_sample_students_go,
     writes_reruns_and_keeps_grades_given_by_hand,
     leaves_marks_alone_that_nothing_speaks_against,
