@@ -1,15 +1,20 @@
 """
 The settings of each user's server under the hub.
 
-For Jupyter, whatever a kernel sends is activity.  In this course a node keeps logging, and a live
-picture keeps drawing, after the user has gone home.  So only cells and other requests count.
+For Jupyter, whatever a kernel sends and an open page asks for is activity.  In this course a node
+keeps logging, a live picture keeps drawing, and a page stays open, after the user has gone home.
+So only cells, terminals and requests that change files or grades count.
 """
 
 from datetime import datetime, timezone
 from typing import Any
 
 from jupyter_client.session import Session
+from jupyter_server.base.handlers import APIHandler, JupyterHandler
+from jupyter_server.log import log_request
 from jupyter_server.services.kernels.kernelmanager import AsyncMappingKernelManager
+
+LAYOUT = '/lab/api/workspaces/'
 
 
 class KernelsIdleAfterTheirCells(AsyncMappingKernelManager):
@@ -35,5 +40,20 @@ class KernelsIdleAfterTheirCells(AsyncMappingKernelManager):
         kernel._activity_stream.on_recv(record)
 
 
+def log_and_count(handler: JupyterHandler) -> None:
+    """
+    Log a request, and count it as activity if it changes something.
+
+    An open page keeps asking, and keeps saving the layout of its windows, without its user.
+    """
+    log_request(handler)
+    by_page = handler.request.method in ('GET', 'HEAD') or LAYOUT in handler.request.path
+    if not by_page and handler.get_status() < 400:
+        handler.settings['request_last_activity'] = datetime.now(timezone.utc)
+
+
+APIHandler._track_activity = False  # log_and_count() also sees the buttons of nbgrader
+
 c = get_config()  # defined by Jupyter
 c.ServerApp.kernel_manager_class = KernelsIdleAfterTheirCells
+c.ServerApp.tornado_settings = {'log_function': log_and_count}

@@ -20,6 +20,8 @@ c = get_config()  # defined by JupyterHub
 
 settings = read(Path(os.environ[SETTING]))
 idle_s = int(60 * settings.idle_minutes)
+look_s = min(60, idle_s // 4)
+"""How often servers report activity, and how often idle kernels and servers are looked for [s]."""
 
 
 class CourseSpawner(LocalProcessSpawner):
@@ -43,6 +45,7 @@ def prepare_server(spawner: CourseSpawner) -> None:
     venv = (course if mine else settings.copy.resolve()) / '.venv'
     spawner.environment = {
         'COURSE_EXCHANGE': str(settings.exchange),
+        'JUPYTERHUB_ACTIVITY_INTERVAL': str(look_s),
         'LANG': 'C.UTF-8',
         'PATH': f'{venv}/bin:/usr/local/bin:/usr/bin:/bin',
     }
@@ -88,12 +91,14 @@ c.Spawner.start_timeout = 120
 c.Spawner.http_timeout = 120  # 30 s, the default, is too short for ten starts at once
 c.Spawner.args = [
     '--MultiKernelManager.default_kernel_name=ros2_jazzy',
-    # Nodes and plots that continue do not count as activity (jupyter_server_config.py).
+    # jupyter_server_config.py says what counts as activity.
     f'--MappingKernelManager.cull_idle_timeout={idle_s}',
-    f'--MappingKernelManager.cull_interval={max(1, idle_s // 4)}',
+    f'--MappingKernelManager.cull_interval={look_s}',
     '--MappingKernelManager.cull_connected=True',
 ]
 
+# The proxy would count every answer, and an open page keeps asking.
+c.JupyterHub.last_activity_interval = 0
 c.JupyterHub.load_roles = [
     {
         'name': 'culler',
@@ -106,7 +111,8 @@ c.JupyterHub.services = [
         'name': 'culler',
         'command': [
             *(sys.executable, '-m', 'jupyterhub_idle_culler'),
-            *(f'--timeout={idle_s}', f'--cull-every={max(1, idle_s // 4)}'),
+            # The hub may hear of a user's last activity this much later.
+            *(f'--timeout={idle_s + 2 * look_s}', f'--cull-every={look_s}'),
         ],
     }
 ]

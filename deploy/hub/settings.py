@@ -32,7 +32,7 @@ class Settings:
     :param students: system accounts of the students
     :param login: how users log in, one of :data:`LOGINS`
     :param memory_mib: memory limit of one server with its kernels, 0 for no limit [MiB]
-    :param idle_minutes: time after which an idle kernel or server is stopped [min]
+    :param idle_minutes: time after which an idle kernel or server is stopped, at least 0.5 [min]
     """
 
     folder: Path
@@ -97,7 +97,7 @@ def _check(path: Path, settings: Settings) -> None:
         f'users: not a system user name: {", ".join(names)}': not names,
         'users: a name is listed twice': len(set(settings.users)) == len(settings.users),
         f'login: expected one of {", ".join(LOGINS)}': settings.login in LOGINS,
-        'idle_minutes: expected a number above 0': settings.idle_minutes > 0,
+        'idle_minutes: expected at least 0.5': settings.idle_minutes >= 0.5,
         'memory_mib: expected 0 or at least 512': not 0 < settings.memory_mib < 512
         and settings.memory_mib >= 0,
     }

@@ -1,5 +1,5 @@
 """
-The hub of the tests, one for all of them.
+The hub of the tests: one installation for all of them, started for each file.
 
 The accounts are made for it and removed after it.  ``HUB_TEST_FOLDER`` names a folder that is kept
 with its accounts, so that preparing it takes seconds the next time.
@@ -21,24 +21,31 @@ ARGUMENTS = ('--no-sandbox', '--disable-gpu', '--disable-background-networking')
 
 
 @pytest.fixture(scope='session')
-def hub() -> Iterator[Hub]:
-    """Return a running hub and a headless Chromium."""
+def folder() -> Iterator[Path]:
+    """Return the folder of the hub's installation."""
     assert os.geteuid() == 0, 'A hub needs root. Try: sudo make test-hub'
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    assert found, 'No browser. Try: sudo apt-get install -y chromium'
-    from playwright.sync_api import sync_playwright
-
     kept = os.environ.get('HUB_TEST_FOLDER')
     folder = Path(kept or tempfile.mkdtemp(prefix='hubtest-', dir='/srv'))
     folder.mkdir(exist_ok=True)
     folder.chmod(0o755)
     try:
-        with running(folder) as settings, sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
-            yield Hub(settings, browser)
-            browser.close()
+        yield folder
     finally:
         if not kept:
             shutil.rmtree(folder)
             for user in (TEACHER, ANN, BOB):
                 subprocess.run(['userdel', '--remove', user], capture_output=True, check=False)
+
+
+@pytest.fixture(scope='module')
+def hub(folder: Path, request: pytest.FixtureRequest) -> Iterator[Hub]:
+    """Return a running hub, with the module's ``IDLE_MINUTES``, and a headless Chromium."""
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    assert found, 'No browser. Try: sudo apt-get install -y chromium'
+    from playwright.sync_api import sync_playwright
+
+    idle_minutes = getattr(request.module, 'IDLE_MINUTES', 60)
+    with running(folder, idle_minutes) as settings, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+        yield Hub(settings, browser)
+        browser.close()

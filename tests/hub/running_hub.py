@@ -12,11 +12,14 @@ import subprocess
 import sys
 from typing import Any
 
+import nbformat
+from nbformat.v4 import new_code_cell, new_notebook
 import psutil
 
 from deploy.hub.prepare import home_of
 from deploy.hub.settings import read, Settings
 from deploy.routes import first_of_three_free_ports
+from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / 'docs' / 'pictures'
@@ -65,6 +68,42 @@ def take_picture(page: Any, name: str, height: int) -> None:
     page.screenshot(path=PICTURES / f'{name}.png', clip=clip)
 
 
+def wait_for_kernel(page: Any) -> None:
+    """Wait until the kernel of the open notebook has started."""
+    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
+
+
+def open_notebook(hub: Hub, page: Any, user: str, path: str) -> None:
+    """Open a notebook in a workspace without the notebook of the page before."""
+    page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
+    page.locator('.jp-NotebookPanel').wait_for()
+    wait_for_kernel(page)
+
+
+def open_cells(hub: Hub, page: Any, user: str, *cells: str) -> None:
+    """Write a notebook into the folder of a user's work, and open it."""
+    work = home_of(user) / 'course' / 'live.ipynb'
+    kernel = {'kernelspec': {'name': KERNEL_NAME, 'display_name': KERNEL_TITLE}}
+    written = [new_code_cell(one) for one in cells]
+    work.write_text(nbformat.writes(new_notebook(cells=written, metadata=kernel)))
+    shutil.chown(work, user, user)
+    open_notebook(hub, page, user, work.name)
+
+
+def run_cell(page: Any, number: int, expected: str) -> None:
+    """Run a cell of the open notebook, and wait for its output."""
+    cell = page.locator('.jp-CodeCell').nth(number)
+    cell.locator('.cm-content').click()
+    page.keyboard.press('Shift+Enter')
+    cell.locator('.jp-OutputArea-output', has_text=expected).wait_for()
+
+
+def kernels_of(user: str) -> list[str]:
+    """Return the process ids of a user's kernels."""
+    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher')
+    return found.stdout.split()
+
+
 def as_user(user: str, *command: str | Path, typed: str = '') -> subprocess.CompletedProcess[str]:
     """Run a command as one of the users, at home, with what the user types."""
     home = home_of(user)
@@ -75,13 +114,13 @@ def as_user(user: str, *command: str | Path, typed: str = '') -> subprocess.Comp
 
 
 @contextmanager
-def running(folder: Path) -> Iterator[Settings]:
+def running(folder: Path, idle_minutes: float) -> Iterator[Settings]:
     """Prepare a hub in a folder, run it, stop it as Ctrl-C does, and see that nothing is left."""
     _remove_work(folder)
     file = folder / 'hub.toml'
     file.write_text(
         f"folder = '{folder}'\nport = {first_of_three_free_ports()}\ninstructor = '{TEACHER}'\n"
-        f"students = ['{ANN}', '{BOB}']\nmemory_mib = 3000\nidle_minutes = 60\n"
+        f"students = ['{ANN}', '{BOB}']\nmemory_mib = 3000\nidle_minutes = {idle_minutes}\n"
     )
     environ = {**os.environ, 'HUB': str(file)}
     command = [sys.executable, '-m', 'deploy.hub']

@@ -2,12 +2,9 @@
 
 import os
 from pathlib import Path
-import shutil
 import subprocess
 import sys
 
-import nbformat
-from nbformat.v4 import new_code_cell, new_notebook
 import pytest
 
 from autograder.authoring.sample_class import compose
@@ -20,10 +17,15 @@ from tests.hub.running_hub import (
     BOB,
     home_of,
     Hub,
+    kernels_of,
+    open_cells,
+    open_notebook,
     PREPARED_S,
     ROOT,
+    run_cell,
     take_picture,
     TEACHER,
+    wait_for_kernel,
 )
 
 pytestmark = [pytest.mark.hub, pytest.mark.timeout(3000)]
@@ -117,18 +119,6 @@ def read_feedback(page) -> str:
     checks.evaluate('element => element.scrollIntoView()')
     take_picture(page, 'feedback', 650)
     return feedback.locator('body').inner_text()
-
-
-def wait_for_kernel(page) -> None:
-    """Wait until the kernel of the open notebook has started."""
-    page.locator('#jp-main-statusbar', has_text='ROS 2 Jazzy | Idle').wait_for()
-
-
-def open_notebook(hub: Hub, page, user: str, path: str) -> None:
-    """Open a notebook in a workspace without the notebook of the page before."""
-    page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
-    page.locator('.jp-NotebookPanel').wait_for()
-    wait_for_kernel(page)
 
 
 def validate(page) -> str:
@@ -232,12 +222,6 @@ def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
     hub.lab_of(ANN)
 
 
-def kernels_of(user: str) -> list[str]:
-    """Return the process ids of a user's kernels."""
-    found = as_user(user, 'pgrep', '--euid', user, '--full', 'ipykernel_launcher')
-    return found.stdout.split()
-
-
 def networks_of(hub: Hub, user: str) -> dict[str, str]:
     """Return the process ids of a user's kernels, with their networks."""
     lab_with_kernel(hub, user)
@@ -279,23 +263,10 @@ def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
     assert set(servers) <= inside
 
 
-def run_cell(page, number: int, expected: str) -> None:
-    """Run a cell of the open notebook, and wait for its output."""
-    cell = page.locator('.jp-CodeCell').nth(number)
-    cell.locator('.cm-content').click()
-    page.keyboard.press('Shift+Enter')
-    cell.locator('.jp-OutputArea-output', has_text=expected).wait_for()
-
-
 def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> None:
     """It keeps the environment in which it was started; the next server gets the new one."""
-    work = home_of(ANN) / 'course' / 'live.ipynb'
-    kernel = {'kernelspec': {'name': KERNEL_NAME, 'display_name': KERNEL_TITLE}}
-    cells = [new_code_cell(one) for one in LIVE]
-    work.write_text(nbformat.writes(new_notebook(cells=cells, metadata=kernel)))
-    shutil.chown(work, ANN, ANN)
     ann, bob = hub.lab_of(ANN), hub.lab_of(BOB)
-    open_notebook(hub, ann, ANN, 'live.ipynb')
+    open_cells(hub, ann, ANN, *LIVE)
     run_cell(ann, 0, 'speaks')
     before = hub.settings.copy.resolve()
 

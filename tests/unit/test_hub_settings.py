@@ -48,7 +48,7 @@ def test_the_settings_of_the_course_can_be_read() -> None:
         ({'students': "['bob; reboot']"}, 'not a system user name: bob; reboot'),
         ({'login': "'dummy'"}, 'first_use, pam'),
         ({'memory_mib': '100'}, 'at least 512'),
-        ({'idle_minutes': '0'}, 'above 0'),
+        ({'idle_minutes': '0.4'}, 'at least 0.5'),
         ({'instructor': None}, 'missing: instructor'),
         ({'color': "'red'"}, 'unknown: color'),
         ({'folder': "'/srv"}, 'hub.toml:'),
