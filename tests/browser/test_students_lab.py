@@ -10,26 +10,12 @@ from lab_page import CELL_MS, choose, OPEN_MS, open_notebook, solved
 import pytest
 
 from autograder.submission.cells import parse_cell
+from tests.browser.nbgrader_parts import offered
 
 pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 
 PACKAGE = '10_package_of_your_own'
 LESSON = f'notebooks/{ASSIGNMENT}/temperature_monitor.ipynb'
-CREATE = '.jp-SideBar [title*="Create Assignment"], .jp-SideBar [data-id*="create_assignment"]'
-
-
-def offered(page):
-    """Return the visible parts of nbgrader: menu entries, a panel, a button."""
-    page.locator('.lm-MenuBar-itemLabel', has_text='Nbgrader').click()
-    labels = page.locator('.lm-Menu-itemLabel')
-    labels.filter(has_text='Assignment List').wait_for(timeout=OPEN_MS)
-    found = {text for text in labels.all_inner_texts() if text}
-    page.keyboard.press('Escape')
-    if page.locator(CREATE).count():
-        found.add('Create Assignment')
-    if page.get_by_text('Validate', exact=True).count():
-        found.add('Validate')
-    return found
 
 
 def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots):

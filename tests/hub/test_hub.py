@@ -10,7 +10,7 @@ import pytest
 from autograder.authoring.sample_class import compose
 from autograder.layout import Layout
 from deploy.hub.memory import group_of
-from environment.install_files import KERNEL_NAME, KERNEL_TITLE
+from tests.browser.nbgrader_parts import offered
 from tests.hub.running_hub import (
     ANN,
     as_user,
@@ -159,6 +159,7 @@ def test_the_whole_loop(hub: Hub) -> None:
 def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
     """Formgrader does not exist there, and lessons that are not graded are at hand at once."""
     ann = hub.lab_of(ANN)
+    assert offered(ann) == {'Assignment List', 'Validate'}
     assert ann.goto(hub.address + f'user/{ANN}/formgrader/').status == 404
     found = {path.name for path in (home_of(ANN) / 'course').iterdir()}
     assert {'START_HERE.ipynb', '00_quick_tour', '08_what_went_wrong'} <= found
