@@ -1,17 +1,21 @@
 """The settings of a hub, and the files that give each kernel a separate ROS world."""
 
+import asyncio
 import json
 import os
 from pathlib import Path
 import re
+import runpy
 import subprocess
 import sys
+from types import ModuleType, SimpleNamespace
 
 import pytest
+from traitlets.config import Config
 
-from deploy.hub import prepare, worlds
+from deploy.hub import memory, prepare, worlds
 from deploy.hub.__main__ import forget_ended_proxy
-from deploy.hub.settings import HERE, read, SettingsError
+from deploy.hub.settings import HERE, read, SETTING, SettingsError
 from environment.install_files import KERNEL_MESSAGES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -93,6 +97,50 @@ def test_the_trial_of_a_world_reads_no_file_of_the_project(
     monkeypatch.setattr(worlds.subprocess, 'run', run)
     assert worlds.namespace_refusal('bob') == ''
     assert not any(str(HERE) in word for word in commands[0])
+
+
+def test_the_set_up_reports_a_system_without_namespaces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Kernels then share the network of the machine."""
+    found: list[bool] = []
+
+    def prepared(*_: str, cwd: Path) -> None:
+        (cwd / '.venv' / 'etc' / 'jupyter').mkdir(parents=True)
+
+    def refuse(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.CompletedProcess(command, 1, '', 'unshare: not permitted\n')
+
+    monkeypatch.setattr(prepare, 'run', prepared)
+    monkeypatch.setattr(prepare, '_add_server', lambda venv: None)
+    monkeypatch.setattr(worlds, 'install', lambda venv, *, separate: found.append(separate))
+    monkeypatch.setattr(worlds.subprocess, 'run', refuse)
+    prepare._students_copy(read(written(tmp_path, folder=f"'{tmp_path}'")))
+    assert found == [False]
+    assert worlds.FALLBACK.format(reason='unshare: not permitted') in capsys.readouterr().out
+
+
+def test_the_log_reports_a_system_without_memory_limits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The server starts all the same; the hub's own package is replaced here."""
+
+    class LocalProcessSpawner:
+        async def start(self) -> tuple[str, int]:
+            return '127.0.0.1', 8001
+
+    hub, spawner = ModuleType('jupyterhub'), ModuleType('jupyterhub.spawner')
+    vars(spawner)['LocalProcessSpawner'] = LocalProcessSpawner
+    monkeypatch.setitem(sys.modules, 'jupyterhub', hub)
+    monkeypatch.setitem(sys.modules, 'jupyterhub.spawner', spawner)
+    monkeypatch.setenv(SETTING, str(written(tmp_path, memory_mib='512')))
+    monkeypatch.setattr(memory, 'HIERARCHIES', ())
+    names = runpy.run_path(str(HERE / 'jupyterhub_config.py'), {'get_config': Config})
+    server, said = names['CourseSpawner'](), []
+    server.user, server.pid = SimpleNamespace(name='bob'), os.getpid()
+    server.log = SimpleNamespace(warning=said.append)
+    assert asyncio.run(server.start()) == ('127.0.0.1', 8001)
+    assert said == ['No memory limit: this system offers no control group for it.']
 
 
 def test_a_kernel_starts_in_its_own_world_while_the_system_allows_it(tmp_path: Path) -> None:
