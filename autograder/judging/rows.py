@@ -162,7 +162,7 @@ def require_one_for_one(
         if count != due:
             raise Failed(
                 expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
-                f'after input {place + 1}',
+                f'after message {place + 1}',
                 observed=f'{count or "none"}',
                 why=why_silent(while_running(run, asked, place, count < due))
                 or why_other_answer(
@@ -225,7 +225,7 @@ def require_values(
     :param fields: names of the values, if there are several for each message
     """
     for place in asked.wrong(came, places)[:1]:
-        after = f'after input {place + 1}' + (f': {", ".join(fields)}' if fields[1:] else '')
+        after = f'after message {place + 1}' + (f': {", ".join(fields)}' if fields[1:] else '')
         short = len(came[place] or ()) < len(asked.answers[place])
         raise Failed(
             expected=f'{shown_values(run, asked.answers[place], what)} {after}',

@@ -218,7 +218,7 @@ def stops_in_silence(run: Run) -> None:
         stops = (came[place] or ()).count(STOP)
         if stops > asked.answers[place].count(STOP):
             why = asked.cause(came, place, silent) or WHY['repeats_stop']
-            after = f'after input {place + 1}'
+            after = f'after message {place + 1}'
             raise Failed(expected=f'one stop {after}', observed=f'{stops} stops {after}', why=why)
     require_values(run, asked, came, silent, fields=FIELDS)
     require_all_sent(run, came)
