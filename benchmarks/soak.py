@@ -40,6 +40,8 @@ REPEATS = 12
 CORES = os.cpu_count() or 1
 SLOW_S = 3.0
 """The figures of a pass without load name each run that takes longer."""
+KINDS = ('sample', 'build', 'attack', 'style')
+"""Kinds of tasks: samples, those whose package is built first, attacks, and styles of time."""
 REVIEW, OVER = 'for review: ', ', over its bound'
 
 
@@ -60,6 +62,13 @@ class Task:
     def builds(self) -> bool:
         """Return whether a run builds a package first."""
         return self.exam.scenario.program in BUILDS
+
+    @property
+    def kind(self) -> str:
+        """Return the kind of task, one of :data:`KINDS`."""
+        if self.name.startswith(('attack/', 'style/')):
+            return self.name.partition('/')[0]
+        return 'build' if self.builds else 'sample'
 
 
 @dataclass(frozen=True)
@@ -132,7 +141,7 @@ def main() -> int:
         **_figures(tasks, done, outcomes),
         'differing_pictures': sorted(report.differing(pictures)),
     }
-    full = len(done) >= REPEATS and not chosen.only
+    full = len(done) >= len(WAYS) and not chosen.only
     # Save the results of a shorter measurement only if outcomes differ.
     report.save('soak', facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
@@ -221,12 +230,13 @@ def _repeat(
 
 
 def _durations(found: Sequence[Ran], way: Way) -> dict[str, Any]:
-    """Return how long runs take that build no package and, without load, name the slow ones."""
-    each_s = [one.seconds for one in found if not one.task.builds]
+    """Return how long the runs of each kind of task take and, without load, name slow ones."""
     durations: dict[str, Any] = {}
-    if len(each_s) > 1:
-        p95 = round(statistics.quantiles(each_s, n=20)[-1], 4)
-        durations['run_s'] = {**report.spread(each_s), 'p95': p95}
+    for kind in KINDS:
+        each_s = [one.seconds for one in found if one.task.kind == kind]
+        if len(each_s) > 1:
+            p95 = round(statistics.quantiles(each_s, n=20)[-1], 4)
+            durations[f'{kind}_s'] = {**report.spread(each_s), 'p95': p95}
     if way.jobs <= CORES:
         slow = [one for one in found if one.seconds > SLOW_S]
         slow.sort(key=lambda one: -one.seconds)
@@ -290,7 +300,7 @@ def _figures(
             'load': report.spread([repeat['load'] for repeat in mine]),
             **{
                 key: [one[key] for one in mine if key in one]
-                for key in ('run_s', 'slow')
+                for key in (*(f'{kind}_s' for kind in KINDS), 'slow')
                 if key in mine[0]
             },
         }

@@ -57,10 +57,12 @@ def usable(mode: str) -> Sandbox:
     :raises SandboxUnavailable: with the exact fix, if the mode does not work on this machine
     """
     sandbox = Sandbox(mode)
-    if sandbox.keeps_secrets:
+    what, fix = virtual_clock.refusal()
+    if not what and sandbox.keeps_secrets:
         what, fix = _missing(sandbox)
-        if what:
-            raise SandboxUnavailable(what, fix)
+    if what:
+        raise SandboxUnavailable(what, fix)
+    if sandbox.keeps_secrets:
         try_out(sandbox)
     return sandbox
 
@@ -69,8 +71,6 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
     """Return what the system lacks for a sandbox, and the fix; empty strings if nothing."""
     if not landlock.filter_file().is_file():
         return landlock.NO_FILTER
-    if any(clock := virtual_clock.refusal()):
-        return clock
     if sandbox.isolated:
         found = shutil.which('bwrap') is not None
         return ('', '') if found else ('bubblewrap is not installed.', isolation.FIX_MISSING)

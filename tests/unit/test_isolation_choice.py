@@ -78,16 +78,17 @@ def clock(tmp_path, monkeypatch):
     return library
 
 
-def refused() -> SandboxUnavailable:
+def refused(mode: str = '') -> SandboxUnavailable:
     with pytest.raises(SandboxUnavailable) as caught:
-        choose.usable(isolation.full(os.geteuid() == 0))
+        choose.usable(mode or isolation.full(os.geteuid() == 0))
     return caught.value
 
 
-def test_a_clock_that_cannot_be_loaded_is_built_again(clock):
-    """The message quotes the system's loader."""
-    assert f"object '{clock}' from LD_PRELOAD cannot be preloaded" in refused().what
-    assert 'make clean, then make prepare' in refused().fix
+@pytest.mark.parametrize('mode', ['', 'none'])
+def test_a_clock_that_cannot_be_loaded_is_built_again(clock, mode):
+    """The message quotes the system's loader; without the clock, no mode runs a program."""
+    assert f"object '{clock}' from LD_PRELOAD cannot be preloaded" in refused(mode).what
+    assert 'make clean, then make prepare' in refused(mode).fix
 
 
 def test_a_clock_on_a_file_system_without_programs_names_the_place(clock, monkeypatch):
