@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 import json
 from pathlib import Path
+import shutil
 from typing import Any
 
 from conftest import ASSIGNMENT, Lab
@@ -90,6 +91,7 @@ def test_a_package_is_made_in_a_terminal(lab: Lab, page: Any, shots: Path) -> No
     notebook = json.loads((lab.course / path).read_text(encoding='utf-8'))
     cells = {cell['id']: ''.join(cell['source']) for cell in notebook['cells']}
     folder = (lab.course / path).parent
+    shutil.rmtree(folder / 'ros_ws', ignore_errors=True)  # of another test
     open_notebook(lab, page, path)
     open_terminal(lab, page)
     create = [*commands_of(cells, 'part-1-workspace'), *commands_of(cells, 'part-1-create')]
@@ -101,7 +103,7 @@ def test_a_package_is_made_in_a_terminal(lab: Lab, page: Any, shots: Path) -> No
         inside = package / 'my_robot_pkg' if file.kind == 'node' else package
         (inside / file.path).write_text(file.body, encoding='utf-8')
     build, _, run = commands_of(cells, 'part-2-run')
-    said = type_in(page, [f'{build} > said.txt', f'{run} >> said.txt'], folder / 'said.txt')
+    said = type_in(page, [f'{build} > said.txt', f'{run} >> said.txt 2>&1'], folder / 'said.txt')
     page.screenshot(path=shots / 'package.png')
 
     assert created == ['done']
