@@ -13,6 +13,7 @@ from contextlib import closing, ExitStack
 from pathlib import Path
 import shutil
 
+from jupyter_core.utils import ensure_event_loop
 import nbformat
 import pytest
 
@@ -62,6 +63,7 @@ class OpenLesson:
                 outputs = self.kernel.run(cell.source, cell.id)
                 said = (outputs.error or {}).get('evalue', ''), outputs.streams['stderr']
                 wrong += [f'{self.name}, {cell.id}: {text}' for text in said if text]
+        ensure_event_loop().close()  # the kernel's client made one for this thread
         return wrong
 
 
