@@ -7,25 +7,12 @@ import psutil
 import pytest
 
 from tests.hub.running_hub import ANN, BOB, Hub, open_cells, run_cell
+from tests.ros.live_kernels import DRAWS
 
 pytestmark = [pytest.mark.hub, pytest.mark.timeout(3000)]
 
 IDLE_MINUTES = 0.5
 BETWEEN_CELLS_S, STOPPED_S = 15.0, 240.0
-DRAWS = """\
-from rclpy.node import Node
-from roslab import *
-from std_msgs.msg import Float32
-
-class Talker(Node):
-    def __init__(self):
-        super().__init__('talker')
-        publisher = self.create_publisher(Float32, 'level', 10)
-        self.create_timer(0.1, lambda: publisher.publish(Float32(data=1.0)))
-        self.create_timer(1.0, lambda: self.get_logger().info('still here'))
-
-start(Talker)
-plot('level', 'data')"""
 COUNTS = """\
 number = globals().get('number', 0) + 1
 print('cell', number, 'has run')"""

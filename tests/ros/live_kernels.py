@@ -31,6 +31,21 @@ AS_USER = [
 """Runs a kernel as a user; its number, the connection file and the command follow."""
 DEADLINE_S = 400.0  # beyond the limit of a message build, 300 s
 
+DRAWS = """\
+from rclpy.node import Node
+from roslab import *
+from std_msgs.msg import Float32
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__('talker')
+        publisher = self.create_publisher(Float32, 'level', 10)
+        self.create_timer(0.1, lambda: publisher.publish(Float32(data=1.0)))
+        self.create_timer(1.0, lambda: self.get_logger().info('still here'))
+
+start(Talker)
+plot('level', 'data')"""
+"""A cell whose node keeps logging, and whose picture keeps drawing, after it has ended."""
 TALKER = """
 import rclpy
 from rclpy.node import Node

@@ -11,24 +11,10 @@ from traitlets.config.loader import PyFileConfigLoader
 from deploy.hub.prepare import SERVER_SETTINGS
 from deploy.hub.settings import HERE
 from environment.install_files import KERNEL_NAME
+from tests.ros.live_kernels import DRAWS
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-DRAWS = """\
-from roslab import *
-from rclpy.node import Node
-from std_msgs.msg import Float32
-
-class Talker(Node):
-    def __init__(self):
-        super().__init__('talker')
-        publisher = self.create_publisher(Float32, 'level', 10)
-        self.create_timer(0.1, lambda: publisher.publish(Float32(data=1.0)))
-        self.create_timer(0.1, lambda: self.get_logger().info('still here'))
-
-start(Talker)
-plot('level', 'data')
-"""
 STARTED_S = 120
 
 

@@ -123,7 +123,7 @@ def test_the_set_up_reports_a_system_without_namespaces(
 def test_the_log_reports_a_system_without_memory_limits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The server starts all the same; the hub's own package is replaced here."""
+    """The hub starts the server anyway; a stub replaces its package here."""
 
     class LocalProcessSpawner:
         async def start(self) -> tuple[str, int]:
