@@ -327,7 +327,6 @@ static bool advance(void)
         atomic_store(&timing->now, deadline);
     posting = deadline == POST ? process : NULL;
     atomic_store(&timing->posting, posting != NULL);
-    atomic_fetch_add(&timing->jumps, 1);
     eventfd_write(process->wake, 1);
     return true;
 }

@@ -16,9 +16,8 @@
 
 /* The time of a run. The driver writes it; every process maps it read-only. */
 struct time_page {
-    _Atomic int64_t now;  /* virtual CLOCK_MONOTONIC [ns] */
-    int64_t to_realtime;  /* virtual CLOCK_REALTIME minus virtual CLOCK_MONOTONIC [ns] */
-    _Atomic int64_t jumps; /* how many times the driver has woken a process */
+    _Atomic int64_t now; /* virtual CLOCK_MONOTONIC [ns] */
+    int64_t to_realtime; /* virtual CLOCK_REALTIME minus virtual CLOCK_MONOTONIC [ns] */
     _Atomic int64_t ended[ROOTS]; /* virtual time at which each process of the command line ended, or 0 */
     _Atomic uint32_t posting; /* 1 while a portion of datagrams is sent: readers wait for all of it */
 };

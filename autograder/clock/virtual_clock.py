@@ -23,7 +23,7 @@ SYSTEM_TIME_NS = 1_767_225_600_000_000_000
 """System time at the start of a run [ns]: 2026-01-01 00:00 UTC, fixed so that recordings agree."""
 FOLDER = Path('ros2_course', 'clock')
 _ROOTS = 4
-_PAGE = struct.Struct(f'=qqq{_ROOTS}q')  # struct time_page of protocol.h
+_PAGE = struct.Struct(f'=qq{_ROOTS}q')  # struct time_page of protocol.h
 _START_NS = 1_000_000_000_000  # CLOCK_MONOTONIC at the start, see driver.c
 
 
@@ -83,13 +83,8 @@ class VirtualClock:
         :param place: index of the process in ``places``
         :returns: None while the process runs
         """
-        ended = int(_PAGE.unpack_from(self.page)[3 + place])
+        ended = int(_PAGE.unpack_from(self.page)[2 + place])
         return ended - _START_NS if ended else None
-
-    @property
-    def jumps(self) -> int:
-        """Return how many times the driver has woken a process."""
-        return int(_PAGE.unpack_from(self.page)[2])
 
 
 def clock_programs() -> tuple[str, str]:

@@ -163,7 +163,7 @@ class _RunLoop:
         clock.begin()
         others = self.probe.pid, clock.driver.pid
         builds = scenario['program'] in BUILDS
-        self.watchdog = Watchdog(student, others, limits, clock, builds)
+        self.watchdog = Watchdog(student, others, limits, builds)
         self.scenario = scenario
         self.exam = ''
         self.events: list[dict[str, Any]] = []

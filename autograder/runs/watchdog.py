@@ -8,7 +8,6 @@ minutes of real time is aborted, and the submission is for review.
 from collections.abc import Sequence
 import time
 
-from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import TooBusy
 from autograder.sandboxes.confinement import ConfinedProgram, Limits
 from autograder.sandboxes.processes import pss_bytes, states, usage, used_ns
@@ -40,13 +39,11 @@ class Watchdog:
         student: ConfinedProgram,
         others: Sequence[int],
         limits: Limits,
-        clock: VirtualClock,
         builds: bool,
     ) -> None:
         """Start with all counts at zero."""
         self.student, self.others = student, others
         self.limits = limits
-        self.clock = clock
         self.builds = builds
         self.cpu_s = 0.0
         self.began = self.looked = time.monotonic()
