@@ -41,8 +41,8 @@ _INVALID_HANDLE = (
     'Run first: the cell that starts that node.'
 )
 _ORDER = (
-    'This cell depends on cells above it, but not all of them were run to the end and in order. '
-    'Run first: all of them, with the menu Run, Run All Above Selected Cell.'
+    'If the message above does not help: not all cells above this one were run to the end and in '
+    'order. Run them with the menu Run, Run All Above Selected Cell.'
 )
 
 _MAGICS = str(Path(__file__).with_name('magics.py'))

@@ -351,7 +351,7 @@ def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
 
     found = at(f'{SPEAKER}{line}', f"AssertionError: The '{name}' field must be {wanted}")
 
-    assert found.cause_id == 'field_value'
+    assert found.cause_id == ('stamp_value' if 'to_msg' in words else 'field_value')
     assert words in found.try_this
     assert '17976' not in found.text
 
@@ -393,6 +393,12 @@ def test_whole_message_of_several_fields_or_of_text_is_reported():
 @pytest.mark.parametrize(
     ('line', 'error', 'cause_id', 'words'),
     [
+        (
+            'if value < LOWEST_C:',
+            "TypeError: '<' not supported between instances of 'str' and 'float'",
+            'compares_types',
+            'look at the name of each',
+        ),
         (
             "self.get_logger.info('x')",
             "AttributeError: 'function' object has no attribute 'info'",

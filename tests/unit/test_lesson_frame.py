@@ -14,6 +14,7 @@ from autograder.authoring.lesson_frame import (
     lesson_map,
     next_lesson,
     outlines,
+    START_HERE,
     start_here,
     unknown_needs,
 )
@@ -115,8 +116,8 @@ def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path
     assert (cells[1].id, cells[-1].id) == ('lesson-contents', 'lesson-next')
 
 
-def test_links_in_outputs_open_no_second_copy_in_vscode(monkeypatch):
-    """JupyterLab and VS Code give a heading different ids."""
+def test_links_in_outputs_lead_to_sections_in_each_frontend(monkeypatch):
+    """JupyterLab, VS Code and HTML name a heading differently."""
 
     def shown(address, cell_id):
         cell = output.Cell(1, {'metadata': {'cellId': cell_id}})
@@ -129,9 +130,24 @@ def test_links_in_outputs_open_no_second_copy_in_vscode(monkeypatch):
         here, there = (f'{name}#{section_id(heading)}' for name in ('a.ipynb', '../02_b/b.ipynb'))
         vscode = 'vscode-notebook-cell:/course/a.ipynb#W0'
 
-        assert html.unescape(shown(here, '5f2e')) == f'<a href="{here}">'
+        in_lab = here.replace('#', '#heading=')
+        assert html.unescape(shown(here, '5f2e')) == f'<a href="{in_lab}">'
+        assert html.unescape(shown(here, '')) == f'<a href="{here}">'
         assert shown(here, vscode) == f'<a href="#{vscode_slug(heading)}">'
         assert shown(there, vscode) == '<a href="../02_b/b.ipynb">'
+    page = 'https://docs.ros.org/en/jazzy/index.html#nodes'
+    assert shown(page, '5f2e') == shown(page, vscode) == f'<a href="{page}">'
+
+
+def test_start_here_names_the_points_that_a_person_gives():
+    page = nbformat.read(Layout.here().notebooks / START_HERE, as_version=4)
+    text = ' '.join(' '.join(cell.source for cell in page.cells).split())
+    for path in LESSONS:
+        cells = nbformat.read(path, as_version=4).cells
+        marks = [cell.metadata.get('nbgrader', {}) for cell in cells]
+        points = sum(one['points'] for one in marks if one.get('grade') and one.get('solution'))
+        number = path.parent.name[:2]
+        assert bool(points) == bool(re.search(rf'\b{points:g} in lesson {number}\b', text))
 
 
 def test_executed_lesson_gets_the_date_and_no_outputs(solutions, monkeypatch):

@@ -136,7 +136,7 @@ def refuses_a_senseless_limit(run: Run) -> None:
 
 
 def tells_why(run: Run) -> None:
-    """For each refusal, it logs one ERROR line that contains the limit."""
+    """It refuses NaN too, and logs one ERROR line that contains the limit for each refusal."""
     refused, logged = run.facts['refused'], own_logs(run.during('refused'), NODE, ERROR)
     last = run.during('not a number')
     done = [field_of(one, 'success') for one in last.recording.answers(CHANGE)]

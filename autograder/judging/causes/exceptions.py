@@ -208,7 +208,7 @@ def _field_cause(trace: Traceback) -> Cause | None:
     advice = next(match.expand(advice) for match, advice in matches if match)
     if given and field and 'sub message' not in wanted:
         advice = f'{given[1]} is the whole message: use {given[1]}.{field}.'
-    return Cause('field_value', text, advice)
+    return Cause('stamp_value' if '.to_msg()' in advice else 'field_value', text, advice)
 
 
 def _no_field_cause(trace: Traceback) -> Cause | None:
