@@ -71,14 +71,15 @@ class Reading:
 
     def message(self, number: int) -> dict[str, Any]:
         """Return the fields of the message."""
-        # Two successive readings share a stamp, so a node that drops readings with an equal stamp
-        # loses one.  Readings 1 and 2 share one, so the hidden exam can send one message twice.
+        # Two successive readings share stamp and sensor, so a node that drops readings with an equal
+        # stamp loses one.  Readings 1 and 2 do, so the hidden exam can send one message twice.
+        pair = (number + 1) // 2
         return {
             'temperature_value': self.value,
             'unit': self.unit,
-            'timestamp': {'sec': 100 + (number + 1) // 2, 'nanosec': 250_000_000},
+            'timestamp': {'sec': 100 + pair, 'nanosec': 250_000_000},
             # A monitor has no rule about the sensor, which may have no name.
-            'sensor_id': SENSORS[number % len(SENSORS)],
+            'sensor_id': SENSORS[pair % len(SENSORS)],
         }
 
 

@@ -170,6 +170,13 @@ class TestCausesOfBlindPrograms:
                 milli_reader.divides_by_a_thousand,
                 'wrong_below_zero',
             ),
+            (  # Python 3.12 and later
+                (1500, -1500, 2500),
+                (4e-323, 5e-323, 4e-323),
+                ('a', 'b', 'c'),
+                milli_reader.divides_by_a_thousand,
+                'field_value',
+            ),
             (
                 (1, 2, 3),
                 (0.001, 0.002, 0.003),
@@ -182,7 +189,7 @@ class TestCausesOfBlindPrograms:
     def test_reader_is_told_which_of_its_messages_are_wrong(
         self, numbers, values, names, check, cause_id
     ):
-        """They are those below zero, or those without a description."""
+        """They are those below zero, those without a description, or all that hold an int."""
         facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
         events = [
             {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)

@@ -12,7 +12,6 @@ clock is detected.
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-import math
 from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
@@ -37,6 +36,7 @@ Time between two numbers [s], enough for a thread that answers late.
 
 No timer of 0.5 s or 1 s ticks with every number, so a stamp that a timer took is detected.
 """
+SMALLEST = 1e-300  # no thousandth of a number is smaller, except zero
 EXERCISE = 'Exercise 2: from one type to another'
 
 
@@ -69,9 +69,6 @@ SLIPS = (
     ),
     WHY.slip('not_divided', converting(float)),
     WHY.slip('value_not_set', converting(lambda number: 0.0)),
-    # Without field checks, the C code of the message reads the size and sign of an int as if they
-    # were a double: NaN for negative numbers, practically 0.0 for others.
-    WHY.slip('field_value', converting(lambda number: math.nan if number < 0 else 0.0)),
 )
 
 
@@ -86,8 +83,19 @@ def divides_by_a_thousand(run: Run) -> None:
         raise Failed(
             expected='the number divided by 1000, with its fraction',
             observed=shown_values(run, came[place], 'a different value'),
-            why=asked.cause(came, place) or _why_near(asked, came),
+            why=_why_unchecked(came) or asked.cause(came, place) or _why_near(asked, came),
         )
+
+
+def _why_unchecked(came: Sequence[tuple[Any, ...] | None]) -> Cause | None:
+    """
+    Explain values that no calculation gives.
+
+    Without field checks, the C code of a message reads the size and sign of an int as if they were
+    a double: a number below 1e-300, or NaN for negative numbers before Python 3.12.
+    """
+    values = [value for row in came for value in row or () if isinstance(value, float)]
+    return WHY['field_value'] if any(0 < value < SMALLEST for value in values) else None
 
 
 def _why_near(asked: Specification, came: Sequence[tuple[Any, ...] | None]) -> Cause | None:
