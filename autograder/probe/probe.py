@@ -38,10 +38,11 @@ def main() -> None:
         scenario += said
     probe = Probe(json.loads(scenario))
     probe.write({'event': 'ready'})
-    # This read bypasses the virtual clock, which stands still until the program is released.
+    # These reads bypass the virtual clock.  It stands still until the program is released, and
+    # again from the end of the scenario until the grader has recorded what still runs.
     if os.readv(0, [bytearray(1)]) == 1:
         probe.run()
-    probe.output.flush()
+        os.readv(0, [bytearray(1)])
     os._exit(0)
 
 

@@ -194,10 +194,10 @@ class _RunLoop:
             self._loop()
             self._record_end()
             self._record_surroundings()
+            self._read_the_rest()
             self._raise_if_ended_externally()
         finally:
-            said = self.probe.end()
-        self._read_the_rest()
+            said = self.probe.end()  # until now, virtual time stood still
         if self.ended_ns is not None:
             self.events = _until(self.events, self.ended_ns)
             self._keep_end(self.ended_ns, 'student_exited')

@@ -1,10 +1,12 @@
 """The first and last messages of a program are received, at the same times on any machine."""
 
+import time
 from xml.etree import ElementTree
 
 import pytest
 
 from autograder.exam.scenario import Advance, Feed, Mark
+from autograder.runs import observe
 from autograder.sandboxes.sandbox import HERE
 
 INT, STRING = 'std_msgs/msg/Int32', 'std_msgs/msg/String'
@@ -31,6 +33,35 @@ def test_what_follows_the_end_of_a_program_is_no_part_of_its_run(run):
     assert seen.end_reason == 'student_exited'
     assert seen.of('mark') == []
     assert seen.process['ended_ns'] == seen.of('end')[0]['clock_ns']
+
+
+GOES_ON = """
+def make():
+    import threading, time
+    def tell():
+        while True:
+            print(time.monotonic_ns(), flush=True)
+            time.sleep(0.01)
+    threading.Thread(target=tell, daemon=True).start()
+    return Node('clockwork')
+"""
+
+
+def test_time_stands_still_while_the_grader_looks_at_what_still_runs(run, monkeypatch):
+    """A grader that is slow to look finds the same processes and the same output."""
+    look, times = observe._RunLoop._record_surroundings, []
+
+    def look_late(loop):
+        times.append(loop.clock.elapsed_ns)
+        time.sleep(0.2)
+        look(loop)
+        times.append(loop.clock.elapsed_ns)
+
+    monkeypatch.setattr(observe._RunLoop, '_record_surroundings', look_late)
+    printed = run(GOES_ON, Advance(1.0)).process['stdout'].split()
+
+    assert times[0] == times[1]
+    assert int(printed[-1]) - int(printed[0]) <= times[0]
 
 
 MANY = """
