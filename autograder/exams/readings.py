@@ -71,8 +71,8 @@ class Reading:
 
     def message(self, number: int) -> dict[str, Any]:
         """Return the fields of the message."""
-        # Two successive readings share stamp and sensor, so a node that drops readings with an equal
-        # stamp loses one.  Readings 1 and 2 do, so the hidden exam can send one message twice.
+        # Two successive readings share stamp and sensor, so a node that drops readings with an
+        # equal stamp loses one, and the hidden exam can send one message twice: readings 1 and 2.
         pair = (number + 1) // 2
         return {
             'temperature_value': self.value,
