@@ -59,7 +59,7 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
     Explain a node with the right name in a wrong namespace.
 
     :param node: full name
-    :param repair: what to do, by default for a namespace that the command line chooses
+    :param repair: the advice, by default for a namespace that the command line chooses
     """
     namespace, _, base = node.rpartition('/')
     spaces = [name.rpartition('/')[0] for name in run.recording.nodes if name.endswith(f'/{base}')]
@@ -71,7 +71,7 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
 
 
 def _own_namespace(code: Code) -> str:
-    """Return how to repair code that overrides the namespace of the command line."""
+    """Return advice for code that overrides the namespace from the command line."""
     named = {one.arg for calls in code.calls.values() for call in calls for one in call.keywords}
     for name in ('namespace', 'use_global_arguments', 'cli_args'):
         if name in named:
@@ -123,12 +123,12 @@ _UNUSUAL = {
     'publisher': ('reliability', 'BEST_EFFORT', 'offers_too_little', 'subscription'),
     'subscription': ('durability', 'TRANSIENT_LOCAL', 'asks_too_much', 'publisher'),
 }
-"""By kind of endpoint: a policy, its value that few partners match, the cause, the partner."""
+"""By kind of endpoint: a policy, a value that few partners match, the cause, the partner."""
 
 
 def require_reached(run: Run, topic: str, kind: str) -> None:
     """
-    Fail unless a subscription exists and receives the messages of an ordinary publisher.
+    Fail unless a subscription exists and receives messages from an ordinary publisher.
 
     :param topic: full name of a topic on which the probe publishes
     :param kind: type of its messages
@@ -148,7 +148,7 @@ def require_reached(run: Run, topic: str, kind: str) -> None:
 
 
 def _require_from_the_start(run: Run, topic: str) -> None:
-    """Fail if a subscription was created later, so that it would have missed messages."""
+    """Fail if a subscription did not exist at the start, so that it could miss messages."""
     graphs = run.recording.of('graph', when='start')
     there = {end['topic'] for graph in graphs for end in graph['endpoints']}
     if graphs and topic not in there:
@@ -192,8 +192,8 @@ def require_messages(
         if kind is None:
             known = ', '.join(map(repr, run.names.published)) or 'none'
             raise ExamInvalid(
-                f'require_messages: expected topic= to be one of those that the scenario watches, '
-                f'which are {known}, got {topic!r}.'
+                f'require_messages: expected topic= to be a topic that the scenario watches '
+                f'({known}), got {topic!r}.'
             )
         found = run.recording.messages(topic) if found is None else found
         # If a program ends before discovery, its message arrives only in some runs.
@@ -203,7 +203,7 @@ def require_messages(
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} {what}' if least > 1 else what,
-            observed=f'{len(found) or "none"}',
+            observed=f'{count_of(len(found))} message{"" if len(found) == 1 else "s"}',
             why=why_silent(run) if found else why_no_message(run),
         )
     return found
@@ -213,7 +213,7 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
     """
     Fail unless a field has the given value in every message.
 
-    :param messages: of the student's node
+    :param messages: messages from the student's node
     :param field: name of the field; dots separate nested fields
     """
     others = [value for one in messages if (value := field_of(one, field)) != wanted]
@@ -239,7 +239,7 @@ def require_field(run: Run, messages: Iterable[Event], field: str, wanted: Any) 
 def _own_value(run: Run, value: Any) -> str:
     """Return the value of a field as text, unless it may be an input of a hidden exam."""
     if isinstance(value, str):
-        return safe_quotation(run, value, 'a different text')[:40]
+        return safe_quotation(run, value, 'a different string')[:40]
     return 'a different value' if run.secret else repr(value)[:40]
 
 
@@ -263,7 +263,7 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
     Fail unless each endpoint has the given policies.
 
     :param ends: from :func:`require_endpoint`
-    :param wanted: as recorded: ``reliability='RELIABLE'``, ``durability='VOLATILE'``,
+    :param wanted: policies as recorded: ``reliability='RELIABLE'``, ``durability='VOLATILE'``,
         ``liveliness='AUTOMATIC'``, ``deadline_ns=200_000_000``, ``lifespan_ns=None``,
         ``liveliness_lease_duration_ns=None``; discovery does not announce history and depth
     """
@@ -333,10 +333,10 @@ def require_answers(
     :param wanted: for each call, the fields that must be equal; an empty mapping accepts any
         response
     :param what: description of the calls, such as ``the transitions configure and activate``
-    :param phase: only count calls in this phase of the run, by default in all phases
+    :param phase: phase of the run whose calls count, by default all phases
     :param explain: returns the exam's cause of a wrong response, given its index
     :param secret: whether the responses may reveal inputs of a hidden exam
-    :param inputs: what the calls send, for feedback
+    :param inputs: values that the calls send, for feedback
     """
     answers = (run.recording.phase(phase) if phase else run.recording).answers(service)
     for number, fields in enumerate(wanted):

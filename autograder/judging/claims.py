@@ -46,10 +46,10 @@ NONE: dict[str, Any] = {}
 
 def claim(name: str, sentence: str, judge: Judge) -> Judge:
     """
-    Return a function as a check.
+    Return a function as a check with a name and a sentence.
 
     :param name: name of the check
-    :param sentence: what learners read
+    :param sentence: the sentence that learners read
     """
     judge.__name__, judge.__doc__ = name, sentence
     return judge
@@ -64,8 +64,8 @@ def node(
     :param name: full name of the node
     :param only_named: see :func:`autograder.judging.checks.require_node`
     :param check: name of the check
-    :param sentence: what learners read, by default a standard sentence; like ``check``, this is a
-        parameter of all claims
+    :param sentence: the sentence that learners read, by default a standard one; like ``check``,
+        this is a parameter of all claims
     """
     sentence = sentence or f'Your program starts a node called {name.rpartition("/")[2]}.'
     return claim(check, sentence, lambda run: require_node(run, name, only_named))
@@ -73,7 +73,7 @@ def node(
 
 def hears(topic: str, kind: str, check: str = '', sentence: str = '') -> Judge:
     """
-    Return the check for a subscription that receives messages of an ordinary publisher.
+    Return the check for a subscription that receives messages from an ordinary publisher.
 
     :param topic: full name of a topic on which the probe publishes
     :param kind: type of its messages
@@ -102,7 +102,7 @@ def offers(topic: str, kind: str, check: str = '', sentence: str = '', **qos: An
 
 
 def requests(topic: str, kind: str, check: str, sentence: str, **qos: Any) -> Judge:
-    """Return the check for the QoS profile that a subscription requests, as for :func:`offers`."""
+    """Return the check for the QoS policies of a subscription; for ``qos`` see :func:`offers`."""
 
     def judge(run: Run) -> None:
         require_qos(require_endpoint(run, 'subscription', topic, kind), **qos)
@@ -167,8 +167,8 @@ def publishes(
 
     For the other parameters see :func:`one_for_one`.
 
-    :param fields: names of the fields to compare; several give a tuple of values; dots separate
-        nested fields
+    :param fields: names of the fields to compare; several fields give a tuple of values; dots
+        separate nested fields
     :param what: description of the expected values that may be shown for hidden inputs
     """
     base = topic.rpartition('/')[2]
@@ -206,8 +206,8 @@ def warns(ask: str, logger: str, check: str = 'warns', sentence: str = '') -> Ju
     """
     Return the check that each input causes the expected number of WARN lines.
 
-    :param ask: name of the specification; its answers are counts, and its inputs have a ``kind``,
-        their description in feedback
+    :param ask: name of the specification; its answers are counts, and each input has a ``kind``,
+        its description in feedback
     :param logger: full name of the node whose log lines are judged
     """
     sentence = sentence or 'It logs exactly the warnings that each input requires.'

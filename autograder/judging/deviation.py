@@ -3,7 +3,7 @@ Find the moment in a recording at which a check first observed a deviation.
 
 A check reports only what it expected and observed, and it may name the moment
 (``Failed(at=...)``).  Otherwise a binary search finds the shortest part of the recording, from its
-start, for which the check fails with the same words.
+start, for which the check fails with the same message.
 """
 
 from bisect import bisect_left
@@ -21,8 +21,8 @@ class Deviation:
     A moment of a run.
 
     :param index: index of an event in the recording
-    :param how: how it was found: ``named`` by the check, ``cut`` by shortening the recording,
-        ``ended`` if the run ended early, or ``end`` if only the whole run shows the deviation
+    :param how: how the moment was found: ``named`` by the check, ``cut`` by shortening the
+        recording, ``ended`` if the run ended early, or ``end`` if only the whole run shows it
     """
 
     index: int
@@ -33,7 +33,7 @@ def deviation(check: Check, run: Run) -> Deviation | None:
     """
     Return the moment at which a check first observed a deviation.
 
-    None if the check passes or is static, or if the recording is empty.
+    Return None if the check passes or is static, or if the recording is empty.
     """
     events = run.recording.events
     failure = failure_of(check, run)
@@ -71,7 +71,7 @@ def _shortest(check: Check, run: Run, failure: Failed) -> int:
         cut = Recording(run.recording.header, [*events[:count], *events[body:]])
         try:
             found = failure_of(check, replace(run, recording=cut))
-        except Exception:  # noqa: BLE001 - a check may break on half a recording
+        except Exception:  # noqa: BLE001 - a check may break on part of a recording
             return False
         same = found and (found.expected, found.observed) == (failure.expected, failure.observed)
         return bool(same)

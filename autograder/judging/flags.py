@@ -2,7 +2,7 @@
 List facts in a recording that an instructor should look at; they do not affect a verdict.
 
 Most flags can have an innocent explanation, so they only state a fact.  Flags do not depend on the
-speed of the machine: equal submissions get equal flags.
+speed of the machine, so equal submissions get equal flags.
 """
 
 from collections import Counter
@@ -12,7 +12,7 @@ from autograder.exam.scenario import Scenario
 from autograder.recording import Event, Recording
 
 MANY_ENDPOINTS = 100
-"""More publishers and subscriptions than this are flagged; a node of the course has under ten."""
+"""More publishers and subscriptions than this are flagged; the course needs fewer than ten."""
 
 _OWN_TOPICS = ('/rosout', '/parameter_events')  # one publisher per node, created by rclpy
 
@@ -29,7 +29,7 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
     if max(counts, default=0) > MANY_ENDPOINTS:
         found.append(f'more than {MANY_ENDPOINTS} publishers and subscriptions')
     if recording.end_reason == 'too_many_events':
-        found.append('more messages and log lines than are recorded')
+        found.append('more messages and log lines than the grader records')
     if any('too_large' in message for message in recording.of('message')):
         found.append('a message too large to be recorded')
     for domain in process.get('domains', ()):
@@ -51,11 +51,11 @@ def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:
             yield f'the program publishes on {topic}, from which it gets its inputs'
     for topic in _OWN_TOPICS:
         if any(_extra_publishers(graph, topic) for graph in recording.of('graph')):
-            yield f'the program publishes on {topic} by itself'
+            yield f'the program publishes on {topic}, where only rclpy should publish'
 
 
 def _extra_publishers(graph: Event, topic: str) -> bool:
-    """Return whether a topic has more publishers under a node name than nodes with this name."""
+    """Return whether a node name has more publishers on a topic than it has nodes."""
     nodes: Counter[str] = Counter(graph['nodes'])
     makers = Counter(
         end['node']

@@ -16,7 +16,7 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.source_code import Code
 
-_OF_A_CHECK = 'check_'  # prefix of a cause if a learner's check repeats a mistake of nodes
+_OF_A_CHECK = 'check_'  # prefix of causes about checks that learners write; not in places.txt
 
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
@@ -104,7 +104,7 @@ def _failed(exam: Exam, check: Check, run: Run, failure: Failed) -> CheckResult:
 
 
 def closest(code: Code, why: Cause) -> Cause:
-    """Return the first of the more precise causes whose act the program does, or the cause."""
+    """Return the first closer cause whose act the program performs, or else the given cause."""
     return next((one for one in why.closer if place_of(code, one.act, one.about)), why)
 
 

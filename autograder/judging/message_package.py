@@ -27,7 +27,7 @@ Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""
 
 LONGEST_CMAKE = 20_000
-"""Maximum length that is read [characters]; the file of the lesson has 700."""
+"""Maximum length that is read [characters]; the lesson's file has 700."""
 _BOUNDS = (
     (re.compile(r'\[(\d+)\]$'), '[{0}] is exactly {0}'),
     (re.compile(r'\[<=(\d+)\]$'), '[<={0}] is at most {0}'),
@@ -125,11 +125,11 @@ The generators turn the .msg file into code while the package is built.
 
 <depend>builtin_interfaces</depend>
 depend|build_depend exec_depend
-Time is a type of builtin_interfaces, which the build and users of the message need.
+Time is a type from builtin_interfaces, which the build and users of the message need.
 
 <exec_depend>rosidl_default_runtime</exec_depend>
 exec_depend|depend
-Programs that use the message need the runtime of generated code.
+Programs that use the message need the runtime for generated code.
 
 <member_of_group>rosidl_interface_packages</member_of_group>
 member_of_group
@@ -181,7 +181,7 @@ def require_declarations(
         total = len(declarations) + 2
         first = next(iter(missing))
         raise Failed(
-            expected='all declarations of the lesson',
+            expected='all declarations that the package needs',
             observed='missing: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / total), 2) if len(missing) < total // 2 else 0,
             why=Cause('manifest', missing[first], f'Write {first}.'),

@@ -15,7 +15,7 @@ _NUMBER = re.compile(
     r'[-+]?(?:\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)', re.IGNORECASE
 )
 GRAIN = 0.051
-"""Maximum difference between a value and the number that shows it, which may have one decimal."""
+"""Maximum difference between a value and a number that shows it to at least one decimal."""
 
 
 def numbers_in(text: str) -> list[float]:
@@ -37,11 +37,11 @@ ROUNDED: tuple[Change, ...] = (
     lambda number: number - math.fmod(number, 1.0),  # int()
     *(lambda number, to=to: float(format(number, to)) for to in ('.0f', '.1g', '.2g', '.3g')),
 )
-"""Ways to round a number too much for a log line."""
+"""Ways of rounding a number too coarsely for a log line."""
 
 
 def near(some: Iterable[float], others: Sequence[float]) -> bool:
-    """Return whether one of some numbers equals another one, with any rounding."""
+    """Return whether a number from one list equals one from the other, within :data:`GRAIN`."""
     return any(
         abs(one - other) <= GRAIN or one == other or (math.isnan(one) and math.isnan(other))
         for one in some
@@ -50,13 +50,13 @@ def near(some: Iterable[float], others: Sequence[float]) -> bool:
 
 
 def shows(text: str, *values: float) -> bool:
-    """Return whether a text shows one of some values, with any rounding."""
+    """Return whether a text shows one of several values, within :data:`GRAIN`."""
     return near(values, numbers_in(text))
 
 
 def rounded(rule: Callable[[Change], Rule]) -> Slip:
     """
-    Return the slip of a node that shows its numbers rounded too much.
+    Return the slip of a node that rounds its numbers too coarsely in log lines.
 
     :param rule: builds the rule of a node that changes each number with the given function
     """
@@ -67,9 +67,9 @@ def shown(inputs: Sequence[Any], numbers: Callable[[Any], Sequence[float]]) -> S
     """
     Return the specification of log lines that each show the number of one input.
 
-    An answer contains all numbers in the lines.
+    The recorded answer to an input is the list of all numbers in its log lines.
 
-    :param numbers: returns the numbers of an input; its lines must show one of them
+    :param numbers: returns the numbers of an input; its log lines must show one of them
     """
 
     def rule(change: Change) -> Rule:
@@ -82,12 +82,12 @@ def why_not_numbered(
     texts: Sequence[str], place: int, first: int = 1, when: str = ''
 ) -> Cause | None:
     """
-    Explain a text that lacks its number.
+    Explain a message or log line that lacks its number.
 
-    :param texts: all texts, in order
-    :param place: index of the first wrong text
-    :param first: number of the first text; above 1 if earlier texts were lost
-    :param when: what else happened just before the wrong text, such as ``a message arrives``
+    :param texts: all messages or lines, in order
+    :param place: index of the first wrong one
+    :param first: number of the first one; above 1 if earlier ones were lost
+    :param when: what else happened just before the wrong one, such as ``a message arrives``
     """
     text, due = texts[place], first + place
     if '{' in text and '}' in text:

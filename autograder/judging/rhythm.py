@@ -20,7 +20,7 @@ from autograder.submission.code.source_code import Code
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
 FLOOD = 10
-"""A flood is more than this multiple of the expected count; its recording is incomplete."""
+"""A flood is more than this multiple of the expected count; its recording may be incomplete."""
 
 
 def require_period(
@@ -36,14 +36,14 @@ def require_period(
     """
     Fail unless messages or log lines arrive once per period, on any clock, until a phase ends.
 
-    One more or one less is accepted.
+    A count that is one too high or too low is accepted.
 
     :param found: messages or lines of one phase, in order
     :param during_s: duration of the phase [s]
     :param what: the expected thing in the singular, such as ``message``
     :param explain: returns the exam's own cause, which has priority over causes found in the gaps
     :param when: description of the phase, appended to the expectation
-    :param waited_s: time until the first one, at most one period [s]
+    :param waited_s: time until the first message or line, at most one period [s]
     """
     seconds = _seconds(found)
     gaps = _gaps(seconds)
@@ -79,7 +79,7 @@ def require_period(
 
 def _first_difference_ns(seconds: Sequence[float], period_s: float, waited_s: float) -> int | None:
     """
-    Return when the first message was missing or came too early [ns]; None if none came.
+    Return when the first message was missing or arrived too early [ns]; None if none arrived.
 
     :param seconds: times of the messages [s]
     :param waited_s: time until the first message if this was too long, otherwise 0 [s]
@@ -97,7 +97,7 @@ def _first_difference_ns(seconds: Sequence[float], period_s: float, waited_s: fl
 
 
 def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
-    """Return the time from the first event of one list to the next one of another [s], or 0.0."""
+    """Return the time from the first event of one list to the next one in another [s], or 0.0."""
     starts = [one['clock_ns'] for one in begun[:1]]
     later = (one['clock_ns'] - start for start in starts for one in found)
     return next((ns / SECOND for ns in later if ns >= 0), 0.0)
@@ -105,10 +105,10 @@ def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
 
 def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
     """
-    Return messages, and those that were published while the probe had no subscription.
+    Return messages, including those that the probe missed without a subscription.
 
-    The number of the first message after this time shows how many were missed.  They are assumed
-    to be as far apart as the later ones usually are.
+    The number of the first message after this time shows how many were missed.  Each gap
+    between them is assumed to be the median gap of the later messages.
 
     :param found: messages on one topic, in order
     """
@@ -143,7 +143,7 @@ def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | N
     after, missed = _missed(run, found)
     if missed or after not in found:
         return None
-    # A node that skips its first calls publishes nothing at first, even to a subscription.
+    # A node that skips its first calls publishes nothing at first, with or without a subscription.
     if after is found[0] and not place_of(Code(run.files), 'get_subscription_count()'):
         return None
     in_rhythm = _is(period_s, *_gaps(_seconds(found[found.index(after) :])))
@@ -181,7 +181,7 @@ def why_disturbed(
 
 
 def why_paced(run: Run) -> Cause | None:
-    """Explain a loop whose pause is a call of ``spin_once()``, or that spins nodes in turn."""
+    """Explain a loop whose pause is a call to ``spin_once()``, or that spins nodes in turn."""
     code = Code(run.files)
     spun = {ast.unparse(call.args[0]) for call in code.calls.get('spin_once', ()) if call.args}
     if len(run.recording.nodes) > 1 and (len(spun) > 1 or place_of(code, 'for:spin_once()')):
@@ -213,7 +213,7 @@ def _end_s(run: Run, found: Sequence[Event]) -> float:
 
 
 def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[float]]:
-    """Return the moments of other events in a run [s], by their description."""
+    """Return the times of other events in a run [s], by description."""
     moments: dict[str, list[float]] = {}
     for one in run.recording.events:
         if one['event'] == 'input':
@@ -229,7 +229,7 @@ def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[flo
 
 
 def just_before(run: Run, found: Sequence[Event], place: int) -> str:
-    """Return what else happened between a message and the one before, empty for nothing."""
+    """Return what else happened between a message and the previous one; empty if nothing did."""
     begun, end = (found[one]['clock_ns'] / SECOND for one in (place - 1, place))
     happened = other_moments(run, found).items()
     return next((what for what, when in happened if any(begun < one < end for one in when)), '')
@@ -291,7 +291,7 @@ def why_other_rhythm(
 def _why_changed(
     gaps: Sequence[float], period_s: float, grain_s: float, what: str
 ) -> Cause | None:
-    """Explain a rhythm that is right at first, and later even with a different period."""
+    """Explain a rhythm that is right at first, and later has a different constant period."""
     right = next((n for n, gap in enumerate(gaps) if not _is(period_s, gap)), len(gaps))
     later = gaps[right + 1 :]
     if right < 2 or len(later) < 2 or max(later) - min(later) > grain_s:

@@ -1,8 +1,8 @@
 """
 Compare the messages and log lines that follow each input of a run with the expected answers.
 
-The events after one input, or after a burst, are a row.  The expected answers and the slips are in
-a :class:`autograder.exam.specification.Specification`.
+The events after one input, or after a burst, form a row.  The expected answers and the slips are
+in a :class:`autograder.exam.specification.Specification`.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -68,7 +68,7 @@ def rows(run: Run, ask: str, events: Iterable[Event]) -> list[Row | None]:
 
 def published(run: Run, ask: str, topic: str, *fields: str) -> list[tuple[Any, ...] | None]:
     """
-    Return the values on a topic after each input; those after a burst are sorted.
+    Return the values on a topic after each input; values after a burst are sorted.
 
     :param fields: see :func:`publishes`; by default the first field of the message
     :returns: None for an input that was not sent; a value is None if its message was too large to
@@ -120,7 +120,7 @@ def delays(run: Run, ask: str, topic: str) -> list[list[float]]:
     """
     Return how long after each input, or after a burst, each message on a topic arrived [s].
 
-    :returns: nothing for an exam with a slow callback, which delays messages by itself
+    :returns: empty if an input was not sent, or for a slow callback, which delays messages
     """
     sent, count = run.recording.of('input'), len(run.asked(ask).inputs)
     if run.facts.get('slow_callback') or len(sent) < count:
@@ -152,7 +152,7 @@ def require_one_for_one(
         later = seconds_between(run.recording.of('seen'), early) > AT_START_S
         raise Failed(
             expected='nothing before the first input',
-            observed='a message',
+            observed='a message before the first input',
             why=replace(UNASKED, closer=[RUNS_EARLY]) if later else UNASKED,
         )
     if not any(came):
@@ -163,7 +163,7 @@ def require_one_for_one(
             raise Failed(
                 expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
                 f'after message {place + 1}',
-                observed=f'{count or "none"}',
+                observed=f'{count_of(count)} message{"" if count == 1 else "s"}',
                 why=why_silent(while_running(run, asked, place, count < due))
                 or why_other_answer(
                     asked, _without_last(run, came, place), place, delays(run, ask, topic)
@@ -202,7 +202,7 @@ def why_other_answer(
         cut = why_burst_cut(asked, came[place] or ()) or MISSES_SOME
         if not late_s or any(min(row, default=math.inf) <= LATE_S for row in late_s):
             return cut
-        text = f'{cut.text} It publishes some time after they arrive, like a timer.'
+        text = f'{cut.text} It publishes some time after the messages arrive, as a timer does.'
         repair = (
             'Publish in the callback of the subscription, once per message, and not in a timer.'
         )
@@ -253,7 +253,7 @@ def require_all_sent(run: Run, found: Sequence[object]) -> None:
     if found and found[-1] is None:
         raise Failed(
             expected='a node that runs until the last input',
-            observed='a run that ended earlier',
+            observed='a node that ended earlier',
             why=why_silent(run),
         )
 
@@ -266,9 +266,9 @@ class Followed:
     """
     One input or a burst, and the log lines that followed.
 
-    :param inputs: one input, or all of a burst; each has a method ``is_in``, which returns whether
-        a text shows the input
-    :param row: None if the run ended before all of the inputs were sent
+    :param inputs: one input, or all inputs of a burst; each has a method ``is_in``, which returns
+        whether a text shows the input
+    :param row: None if the run ended before all inputs were sent
     """
 
     inputs: Sequence[Any]
@@ -318,14 +318,14 @@ def require_warnings(
     """
     Fail unless inputs are followed by the expected number of WARN lines.
 
-    :param asked: specification with the expected counts; its inputs have a ``kind``, their
+    :param asked: specification with the expected counts; each input has a ``kind``, its
         description in feedback
     :param followed: log lines after each input, see :func:`rows`
     :param places: indices of the inputs to check
     :param part: indices for which one slip may explain all answers, see ``Specification.cause``
     :param why_missing: explains a missing warning, given its index; by default, searches for the
         line in other places
-    :param shared: whether to give a part of the points, see :func:`share`
+    :param shared: whether to give partial points, see :func:`share`
     """
     came = warnings_after(followed)
     wrong = [place for place in places if (came[place] or 0) != asked.answers[place]]
@@ -342,7 +342,7 @@ def require_warnings(
     what = f'a burst of {len(inputs)} readings' if len(inputs) > 1 else inputs[0].kind
     raise Failed(
         expected=f'{lines(due, WARN)} after {what}',
-        observed='the run ended before it was sent' if came[place] is None else lines(count, WARN),
+        observed='the run ended before this input' if came[place] is None else lines(count, WARN),
         why=why_silent(then)
         or (elsewhere(place) or why_left_out(run, WARN, _warnings(followed)) if short else None)
         or asked.cause(known, place, part)
@@ -375,8 +375,8 @@ def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> flo
     """
     Return the fraction of the points for the correct results of a program that ended early.
 
-    It is 0 if the run was complete, and at the CPU limit, because how far a program gets before
-    this limit depends on the machine.
+    The fraction is 0 if the run was complete, or if the CPU limit ended it: how far a program gets
+    before this limit depends on the machine.
     """
     if None not in followed or run.recording.end_reason == 'cpu_limit' or not due:
         return 0.0

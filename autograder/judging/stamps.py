@@ -40,9 +40,9 @@ def require_stamps(
         if first_ns <= stamp_ns <= now_ns and clock.shows(stamp_ns):
             continue
         raise Failed(
-            expected='a stamp with the ROS time of that moment'
+            expected='a stamp with the ROS time when the message was sent'
             if run.secret
-            else f'a stamp of {now_ns / SECOND:g} s, the ROS time of that moment',
+            else f'a stamp of {now_ns / SECOND:g} s, the ROS time when the message was sent',
             observed=_described(run, stamp_ns / SECOND, now_ns / SECOND),
             why=_why_stamp(run, field, stamp, now_ns / SECOND),
         )
@@ -54,7 +54,7 @@ def _described(run: Run, seconds: float, now: float) -> str:
         return "a stamp from this computer's system time"
     # The fraction of an old stamp would reveal when a hidden clock began.
     if run.secret and seconds % 1:
-        return f'a stamp of {"an earlier" if seconds < now else "a later"} moment'
+        return f'{"an earlier" if seconds < now else "a later"} stamp'
     return f'a stamp of {seconds:.9g} s'
 
 
@@ -80,7 +80,7 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
 
 
 def _why_zero(code: FieldUse) -> str:
-    """Return the situation of a stamp of 0, by the code that uses the field."""
+    """Return the situation that explains a stamp of 0, from the code that uses the field."""
     if not code.given:
         return 'stamp_alone' if code.local else 'missing_stamp'
     return 'empty_time' if code.empty else 'early_stamp'

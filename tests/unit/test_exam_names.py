@@ -247,7 +247,7 @@ def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
 def test_topic_that_the_scenario_does_not_watch_is_a_mistake_of_the_exam(topic):
     """The message lists the topics that the scenario watches."""
     exam = rover()
-    with pytest.raises(ExamInvalid, match=r"which are '/qqqqqq/cmd_vel', got"):
+    with pytest.raises(ExamInvalid, match=r"watches \('/qqqqqq/cmd_vel'\), got"):
         require_messages(Run({}, recording(), exam.facts), topic=topic)
 
     exam.check(points=1)(_asks_for_another_topic)

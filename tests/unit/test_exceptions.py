@@ -133,13 +133,13 @@ def at(code, error, below=''):
         (
             'AssertionError: Invalid arguments passed to constructor: temp, unit',
             'no_field',
-            'that it does not have',
+            'that the message does not have',
         ),
         (
             "AttributeError: 'Temperature' object has no attribute 'temperatur_value'. Did you "
             "mean: 'temperature_value'?",
             'no_field',
-            'A Temperature has no field temperatur_value',
+            'The type Temperature has no field temperatur_value',
         ),
         (
             "AttributeError: 'Talker' object has no attribute 'publsher'. Did you mean: "
@@ -192,7 +192,7 @@ def test_a_message_made_with_a_wrong_field_is_named_if_the_line_shows_it():
     found = raised.exception_cause(trace(error, code=code))
     unknown = cause(error)
 
-    assert 'gives a String a field that it does not have' in found.text
+    assert 'sets a field that String does not have' in found.text
     assert found.try_this == 'ros2 interface show std_msgs/msg/String lists the fields.'
     assert "with the type's name" in unknown.try_this
 

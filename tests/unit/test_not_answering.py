@@ -55,7 +55,7 @@ class TestThreads:
 
         assert found.cause_id == 'exception'
         assert found.line == 4
-        assert found.text.endswith('to str. It ended the thread that spins the node.')
+        assert found.text.endswith('to str. The exception ended the thread that spins the node.')
 
     def test_known_exception_keeps_its_own_words(self):
         """The cause is the same as for a program that the exception ends."""
@@ -64,7 +64,7 @@ class TestThreads:
         found = why_silent(run(stderr=died(error=error)))
 
         assert found.cause_id == 'no_field'
-        assert 'A String has no field dat' in found.text
+        assert 'The type String has no field dat' in found.text
 
     def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
         """The thread may be the one that spins; the end of a helper explains nothing."""
@@ -73,7 +73,7 @@ class TestThreads:
         never = why_silent(run(stderr=helper, code=''))
         served = why_silent(run(stderr=helper, code='', answered=True))
 
-        assert never.text.endswith('It ended a thread of your program.')
+        assert never.text.endswith('The exception ended a thread of your program.')
         assert served is None
 
     def test_thread_that_ends_before_it_has_a_node_is_reported(self):
@@ -81,7 +81,7 @@ class TestThreads:
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
         assert found.cause_id == 'exception'
-        assert 'It ended a thread' in found.text
+        assert 'The exception ended a thread' in found.text
 
     def test_exception_below_code_that_is_not_the_learners_is_not_theirs(self):
         """If the exception is not in the learner's code, the cause names no line."""

@@ -337,7 +337,7 @@ class TestWords:
                 'temperature_publisher',
                 'repeats',
                 'stamps_follow_the_clock',
-                'a stamp of an earlier moment',
+                'an earlier stamp',
             ),
         ],
     )

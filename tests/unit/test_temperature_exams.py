@@ -385,7 +385,7 @@ class TestErrors:
             (
                 "went wrong: 'Temperature' object has no attribute 'temperature'",
                 'no_field',
-                'A Temperature has no field temperature',
+                'The type Temperature has no field temperature',
             ),
             (
                 "something: name 'limit' is not defined",

@@ -99,7 +99,7 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     Return the diagnosis of a failed build.
 
     :param output: everything that the build printed; untrusted
-    :param files: files of the package, relative path to text, to find the line of the mistake
+    :param files: files of the package, relative path to text, in which to find the mistake
     """
     text = ' '.join(output.split())
     for row in mistakes(python='setup.py' in files):
@@ -122,7 +122,7 @@ def why_no_messages(output: str, files: Mapping[str, str]) -> Diagnosis:
 
 def mistakes(python: bool) -> list[Row]:
     """
-    Return the rows for a package, which name the text and the file of the line to change.
+    Return the rows for a package, each with the text and the file of the line to change.
 
     :param python: whether the package has a ``setup.py``
     """
@@ -159,7 +159,7 @@ def _decisive_line(output: str) -> str:
             place = f'{error["place"].replace(":", ", line ")}: ' if error['place'] else ''
             return _sentences(place + ' '.join(error['said'].split()))
     lines = [line.strip() for line in output.splitlines() if line.strip()]
-    # ninja's error about a missing build.ninja follows from an earlier error of CMake.
+    # Ignore ninja's error about a missing build.ninja: an earlier CMake error is the reason.
     errors = filter(_ERROR_LINE.search, lines)
     return _sentences(next(errors, (lines or ['The build printed nothing.'])[-1]))
 
@@ -227,7 +227,7 @@ def installed(run: Run) -> dict[str, list[str]]:
     """
     Return the installed files that ``run_package`` lists.
 
-    Students can forge this list, so it only explains.
+    Students can forge this list, so it is used only for explanations.
     """
     said = str(run.recording.process.get('stderr', ''))
     lines = [line.removeprefix(MARK) for line in said.splitlines() if line.startswith(MARK)]

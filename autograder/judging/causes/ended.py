@@ -72,7 +72,7 @@ def ended_after_refusal(run: Run) -> bool:
     """
     Return whether the program ended because it requested a transition that its state forbids.
 
-    This follows from an earlier refusal and is not a cause.
+    Such an end follows from an earlier refusal and is not a cause.
     """
     return _REFUSED_TRANSITION in str(run.recording.process.get('stderr', ''))
 
@@ -187,7 +187,7 @@ def while_running(run: Run, asked: Specification, place: int, short: bool = True
     """
     Return the run without the end of the program, unless this end may explain a wrong answer.
 
-    It does not if the program got a later input, or gave a wrong answer instead of none.
+    The end explains nothing if the program got a later input, or if no message or line is missing.
 
     :param place: index of the input, or of the burst, with the wrong answer
     :param short: whether a message or line is missing from the answer
@@ -221,7 +221,7 @@ def why_thread_ended(run: Run) -> Cause | None:
         if trace is not None and trace.line and (spins or idle):
             why = exception_cause(trace)
             which = 'the thread that spins the node' if spins else 'a thread of your program'
-            return replace(why, text=f'{why.text.removesuffix(".")}. It ended {which}.')
+            return replace(why, text=f'{why.text.removesuffix(".")}. The exception ended {which}.')
     return None
 
 

@@ -58,7 +58,7 @@ SIGNATURES = {
 """Advice on how to call functions of rclpy."""
 
 WANTED = {
-    'a set or sequence': 'Give it a list of such values: [1.0, 2.0].',
+    'a set or sequence': 'Give the field a list of such values: [1.0, 2.0].',
     "sub message of type 'Time'": 'Add .to_msg(), which converts a time to a stamp: '
     'self.get_clock().now().to_msg().',
     r"sub message of type '(\w+)'": r'Assign a whole \1, or set its fields one by one.',
@@ -70,7 +70,7 @@ WANTED = {
     'in message.data.',
     "type 'bool'": 'Write True or False, without quotes.',
     r' in \[': 'The number is outside the range of this field: keep it within the limits.',
-    '': 'Give it a value of that type.',
+    '': 'Give the field a value of that type.',
 }
 """Advice on a field, by a pattern in rclpy's message; the first match is used."""
 
@@ -217,7 +217,7 @@ def _no_field_cause(trace: Traceback) -> Cause | None:
     if 'Invalid arguments passed to constructor' in trace.error:
         named = re.findall(r'\b([A-Z]\w{0,40})\(', trace.bare_code)
         made = next((name for name in named if name in known), '')
-        text = f'Your code gives a {made or "message"} a field that it does not have.'
+        text = f'Your code sets a field that {made or "the message"} does not have.'
         advice = "ros2 interface show with the type's name lists the fields."
         return Cause('no_field', text, _show(made, known[made]) if made else advice)
     found = _ATTRIBUTE.match(trace.error)
@@ -225,7 +225,7 @@ def _no_field_cause(trace: Traceback) -> Cause | None:
         return None
     if found[1] == 'String' and hasattr(str, found[2]):
         return _take_the_field('String', trace)
-    text = f'A {found[1]} has no field {found[2]}.'
+    text = f'The type {found[1]} has no field {found[2]}.'
     return Cause('no_field', text, _show(found[1], known[found[1]]))
 
 

@@ -39,7 +39,7 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     Explain a transition that ended with FAILURE or ERROR.
 
     :param name: name of the transition, such as ``configure``
-    :param again: whether it succeeded before
+    :param again: whether the same transition succeeded earlier
     """
     code = Code(run.files)
     if why := why_no_configure(code):

@@ -35,7 +35,7 @@ _PYTHON = re.compile(
     r'[Dd]ivision by zero|format code|format string|'
     r'\b(?:Type|Name|Attribute|Key|Index|Assertion|UnboundLocal|ZeroDivision)Error\b'
 )
-"""Parts of Python's error messages, without ValueError, which exercises raise themselves."""
+"""Parts of Python's error messages, without ValueError, which correct solutions may log."""
 
 
 def why_not_logged(
@@ -91,7 +91,7 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
 
 def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | None:
     """
-    Explain missing lines by a logger that is configured to leave some out.
+    Explain missing lines by a log call or a logger level that leaves lines out.
 
     :param found: lines that were logged; their line numbers identify the call
     """
@@ -105,7 +105,7 @@ def why_left_out(run: Run, level: int, found: Sequence[Event] = ()) -> Cause | N
 
 
 def lines_of_code(found: Iterable[Event]) -> set[int]:
-    """Return the lines of the code that logged some lines."""
+    """Return the line numbers of the log calls for some log lines."""
     return {int(one['line']) for one in found if one.get('line')}
 
 

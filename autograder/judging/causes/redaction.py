@@ -68,7 +68,7 @@ def safe_quotation(run: Run, text: str, instead: str) -> str:
 
     That is certain if no input was sent, or if the text is in the code.
 
-    :param instead: text that replaces a quotation that may repeat one
+    :param instead: text that replaces a quotation that may repeat an input
     """
     open_to_all = not run.secret or not run.recording.of('input')
     if open_to_all or any(text in code for code in run.files.values()):

@@ -19,9 +19,9 @@ class Row(NamedTuple):
     One row of a table of causes.
 
     :param cause_id: short stable name of the cause; may contain names in braces
-    :param more: the other words of the first line, which ``|`` separates
+    :param more: the other words of the first line, separated by ``|``
     :param when: the evidence: a pattern, or conditions on the code; empty in ``by_limit.txt``
-    :param text: what is wrong, with names in braces
+    :param text: description of the mistake, with names in braces
     :param try_this: the repair, with names in braces
     """
 
@@ -60,7 +60,7 @@ def acts_by_cause() -> dict[str, str]:
 
 def why_by_code(situation: str, run: Run, **names: object) -> Cause:
     """
-    Return the first cause in ``by_code.txt`` whose conditions hold: why nothing was produced.
+    Return the first cause in ``by_code.txt`` whose conditions hold, to explain missing output.
 
     For code that Python cannot parse, only the last row of a situation (``always``) matches.
 

@@ -2,8 +2,8 @@
 Read from standard error which exception ended a program, and in which line of the learner's code.
 
 If there are several tracebacks, the last one ended the program.  Two kinds are skipped: exceptions
-that Python reports as ignored, and an ``except`` or ``finally`` block that fails because a name
-was never assigned.
+that Python reports as ignored, and exceptions in an ``except`` or ``finally`` block about a name
+that was never assigned.
 """
 
 from collections.abc import Iterable, Sequence
@@ -37,12 +37,11 @@ class Traceback:
     The exception that ended a program.
 
     :param error: type and message, one line
-    :param line: line in the student's file, None if no frame is in one
+    :param line: line in the student's file, None if the traceback names none
     :param code: text of this line
     :param source: all Python code of the student
-    :param spun: whether this line only spins, and the exception was raised in the executor below
-        it
-    :param names: names of the exam
+    :param spun: whether this line only spins, and the executor raised the exception
+    :param names: names that the exam uses
     """
 
     error: str
@@ -116,8 +115,8 @@ def _is_learners(path: str, names: Iterable[str]) -> bool:
     """
     Return whether a frame is in one of the student's files.
 
-    A module of a package may have the name of a library module, such as ``node.py``.  If the path
-    is an installed one, the folder must match too.
+    A module of a package may have the name of a library module, such as ``node.py``.  In the
+    path of an installed module, the folder must match too.
     """
     parts = 2 if _INSTALLED.search(path) else 1
     tail = path.split('/')[-parts:]
@@ -152,8 +151,8 @@ def _error_of(lines: Sequence[str]) -> str:
     below = lines[frames[-1] + 1 :] if frames else ()
     error = next((line for line in below if line and not line[0].isspace()), '')
     if not _ERROR.match(error):
-        # If Python ends during its start, there is no frame: use the last line that looks like an
-        # error.
+        # If Python fails while it starts, there is no frame: use the last line that looks like
+        # an error.
         error = next((line for line in reversed(lines) if _LOOSE.match(line)), '')
     return _PATH.sub('', error)[:200]
 

@@ -49,14 +49,14 @@ HOMES = {
     'dataclasses': 'dataclass',
     'pathlib': 'Path',
 }
-"""Names from the lessons, of common messages and of everyday Python, by module."""
+"""Names from the lessons, common messages and everyday Python, by module."""
 
 
 def homes(names: Names = NO_NAMES) -> Mapping[str, str]:
     """
-    Return the module of each known name: of the exam, the lessons and the course's messages.
+    Return the module of each name in the exam, the lessons or the course's messages.
 
-    :param names: names of the exam
+    :param names: names that the exam uses
     """
     found: dict[str, str] = {}
     for module, known in (*names.homes.items(), *HOMES.items()):
@@ -104,7 +104,7 @@ def import_cause(trace: Traceback) -> Cause | None:
     if home == module:
         advice = 'Build your own message first: build_messages().'
     elif home:
-        advice = f'Write: from {home} import {name}, and use {name} alone.'
+        advice = f'Write: from {home} import {name}, and use {name} without a prefix.'
     elif _PACKAGE.fullmatch(module):
         advice = f'Message classes are in the submodule msg: from {module}.msg import {name}'
     elif meant := _MEANT.search(trace.error):
@@ -125,7 +125,7 @@ def _module_cause(trace: Traceback, module: str) -> Cause:
         near = difflib.get_close_matches(module, alike, 1, 0.75)
     if messages and near in ([], [module]):
         return cause_of('message_not_built', error=trace.error)
-    advice = 'Check the spelling. Or is it not installed? The lessons need only Python and ROS 2.'
+    advice = 'Check the spelling. Is the module installed? The lessons need only Python and ROS 2.'
     if near and near[0] != module:
         advice = f'Did you mean {near[0]}? Check the spelling.'
     return cause_of('no_module', module=module, advice=advice)
@@ -155,7 +155,7 @@ def _import_line(name: str, trace: Traceback) -> str:
 
 
 def _how_to_define(name: str, trace: Traceback) -> str:
-    """Return the advice for a name that is in no known module."""
+    """Return advice for a name that is in no known module."""
     if name == 'self':
         return 'Only methods have self, as their first argument: indent the line below its def.'
     if name == 'main':
@@ -169,7 +169,7 @@ def _how_to_define(name: str, trace: Traceback) -> str:
         )
     if meant := _MEANT.search(trace.error):
         return f'Did you mean {meant[1]}? Otherwise define {name} first, with the same spelling.'
-    return f'Is the spelling the same as where it is defined? An attribute is self.{name}. {ALONE}'
+    return f'Is {name} spelled as in its definition? For an attribute, write self.{name}. {ALONE}'
 
 
 def init_cause(trace: Traceback) -> Cause | None:
