@@ -1,7 +1,7 @@
 """
 Find the exams of a course: ``course.toml`` names a package with one module per exam.
 
-Its subpackage ``visible`` is shipped to learners; ``hidden`` gives the points.
+The subpackage ``visible`` is shipped to learners; ``hidden`` gives the points.
 """
 
 from functools import cache
@@ -90,7 +90,7 @@ def load_with_secret(name: str, secret: str) -> Exam:
     found = importlib.util.find_spec(f'{_package().__name__}.{_folder(True)}.{name}')
     assert found
     assert found.loader
-    module = importlib.util.module_from_spec(found)  # not the module in use
+    module = importlib.util.module_from_spec(found)  # a copy, not the module in use
     with another_secret(secret):
         found.loader.exec_module(module)
     exam: Exam = module.exam

@@ -114,7 +114,7 @@ class Run:
 @dataclass(frozen=True)
 class Check:
     """
-    One line of the mark sheet.
+    One check, a line of the mark sheet.
 
     :param needs: names of checks that must have passed; otherwise this check is NOT_RUN
     :param read: section of the lesson to read, empty for the section of the exam
@@ -136,11 +136,11 @@ class Exam:
     A scenario and its checks.
 
     :param name: unique in the course; the grade cell is ``check('<name>')``
-    :param title: short description for people
+    :param title: short description
     :param assignment: folder of the lesson
     :param part: position of the exam in the lesson, from 1
     :param scenario: what the probe does
-    :param cells: grade ids of the answer cells that it judges, by default one with the exam's name
+    :param cells: grade ids of the answer cells to judge, by default one with the exam's name
     :param requires: files that the exam needs, by default the file that the scenario runs
     :param read: section of the lesson that explains the exercise
     :param facts: data for the checks that the probe does not get

@@ -61,8 +61,8 @@ def _not_empty(secret: bytes, where: str) -> bytes:
     """Reject an empty secret, with which anyone could compute all hidden inputs."""
     if not secret.strip():
         raise GraderError(
-            f'{where}: expected the secret of the course, got an empty one.',
-            'Try: give it a value, or remove it; without one, the grader creates a secret.',
+            f'{where}: expected the course secret, got an empty string.',
+            'Try: set a value, or remove the empty one; the grader then creates a secret.',
         )
     return secret
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from autograder.exam.specification import Cause, sorted_answers, Specification
 
-QUEUE = 'Drop nothing: give your own list or queue no maximum size.'
+QUEUE = 'Drop no messages: do not limit the size of your own list or queue.'
 DEPTH = 'Give create_subscription() the depth 10, and store no message for later.'
 LONGEST = 5  # period of a pattern [inputs]
 EACH = 'Treat all messages alike, without a counter, a flag or a list that grows.'
@@ -17,7 +17,7 @@ BUSY = Cause(
     'drops_while_busy',
     'If several messages arrive at once, your node answers only the first: it drops those that '
     'arrive while it is busy.',
-    'Answer in the callback of the subscription, each time, without a busy flag.',
+    'Answer every message in the callback of the subscription, without a busy flag.',
 )
 
 
@@ -58,7 +58,7 @@ def _why_gaps(right: Sequence[bool], verb: str, what: str) -> Cause | None:
         return Cause('first_only', f'Your node {verb} only the first {some}.', EACH)
     if 1 < count < total and all(right[-count:]):
         lost = 'one' if total - count == 1 else str(total - count)
-        return Cause('all_but_first', f'Your node {verb} each {what} but the first {lost}.', EACH)
+        return Cause('all_but_first', f'Your node {verb} all {what}s but the first {lost}.', EACH)
     for period in range(2, min(LONGEST, total // 2) + 1):
         for rest in range(period):
             on = [place % period == rest for place in range(total)]

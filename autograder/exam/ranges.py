@@ -119,8 +119,8 @@ def in_force_slips(
     Return the slips of a program that uses a wrong value of a parameter.
 
     :param rule: builds the rule of a program that reads its value with the given function; its
-        inputs have ``start``, the value at the start, ``limit``, the one in force, and ``tried``,
-        the last requested one, whether it was accepted or not
+        inputs have ``start``, the value at the start, ``limit``, the current value, and ``tried``,
+        the last requested value, accepted or not
     :param default: the default value in the code
     """
 

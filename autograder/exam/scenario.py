@@ -1,7 +1,7 @@
 """
 Define scenarios: the steps that the probe executes in order, as data.
 
-Steps hold inputs and never an expected value.  Most exams need only ``Advance`` and ``Feed``.
+Steps contain inputs, but never an expected value.  Most exams need only ``Advance`` and ``Feed``.
 ``Call`` calls a service of the student's node; ``Offer`` and ``Join`` add a publisher or a
 subscription of the probe, and ``Leave`` removes one; during ``Unheard``, a recorded topic has no
 subscription; ``Mark`` begins a phase that checks can select; ``Look`` records the graph.
@@ -383,7 +383,7 @@ def state(node: str) -> Call:
 @dataclass(frozen=True)
 class Scenario:
     """
-    What the probe does: inputs and times, never an expected value.
+    The actions of the probe: inputs and times, never an expected value.
 
     :param program: what runs in the sandbox: ``'node'`` the node file; ``'build'`` a build of the
         student's package, followed by a node that sends back what it receives; ``'package'`` a
@@ -391,8 +391,8 @@ class Scenario:
         function ``accepts(run)``, which gets each recorded run from the probe on ``/runs`` and
         whose answers are published on ``/answers``; ``''`` nothing, if all checks are static
     :param file: the file that ``program`` uses, such as ``node.py``
-    :param arguments: of the program, after ``--ros-args``, such as ``('-r', '__ns:=/lab', '-p',
-        'threshold:=28.5')``; for ``'package'``, ``{share}`` is the folder of its installed files
+    :param arguments: the program's arguments after ``--ros-args``, such as ``('-r', '__ns:=/lab',
+        '-p', 'threshold:=28.5')``; for ``'package'``, ``{share}`` is its share folder
     :param build_type: for ``'build'``, the message type that travels from ``/echo_in`` to
         ``/echo_out``, such as ``robot_msgs/msg/Speed``, which also names the package; for
         ``'package'``, the package's name
@@ -459,7 +459,7 @@ class Scenario:
                 yield f'{place}: expected a type such as {_EXAMPLES[kind]}, got {name!r}'
         for word, topics in (('watch', self.watch), ('feed', self.feed)):
             for topic in (one for one in topics if not one.startswith('/')):
-                yield f'{word} {topic!r}: expected a full topic name, got no slash at its start'
+                yield f'{word} {topic!r}: expected a full topic name, which begins with a slash'
         there = {
             'publisher': set[str](),
             'subscription': set(self.feed),

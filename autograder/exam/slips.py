@@ -1,8 +1,8 @@
 """
 Define slips that fit many exercises: limits, warning counts, unwanted state, skipped messages.
 
-Each function gets the specification, or a function that builds it around the mistaken part.  It
-returns slips for :class:`autograder.exam.specification.Specification`.
+Each function gets a rule, or a function that builds a rule around the mistaken part.  It returns
+slips for :class:`autograder.exam.specification.Specification`.
 """
 
 from collections.abc import Callable, Sequence
@@ -114,7 +114,7 @@ Change = Callable[[float], float]
 
 def changing(*rules: Callable[[Change], Rule], digits: Sequence[int] = (1, 2)) -> tuple[Slip, ...]:
     """
-    Return the slips of a program that changes a number that it should publish as it is.
+    Return the slips of a program that changes a number that it should publish unchanged.
 
     :param rules: build the rule of a program that changes numbers with the given function; several
         if a program may change only some of the numbers

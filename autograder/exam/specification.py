@@ -64,7 +64,7 @@ class Cause:
         default, as in ``judging/causes/places.txt``
     :param line: that line, from 1, if the run shows it, as a traceback does
     :param closer: more precise causes of the same answers, each with an act; the first one whose
-        act the program does replaces this cause
+        act the program performs replaces this cause
     """
 
     cause_id: str
@@ -82,7 +82,7 @@ class Slip(Cause):
     A specification with one mistake: the likely cause if a program gives the same answers.
 
     :param rules: return the answers of a program with this mistake; several if the mistake has
-        several forms, such as a number of digits
+        several forms, such as different numbers of digits
     :param sometimes: whether a program may make the mistake for only some of the inputs
     """
 

@@ -17,7 +17,7 @@ _ABOUT = ('near', 'seen', 'topic', 'base', 'name')
 
 
 def about_of(words: Mapping[str, object]) -> list[str]:
-    """Return the values, among those for the names in braces, that help to find the line."""
+    """Return those values for names in braces that help to find the faulty line."""
     return [str(words[name]) for name in _ABOUT if name in words]
 
 
@@ -49,7 +49,7 @@ class Causes:
         """
         Read the file.
 
-        :raises ExamInvalid: if a row has no repair
+        :raises ExamInvalid: if a row lacks its text or its repair
         """
         self._file, self._words = Path(module).with_suffix('.txt'), words
         self._rows: dict[str, list[str]] = {}
@@ -76,7 +76,7 @@ class Causes:
         """
         Return a cause, with values for further names in braces.
 
-        :param words: these values; the other parameters are fields of the cause, see
+        :param words: the values; the other parameters are fields of the cause, see
             :class:`autograder.exam.specification.Cause`
         :raises ExamInvalid: if the file has no such row
         """

@@ -49,11 +49,11 @@ def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
 def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
     """Anyone can compute the inputs of an empty secret, which CI sets if it lacks the secret."""
     monkeypatch.setenv('COURSE_SECRET', '')
-    with pytest.raises(GraderError, match='COURSE_SECRET: expected the secret of the course'):
+    with pytest.raises(GraderError, match='COURSE_SECRET: expected the course secret'):
         inputs.generator('e', 'p')
 
     monkeypatch.delenv('COURSE_SECRET')
     monkeypatch.setattr(Layout, 'secret', tmp_path / 'secret')
     (tmp_path / 'secret').write_bytes(b'\n')
-    with pytest.raises(GraderError, match='secret: expected the secret of the course'):
+    with pytest.raises(GraderError, match='secret: expected the course secret'):
         inputs.course_secret()
