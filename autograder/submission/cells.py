@@ -81,7 +81,7 @@ class CellFile:
 
     :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
     :param name: the name on the magic line
-    :param body: text of the file; solution markers are replaced by empty lines, so line n of the
+    :param body: text of the file; solution markers are replaced with empty lines, so line n of the
         body is line n + ``first_line`` of the cell
     :param first_line: number of cell lines before the body
     """
@@ -135,7 +135,7 @@ def parse_cell(source: str) -> CellFile | None:
     if len(line) > MAGIC_LINE_MAX:
         raise CellSyntaxError(
             f'{word}: expected a first line of at most {MAGIC_LINE_MAX} characters, got '
-            f'{len(line)}. Write {word} and a name, and the file below it.'
+            f'{len(line)}. Write {word} and a name, and the file in the lines below.'
         )
     name = name.strip(' ')
     check_name(kind, name)
@@ -149,7 +149,7 @@ def magic_line(path: str) -> str:
 
     :param path: path in the package, as :attr:`CellFile.path` returns it
     """
-    # The last kind is node: setup.py is a package file, although a node may have any name.
+    # Try node last: setup.py is a package file, although a node may have any name.
     for kind, (rule, _) in reversed(_RULES.items()):
         for name in (path, PurePosixPath(path).stem):
             if rule.fullmatch(name) and CellFile(kind, name, '').path == path:
@@ -173,9 +173,9 @@ def first_line(source: str) -> tuple[str, int]:
 
 def body_of(text: str) -> str:
     """
-    Replace solution markers and lines of blanks by empty lines, and end with exactly one newline.
+    Replace solution markers and blank lines with empty lines, and end with exactly one newline.
 
-    IPython also empties lines of blanks before it passes a cell to a magic function.
+    IPython also removes the spaces of blank lines before it passes a cell to a magic function.
 
     :param text: the cell's text below its magic line
     """

@@ -25,7 +25,7 @@ class ExamFiles:
     The files that one exam judges.
 
     :param files: relative path to text; a missing answer has no entry
-    :param problems: answer cells that are not the expected file
+    :param problems: one problem per answer cell that is not the expected file
     """
 
     files: Mapping[str, str] = field(default_factory=dict)

@@ -7,13 +7,13 @@ import unicodedata
 from autograder.submission.inbox import is_letter, is_student_id, MAX_NAME_CHARS
 
 _DIGITS = 12
-"""Hexadecimal digits of the digest: enough that finding a name with a given id is infeasible."""
+"""Hexadecimal digits of the digest: enough that the names of a class do not collide by chance."""
 _REPLACED = re.compile(rf'.*--[0-9a-f]{{{_DIGITS}}}')
 
 
 def named_id(text: str) -> str:
     """
-    Return the id of a student whom an instructor names, by the name or by the student's id.
+    Return the student id for the name or the student id that an instructor gives.
 
     :func:`student_id` would replace even an id that it has created itself, because it cannot know
     that the text is not a name.

@@ -30,9 +30,9 @@ class Submission:
 
     :param student: name of the student's folder, which is the student id in the gradebook
     :param folder: the folder that was searched for the notebook
-    :param data: content of the notebook if it has no file
-    :param problems: problems in the search for the notebook
-    :param recordable: False if the name is not a valid id for the gradebook
+    :param data: content of the notebook if it is not read from a file
+    :param problems: problems found in the search for the notebook
+    :param recordable: whether the student's name is a valid id for the gradebook
     :param path: the notebook's file, which is read when needed to save memory
     """
 
@@ -48,7 +48,7 @@ class Submission:
         Read the notebook from its file on each call.
 
         :param where: name of the file in messages
-        :returns: the content, None if it is missing; and the problems in finding and reading it
+        :returns: the content, None if it is missing; and the problems found
         """
         if self.path is None:
             return self.data, self.problems

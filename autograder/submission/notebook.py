@@ -1,4 +1,4 @@
-"""Read notebooks: trusted ones of the course, and untrusted ones of students within limits."""
+"""Read notebooks: trusted ones from the course, and untrusted ones from students."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -16,7 +16,7 @@ MAX_PARTS = 500_000
 """Limit of lists, objects and strings: a small file of ``[],[],...`` could fill the memory."""
 MAX_CELLS = 5_000
 MAX_ANSWER_BYTES = 64 * 1024
-"""Limit of one answer [bytes], ten times a long answer; compilers and databases must handle it."""
+"""Maximum answer size [bytes], ten times a long answer; compilers and databases must handle it."""
 FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into it'
 
 
@@ -70,7 +70,7 @@ def too_large(where: str, size: int) -> Problem:
 
 
 def _content_of(data: bytes, repeated: list[str]) -> object:
-    """Parse JSON; add to a list each repeated key, whose value would depend on the parser."""
+    """Parse JSON; add a repeated key, whose value would depend on the parser, to a list."""
 
     def make(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         made = dict(pairs)
@@ -84,7 +84,7 @@ def _content_of(data: bytes, repeated: list[str]) -> object:
     # Estimate the number of lists, objects and strings without parsing them.
     quotes = data.count(b'"') - data.count(b'\\"')
     if data.count(b'[') + data.count(b'{') + quotes > MAX_PARTS:
-        raise _RefusedError(notebook, 'far too many parts', FRESH_COPY)
+        raise _RefusedError(notebook, 'far too many JSON values', FRESH_COPY)
     try:
         # The grader needs only small numbers, and int() takes hours for millions of digits.
         return json.loads(
@@ -152,11 +152,11 @@ def _read_cell(cell: object) -> StudentCell:
 
 def _clean(text: str) -> str:
     """
-    Return text with Unix line ends and without lone surrogates, which cannot be encoded in UTF-8.
+    Return text with Unix line endings and no lone surrogates, which UTF-8 cannot encode.
 
-    A text that is too long for an answer is truncated, but remains longer than the limit.
+    Text that is too long for an answer is truncated, but remains longer than the limit.
     """
-    # Keep twice the limit, because a Windows line end has two characters.
+    # Keep twice the limit, because a Windows line ending has two characters.
     text = text[: 2 * (MAX_ANSWER_BYTES + 1)]
     text = text.replace('\r\n', '\n').replace('\r', '\n')
     return text.encode('utf-8', 'replace').decode('utf-8')
@@ -183,7 +183,7 @@ def by_grade_id(cells: Iterable[StudentCell]) -> dict[str, list[StudentCell]]:
 
 def read_release(path: Path) -> Notebook:
     """
-    Read a notebook of the course, and join the lines of each cell to one string.
+    Read a notebook of the course, and join the lines of each cell into one string.
 
     :raises OSError: if the file cannot be read
     :raises ValueError: if the file is not a notebook

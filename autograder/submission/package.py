@@ -1,5 +1,5 @@
 """
-Read the files of a ROS package: a folder on disk, or a handed-in script, folder or zip.
+Read the files of a ROS package: a folder on disk, or a submitted script, folder or zip.
 
 The result is the text of each file by its relative path.  A zip is never unpacked on the grader's
 disk (:mod:`autograder.submission.tree`).  No link is followed: a submission with a link, a special
@@ -62,7 +62,7 @@ def read_package(folder: Path) -> dict[str, str]:
         if any(map(is_left_out, inside.parts)):
             continue
         if path.is_symlink():
-            fix = 'Try: replace the link by a copy of its target'
+            fix = 'Try: replace the link with a copy of its target'
             raise UnusableUploadError(f'{path}: expected a file or folder, got a link.', fix)
         if path.suffix not in NOTEBOOK_KINDS or not path.is_file():
             continue
@@ -205,8 +205,8 @@ def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
     """
     Return the files that an exam needs, from all files that a notebook has saved.
 
-    As in grading, these do not include the nodes of other exercises: editing them does not cause a
-    new build, and a cause can name a line, because it is about one file.
+    As in grading, these do not include the nodes of other exercises: editing those nodes does not
+    cause a new build, and a cause can name a line, because all code is in one file.
 
     :param files: from :func:`read_package`
     """
@@ -221,7 +221,7 @@ def own_files(exam: Exam, files: Mapping[str, str]) -> dict[str, str]:
 def describe_files(files: Mapping[str, str]) -> str:
     """Return the names of the first files of a package, for a message about a missing file."""
     if not files:
-        return 'no file of a package'
+        return 'no package files'
     names = [name if name.isprintable() else repr(name) for name in files]
     return f'only {first_of(names, 8)}'
 
@@ -234,7 +234,7 @@ def name_missing(result: ExamResult, files: Mapping[str, str]) -> ExamResult:
     """
     return with_missing_file(
         result,
-        title='All files of the exercise are there.',  # the first check is about other things
+        title='All files of the exercise exist.',  # the first check is about other things
         observed=describe_files(files),
         cause='',
         try_this='Save each missing file at its path in the package folder, then check again.',

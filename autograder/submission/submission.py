@@ -35,7 +35,7 @@ class Opened:
     A submission that can be graded.
 
     :param notebook: the release with the student's answers
-    :param problems: the mistakes in the submission; ``cells`` of each lists the missing answers
+    :param problems: the mistakes in the submission; ``cells`` lists the answers that are missing
     :param flags: differences from the release that an instructor should look at, from
         :func:`changes`
     """
@@ -59,7 +59,7 @@ def open_submission(
     :param data: content of the submitted file, None if no file could be read
     :param release: the notebook that students received
     :param where: name of the submitted file in messages
-    :param problems: problems that were found before, for example in the search for the file
+    :param problems: problems found earlier, for example in the search for the file
     """
     cells, found = read_notebook(data, where) if data is not None else (None, ())
     notebook, more = rebuild(release, cells, where)
@@ -86,8 +86,8 @@ def rebuild(
     :param release: the notebook that students received
     :param student: cells of the submitted notebook; None if it could not be read
     :param where: name of the submitted file in messages
-    :returns: a new notebook, and the problems of the answers.  For a missing answer, the notebook
-        keeps the release's stub, and the ``cells`` of a problem contain the grade id.
+    :returns: a new notebook, and the problems found in the student's cells.  For a missing answer,
+        the notebook keeps the release's stub, and a problem has the grade id in its ``cells``.
     """
     notebook = copy.deepcopy(release)
     problems: list[Problem] = []
@@ -149,7 +149,7 @@ def _path(source: str) -> str:
 
 def changes(release: Notebook, cells: Sequence[StudentCell]) -> tuple[str, ...]:
     """
-    Return for the instructor how cells differ from the release, one line per difference.
+    Return how cells differ from the release, one line per difference for the instructor.
 
     These differences do not change a grade.  nbgrader's checksums ignore tags, and are wrong for
     every cell whose text is generated at release, so this function compares the cells themselves.
@@ -173,7 +173,7 @@ def changes(release: Notebook, cells: Sequence[StudentCell]) -> tuple[str, ...]:
 
 
 def _about(released: Notebook, grade_id: str, copies: Sequence[StudentCell]) -> Iterator[str]:
-    """Yield the differences of one cell of the release."""
+    """Yield how the copies of one cell of the release differ from it."""
     marks = marks_of(released)
     answer = bool(marks.get('solution'))
     name = f'{"answer" if answer else "locked"} cell {grade_id}'

@@ -45,7 +45,7 @@ class Bounds(NamedTuple):
     Limits for reading a source.
 
     :param what: a description of the expected source
-    :param fix: what to try if the source is a different one
+    :param fix: what to try if the source is not the expected one
     :param is_noise: returns whether a path is generated; called with a path whose parents are not
         generated, and with the folders that contain ``COLCON_IGNORE``
     :param entries: maximum number of files and folders without generated ones
@@ -82,7 +82,7 @@ class Bounds(NamedTuple):
             return 'a name with unprintable characters'
         if len(path) > self.name_chars:
             return 'a path that is far too long'
-        return f'folders more than {DEEPEST} deep' if len(parts) > DEEPEST else ''
+        return f'folders nested more than {DEEPEST} deep' if len(parts) > DEEPEST else ''
 
 
 class File(NamedTuple):
@@ -117,7 +117,7 @@ class Tree(NamedTuple):
 
     :param files: sorted by path
     :param refused: path and reason of each skipped entry
-    :param empty: folders of the two upper levels without files that can be read
+    :param empty: folders in the top two levels without readable files
     :param repositories: folders that contain ``.git``
     :param owners: uid of each file and folder; empty for a zip
     """
@@ -184,7 +184,7 @@ class _Meter:
 
 
 def _is_folder() -> bytes:
-    """Mark a folder, which has no content."""
+    """Raise an error, because a folder has no content."""
     raise UnreadableError('a folder')
 
 
@@ -192,7 +192,7 @@ def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:
     """
     Return the tree of a source from its files and folders.
 
-    :raises UnusableUploadError: if there are too many
+    :raises UnusableUploadError: if there are too many of them
     """
     files: dict[Parts, File] = {}
     refused: list[tuple[str, str]] = []
@@ -281,8 +281,8 @@ def _name_of(entry: zipfile.ZipInfo) -> str:
     """
     Return the name of an entry, decoded as UTF-8 if possible.
 
-    macOS's Finder and ``zip`` write UTF-8 without its flag, and then Python decodes the name as
-    code page 437.
+    macOS's Finder and ``zip`` write UTF-8 without setting the flag for it, so Python decodes
+    the name as code page 437.
     """
     if not entry.flag_bits & _UTF_8:
         with suppress(UnicodeError):
@@ -309,4 +309,4 @@ def _trouble_with_entry(entry: zipfile.ZipInfo) -> str:
         return SPECIAL
     if entry.flag_bits & 0x1:
         return 'an encrypted file'
-    return '' if entry.compress_type in _COMPRESSIONS else 'an unusual compression'
+    return '' if entry.compress_type in _COMPRESSIONS else 'an unsupported compression method'

@@ -160,6 +160,6 @@ REFUSED: dict[Callable[[Path], Path], str] = {
     has_terminal_codes_in_a_name: 'unprintable characters',
     turns_its_name_round: 'unprintable characters',
     is_cut_off: 'the zip file cannot be read',
-    is_packed_strangely: 'an unusual compression',
+    is_packed_strangely: 'an unsupported compression method',
 }
 """What is said about each."""

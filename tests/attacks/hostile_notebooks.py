@@ -125,7 +125,7 @@ def has_parts_of_wrong_types(student, solved, blank):
     return blank
 
 
-@attack('parts are counted before anything is made of them', 0, 'far too many parts')
+@attack('parts are counted before anything is made of them', 0, 'far too many JSON values')
 def has_too_many_parts(student, solved, blank):
     """Fill the memory with a small file of countless empty lists."""
     return '{"cells": [' + '[],' * 2_000_000 + '[]]}'

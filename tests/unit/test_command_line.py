@@ -187,7 +187,7 @@ class TestCheckWithoutTheFile:
         assert self.check(tmp_path) == command.USAGE
 
         line = one_line(capsys.readouterr())
-        assert line.endswith('expected temp_publisher.py, got no file of a package.')
+        assert line.endswith('expected temp_publisher.py, got no package files.')
 
     def test_of_a_large_folder_only_the_first_files_are_named(self, tmp_path, capsys):
         for number in range(20):
@@ -205,8 +205,8 @@ class TestCheckWithoutTheFile:
         first, *others = json.loads(capsys.readouterr().out)['checks']
         assert first['cause_id'] == 'missing_file'
         assert first['expected'] == 'the file temp_publisher.py'
-        assert first['observed'] == 'no file of a package'
-        assert first['title'] == 'All files of the exercise are there.'
+        assert first['observed'] == 'no package files'
+        assert first['title'] == 'All files of the exercise exist.'
         assert 'cell' not in f'{first["cause"]} {first["try_this"]}'
         assert {check['verdict'] for check in others} == {'NOT_RUN'}
 

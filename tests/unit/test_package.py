@@ -136,7 +136,7 @@ class TestWhatAZipMayNotHold:
             (info(f'{"a/" * 20}evil.py'), 'more than 12 deep'),
             (info('link.py', external_attr=LINK), 'a link or a special file'),
             (info('pipe.py', external_attr=PIPE), 'a link or a special file'),
-            (info('a.py', compress_type=zipfile.ZIP_LZMA), 'an unusual compression'),
+            (info('a.py', compress_type=zipfile.ZIP_LZMA), 'an unsupported compression method'),
         ],
     )
     def test_an_entry_that_is_no_regular_file_inside(self, tmp_path, entry, said):

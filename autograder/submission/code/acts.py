@@ -83,7 +83,7 @@ class Place(NamedTuple):
     def words(self) -> str:
         """Return the place as the beginning of a message."""
         where = f', in {self.function[:40]}()' if self.function else ''
-        return f'Line {self.line + 1}{where}: '  # the cell has its magic line before the file
+        return f'Line {self.line + 1}{where}: '  # the cell's magic line precedes the file
 
 
 def place_of(
@@ -92,9 +92,9 @@ def place_of(
     """
     Return the place of the first act that has exactly one place; None if there is no such act.
 
-    :param code: of one file; the lines of several files would be ambiguous
-    :param acts: see above
-    :param about: names, texts and numbers in question, such as the field of a message
+    :param code: code of one file; line numbers from several files would be ambiguous
+    :param acts: words with bars, see the module's docstring
+    :param about: names, strings and numbers in question, such as the field of a message
     :param lines: lines of the log calls in question, which select one of several places
     :raises ExamInvalid: for an act with an unknown statement
     """
@@ -127,7 +127,7 @@ def _is_seen(program: Program, node: ast.AST) -> bool:
 
 
 def find(program: Program, word: str) -> list[ast.AST]:
-    """Return the nodes that a word stands for."""
+    """Return the nodes that a word describes."""
     word, _, outer = word.partition('@')
     found = list(_find(program, word.removesuffix('+')))
     if outer:
@@ -142,7 +142,7 @@ def find(program: Program, word: str) -> list[ast.AST]:
 
 
 def _shared(program: Program, found: Sequence[ast.AST], bodies: set[ast.AST]) -> list[ast.AST]:
-    """Return the calls in some functions to helpers that other functions call too."""
+    """Return the calls from the given functions to helpers that other functions call too."""
     if any(not bodies.isdisjoint(program.around(node)) for node in found):
         return []
     helpers = {one.name for node in found if (one := program.function_around(node))}

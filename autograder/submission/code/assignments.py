@@ -87,7 +87,7 @@ def kept_messages(program: Program) -> Iterator[ast.AST]:
 
 
 def forgotten(program: Program) -> Iterator[ast.AST]:
-    """Yield the statements that replace an attribute by None and destroy nothing."""
+    """Yield the statements that set an attribute to None although nothing destroys its object."""
     destroyed = {
         name
         for one in program.nodes
@@ -124,7 +124,7 @@ def set_back(program: Program) -> Iterator[ast.AST]:
 
 
 def _fixed(program: Program) -> Iterator[tuple[ast.AST, ast.AST, ast.AST]]:
-    """Yield each of :func:`resets` with an attribute and its value."""
+    """Yield each statement of :func:`resets` with its attribute and value."""
     for node in program.nodes:
         for target, value in assigned(node):
             kept = isinstance(target, ast.Attribute) and value and _is_fixed(value)

@@ -33,7 +33,7 @@ _LEVELS = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
 
 
 def _periods(program: Program) -> list[ast.AST]:
-    """Return the periods of timers that are the duration in question, or that cannot be read."""
+    """Return the timer periods that equal the duration in question, or cannot be read."""
     given = [argument(one, 0, 'timer_period_sec') for one in program.calls(*_TIMERS)]
     found = [program.origin(one) for one in given if one is not None]
     if (due := _due(program)) is None:
@@ -126,7 +126,7 @@ def _text(node: ast.AST) -> str:
 
 
 def _wall_clocks(program: Program) -> Iterator[ast.AST]:
-    """Yield the calls that ask the system for the time."""
+    """Yield the calls that read the system time."""
     yield from program.calls(*_WALL)
     for call in program.calls('now'):
         if isinstance(call.func, ast.Attribute) and 'datetime' in names_in(call.func.value):
@@ -134,7 +134,7 @@ def _wall_clocks(program: Program) -> Iterator[ast.AST]:
 
 
 def _truths(program: Program) -> Iterator[ast.AST]:
-    """Yield the conditions that ask whether a value is empty or zero."""
+    """Yield the conditions that test whether a value is empty or zero."""
     for node in program.nodes:
         for test in _parts(node.test) if isinstance(node, (ast.If, ast.IfExp)) else ():
             if isinstance(test, (ast.Name, ast.Attribute)):
@@ -284,4 +284,4 @@ ACTS: Mapping[str, Act] = {
     ),
     'wrapped_count': assignments.wrapped_counts,
 }
-"""The names of these acts, see :mod:`.acts`."""
+"""These acts by name, see :mod:`.acts`."""

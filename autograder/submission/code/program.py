@@ -28,7 +28,7 @@ Scope = tuple[ast.AST | None, str]
 
 
 class NotPythonError(ValueError):
-    """Report that Python cannot parse a text."""
+    """Report that Python cannot parse a string as code."""
 
 
 def parsed(text: str, mode: str = 'exec') -> ast.AST:
@@ -50,7 +50,7 @@ class Program:
     """
     The syntax tree of one file.
 
-    :param about: names, texts and numbers in question, such as the field of a message
+    :param about: names, strings and numbers in question, such as the field of a message
     :param lines: lines of the log calls in question
     """
 
@@ -105,7 +105,7 @@ class Program:
                         yield last_name(given), body
 
     def bodies(self, *given: ast.AST) -> Iterator[ast.AST]:
-        """Yield the lambdas and functions among some arguments."""
+        """Yield the lambdas and functions among the given arguments."""
         for one in given:
             yield from [one] if isinstance(one, ast.Lambda) else self.functions(last_name(one))
 
@@ -120,7 +120,7 @@ class Program:
         """
         Yield functions and all functions that they call, directly or not.
 
-        :param seen: functions to leave out; those that are yielded are added
+        :param seen: functions to skip; yielded functions are added
         """
         seen, left = set() if seen is None else seen, list(bodies)
         for body in left:
@@ -160,14 +160,14 @@ class Program:
 
     @cached_property
     def _functions(self) -> Mapping[str, Sequence[ast.AST]]:
-        found: dict[str, list[ast.AST]] = {}  # several classes may have methods with one name
+        found: dict[str, list[ast.AST]] = {}  # classes may share method names
         for node in self.nodes:
             if isinstance(node, FUNCTIONS):
                 found.setdefault(node.name, []).append(node)
         return found
 
     def functions(self, *names: str) -> list[ast.AST]:
-        """Return the functions and methods with some names."""
+        """Return the functions and methods with the given names."""
         return [one for name in names for one in self._functions.get(name, ())]
 
     def arguments(self, name: str, place: int) -> Iterator[ast.AST]:
@@ -177,7 +177,7 @@ class Program:
                 yield call.args[place]
 
     def operations(self, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
-        """Yield the operations and comparisons of some kinds."""
+        """Yield the operations and comparisons of the given kinds."""
         for node in self.nodes:
             ops = node.ops if isinstance(node, ast.Compare) else [getattr(node, 'op', None)]
             if any(isinstance(one, kinds) for one in ops) and '__name__' not in names_in(node):
@@ -203,7 +203,7 @@ class Program:
         return node
 
     def _keys(self, node: ast.AST) -> Iterator[Scope]:
-        """Yield where the value of a name may come from, the innermost place first."""
+        """Yield the scopes in which a name may get its value, the innermost first."""
         if isinstance(node, ast.Attribute):
             yield None, ast.unparse(node)
             yield None, f'.{node.attr}'  # of a class
@@ -213,12 +213,12 @@ class Program:
             yield None, f'.{node.id}'  # in the body of a class
 
     def is_near(self, node: ast.AST, due: float) -> bool:
-        """Return whether an expression is a number near another one."""
+        """Return whether an expression is a number within 2 % of the given one."""
         value = None if isinstance(node, (ast.Name, ast.Attribute)) else self.number(node)
         return value is not None and abs(value - due) <= due / 50
 
     def numbers(self, name: str) -> Sequence[float]:
-        """Return the first arguments of calls to a function that are numbers."""
+        """Return the numbers that calls to a function have as their first argument."""
         with suppress(RecursionError):  # hostile code: a name with thousands of dots
             given = (one for call in self.arguments(name, 0) for one in self.sources(call))
             found = map(self.number, given)
@@ -244,7 +244,7 @@ class Program:
         """
         Return the value of a number or of simple arithmetic, None for anything else.
 
-        :param most: number of nested operations that are followed
+        :param most: maximum number of nested operations to follow
         """
         node = self.origin(node)
         with suppress(ArithmeticError):
