@@ -110,7 +110,7 @@ def feedback_items(check: CheckResult) -> list[tuple[str, str]]:
 
 
 def _one_line(text: str) -> str:
-    """Return a text with its lines joined; spaces within a line may be what is wrong."""
+    """Return a text as one line; spaces within its lines stay, as they may be the mistake."""
     return ' '.join(filter(None, map(str.strip, printable(text).splitlines())))
 
 
@@ -122,7 +122,7 @@ def _wrap(text: str, indent: str, most: int | None = None) -> list[str]:
     """
     Return the lines of a text.
 
-    :param indent: begins the lines after the first
+    :param indent: indentation of all lines but the first
     """
     return textwrap.wrap(
         text,
@@ -225,7 +225,7 @@ def _most_expensive(result: SubmissionResult) -> CheckResult | None:
     cost: dict[tuple[str, str], float] = {}
     first: dict[tuple[str, str], CheckResult] = {}
     for exam in result.exams:
-        failed: dict[str, CheckResult] = {}  # by check that loses points: the failed check
+        failed: dict[str, CheckResult] = {}  # the check that failed, by check that loses points
         for check in exam.checks:
             why = check if check.verdict is Verdict.FAILED else failed.get(check.waits_for)
             if why is not None:

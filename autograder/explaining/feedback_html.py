@@ -52,7 +52,7 @@ def exam_html(
     Return the result of one exam for a learner, as HTML.
 
     :param problems: problems with the notebook cells of this exam
-    :param lessons: for links to the sections to read
+    :param lessons: addresses for links to the sections to read
     """
     said = [f'<p style="{_PLAIN}"><strong>{points_of(result)} points</strong></p>']
     said += [paragraph(remark) for remark in remarks(result, problems)]

@@ -5,8 +5,8 @@ There are two kinds of pictures: a *timeline* of messages and log lines that arr
 too often or too late, and a *graph* of nodes and topics that do not connect.  They show names,
 times and counts, but never a value that was sent or received.  For a hidden exam, they do not show
 which input a message followed, because the order of the inputs is secret.  They also hide the
-drawn namespace, and round times to a tenth of a second.  Too many times are thinned and long
-names are shortened.  :mod:`autograder.explaining.picture_svg` draws the pictures.
+drawn namespace, and round times to a tenth of a second.  Long lists of times are thinned and
+long names are shortened.  :mod:`autograder.explaining.picture_svg` draws the pictures.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -25,7 +25,7 @@ from autograder.results import CheckResult, Verdict
 MOST_TIMES = 400
 MOST_ROWS = 6
 MOST_PERIODS = 24
-"""Maximum number of periods of a rhythm in a picture; of a longer run, only a part is shown."""
+"""Maximum number of periods that a picture of a rhythm shows, as part of a longer run."""
 MOST_ARROWS = 8
 MOST_EVENTS = 20_000
 """In a recording with more events, a difference is shown only if the check itself names it."""
@@ -144,7 +144,7 @@ def _reason(
     ]
     said = f'{result.expected} {result.cause} {result.try_this}'.upper()
     if topic in exam.scenario.watch:
-        # The plain subscription is connected, and the node may have to refuse the others.
+        # The plain subscription is connected; the node may have to refuse other subscriptions.
         refused = [event for event in refused if any(one in said for one in event['refused'])]
     if any(event['event'] == 'offered' and event['matched'] for event in about):
         # The node must refuse one of the grader's publishers, whose QoS profile is too weak.
@@ -187,14 +187,14 @@ def _timeline(exam: Exam, check: Check, run: Run, result: CheckResult) -> Mappin
     unit, rate = ('ros_seconds', clock.rate) if clock else ('seconds', 1.0)
     if inputs and failure.every_s is None:
         if len(inputs) == 1:
-            return None  # a picture of one input shows no more than the check's sentence
+            return None  # a picture of one input adds nothing to the check's sentence
         unit, rate = 'input', 0.0
     rows = _rows(exam, run, result, rate)
     shown = [time for row in rows for time in row['times']]
     at = _first_difference(check, run, failure, rate)
     if rate:
         begin, end = 0.0, max([*shown, *_moments(run.recording.events, rate)], default=0.0)
-    else:  # a line may precede all inputs, and the difference may be at one that was not sent
+    else:  # a line may precede all inputs, and the first difference may be at an unsent input
         shown += [] if at is None else [at]
         begin, end = min([1.0, *shown]), max([float(len(inputs)), *shown])
     if not rows or end <= begin:
@@ -302,7 +302,7 @@ def _first_difference(check: Check, run: Run, failure: Failed, rate: float) -> f
     if failure.at is not None:
         return round(failure.at / SECOND * rate, 3) if rate else None
     if failure.every_s:
-        return None  # nothing came, so the row of expected times shows more than one moment
+        return None  # no message arrived, so every expected time is a difference
     where = deviation(check, run) if len(events) <= MOST_EVENTS else None
     found = _moments([events[where.index]], rate) if where and where.how == 'cut' else []
     return round(found[0], 3) if found else None

@@ -42,6 +42,6 @@ def read_answers(path: Path) -> dict[str, str]:
         return {}
     except (OSError, ValueError, TypeError, zlib.error) as error:
         raise GraderError(
-            f'{path}: this file does not hold worked answers: {error}.',
+            f'{path}: this file does not contain worked answers: {error}.',
             'Try: copy it again from the files of the course',
         ) from error
