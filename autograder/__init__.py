@@ -1,5 +1,5 @@
 """
-Run untrusted student code, and judge the ROS messages and log lines that it sent.
+Run untrusted student code, and judge the ROS messages and log lines that it sends.
 
 Data flows between the folders as follows::
 

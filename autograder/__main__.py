@@ -1,8 +1,8 @@
 """
-Grade a course of ROS 2 exercises; COMMAND --help lists the options of a command.
+Grade a course of ROS 2 exercises; COMMAND --help lists the options of COMMAND.
 
-Exit codes: 0 everything has a verdict, 1 some submissions are for review, 2 the command failed
-(wrong arguments, or a fault of the grader), 130 stopped with Ctrl-C.
+Exit codes: 0 success, 1 some work is for review, was left out or failed a self-check, 2 the
+command failed (wrong arguments, or a fault of the grader), 130 stopped with Ctrl-C.
 """
 
 import argparse
@@ -36,7 +36,7 @@ COMMANDS = {
     ),
     'rejudge': (
         'rejudge:run',
-        'judge stored recordings again with the edited exam; runs no program',
+        'judge stored recordings again with the edited exam, without running programs',
     ),
     'forget': ('forget:run', 'list all data about a student; --yes removes it'),
     'explain': ('explain:run', 'show the evidence behind a verdict'),
@@ -55,7 +55,7 @@ GOES_ON = {
     'grade': 'Finished runs are kept; run the same command again to continue.',
     'collect': 'Collected files are kept; run the same command again to continue.',
 }
-"""Commands that keep their progress when they are stopped."""
+"""Advice after Ctrl-C, for the commands that keep their progress."""
 OURS = ('autograder', 'drawing', 'environment', 'roslab')
 
 
@@ -79,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             end_runs()
             return UNREAD
         if isinstance(error, ModuleNotFoundError) and str(error.name).partition('.')[0] in OURS:
-            raise  # a missing module of the project is a defect, not a problem of the environment
+            raise  # a missing module of the project is a defect, not an environment problem
         refuse(error, chosen.command == 'check' and chosen.json)
         return USAGE
     except KeyboardInterrupt:
@@ -115,13 +115,13 @@ def _continuation_advice(chosen: argparse.Namespace) -> str:
     if getattr(chosen, 'fresh', False):
         return (
             'Assignments with a table above are done. With --fresh, the same command repeats '
-            'every run; add --assignment NAME to grade one of the others.'
+            'every run; add --assignment NAME to grade only one assignment.'
         )
     return GOES_ON[chosen.command]
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """Return the parser of the command line, with only the options of the requested command."""
+    """Return the command-line parser, with only the options of the requested command."""
     parser = argparse.ArgumentParser(prog='python -m autograder', description=__doc__)
     parser.add_argument(
         '--course',

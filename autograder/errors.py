@@ -4,7 +4,7 @@ Define the exceptions for faults of the grader.
 ::
 
     GraderError                  the grader failed: the submission is for review and has no score
-    |- SandboxUnavailable        no isolation mode that may run hidden exams works here
+    |- SandboxUnavailable        no isolation mode for hidden exams works here
     |- ProbeFailed               the probe failed, so there is no evidence to judge
     |- TooBusy                   the machine gave a program too little processor time
     |- RecordingInvalid          a recording is damaged or has a different format
@@ -12,10 +12,10 @@ Define the exceptions for faults of the grader.
     |- UsageError                the arguments of a command or a simulation are wrong
     |- UnusableUploadError           files cannot be read as a submission (submission/tree.py)
     |- ClusterUnavailable        a scheduler or a worker cannot be used (grading/cluster.py)
-    |- InUseError                another command writes the course (classroom/course_lock.py)
+    |- InUseError                another command is changing the course (classroom/course_lock.py)
     `- GradebookRefusedError     nbgrader's database failed (gradebook/database.py)
 
-A mistake in a *submission* is never an exception that leaves this package: it is a
+A mistake in a *submission* never leaves this package as an exception: it is a
 :class:`~autograder.results.Problem` or a failed check.
 """
 
@@ -26,7 +26,7 @@ from traceback import walk_tb
 
 class GraderError(Exception):
     """
-    Report that the grader failed, so that there is no verdict.
+    Report that the grader failed, so there is no verdict.
 
     :param what: one sentence that says what happened and where
     :param fix: what the instructor can do about it
@@ -50,7 +50,7 @@ def is_disk_full(error: BaseException) -> bool:
 
 def from_os_error(error: OSError, where: str = 'the system') -> GraderError:
     """
-    Convert an error of the operating system to a grader error with a one-line explanation.
+    Convert an operating-system error to a grader error with a one-line explanation.
 
     :param where: location to show in the message if the error does not name a file
     """
@@ -84,7 +84,7 @@ def line_in(folder: Path, error: BaseException) -> str:
     """
     Return the file and line of the innermost traceback frame in a folder; empty if there is none.
 
-    :param folder: a folder such as that of the exams; paths are relative to its parent
+    :param folder: such as the exams folder; the file is returned relative to its parent
     """
     places = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
     if isinstance(error, SyntaxError):
@@ -101,7 +101,7 @@ class SandboxUnavailable(GraderError):
 
 
 class ProbeFailed(GraderError):
-    """Report that the probe failed, or that something outside ended the program."""
+    """Report that the probe failed, or that something outside the sandbox ended the program."""
 
 
 class TooBusy(GraderError):
@@ -109,7 +109,7 @@ class TooBusy(GraderError):
 
 
 class RecordingInvalid(GraderError):
-    """Report that a recording cannot be read: wrong version, truncated, or changed."""
+    """Report that a recording is unusable: it has a wrong version, or was truncated or changed."""
 
 
 class ExamInvalid(GraderError):

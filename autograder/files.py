@@ -1,4 +1,4 @@
-"""Write files atomically, replace existing files only on request, and pack zip files."""
+"""Write files atomically, replace existing files only on request, and create zip files."""
 
 from collections.abc import Iterable, Mapping
 from datetime import date
@@ -17,13 +17,13 @@ import zipfile
 from autograder.errors import GraderError
 
 LONGEST_NAME = 150
-"""Limit of names from :func:`safe_name` [bytes]; file systems allow 255 with the suffix."""
+"""Longest name from :func:`safe_name` [bytes]; file systems allow 255, including the suffix."""
 DIGEST_CHARS = 16
 
 
 def refuse_existing(paths: Iterable[Path], force: bool) -> None:
     """
-    Check that files can be written without replacing others by mistake.
+    Check that files can be written without replacing existing files by mistake.
 
     :param force: whether existing files may be replaced
     :raises GraderError: if a file exists and may not be replaced, or a path is a folder
@@ -67,16 +67,16 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666, lasting: bool =
     A lasting file is renamed only after its content is on the disk; otherwise a power failure
     could leave an empty file.
 
-    :param path: the file; its folder is created if it is missing
+    :param path: the file; a missing folder is created
     :param mode: permissions before the process's umask is applied
-    :param lasting: whether to wait for the disk; not needed for a file that can be made again
+    :param lasting: whether to wait for the disk; not needed for a file that can be created again
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f'.{path.name}.{uuid.uuid4().hex}')
     try:
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
         with os.fdopen(descriptor, 'wb') as file:
-            # The lock prevents the clean-up of another command from removing the file.
+            # The lock prevents another command's clean-up from removing the file.
             fcntl.flock(file, fcntl.LOCK_EX)
             file.write(data)
             file.flush()
@@ -96,13 +96,13 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666, lasting: bool =
 
 
 def zip_content(path: Path) -> tuple[bytes, int]:
-    """Return the content of a file, and its permissions in a zip, 0o755 if it is executable."""
+    """Return a file's content and its permissions in a zip: 0o755 if executable, else 0o644."""
     return path.read_bytes(), 0o755 if path.stat().st_mode & stat.S_IXUSR else 0o644
 
 
 def zip_bytes(files: Mapping[str, tuple[bytes, int]]) -> bytes:
     """
-    Return a zip file; on one day, the same files give the same bytes.
+    Return the bytes of a zip file, which are the same for the same files on the same day.
 
     :param files: content and permissions by name in the zip
     """

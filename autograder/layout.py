@@ -64,8 +64,8 @@ def read_toml(path: Path) -> dict[str, Any]:
     """
     Return the content of a TOML file.
 
-    :raises OSError: if it cannot be read
-    :raises ValueError: if it is not TOML
+    :raises OSError: if the file cannot be read
+    :raises ValueError: if the file is not valid TOML
     """
     return tomllib.loads(path.read_text(encoding='utf-8'))
 
@@ -75,18 +75,18 @@ def read_facts(path: Path) -> Facts:
     Return the content of a ``course.toml``, with the defaults of :class:`Facts`.
 
     :param path: the file; if it is missing, every field has its default
-    :raises GraderError: if the file is not valid TOML, or has a wrong name or type
+    :raises GraderError: if the file is not valid TOML, or contains an unknown name or a wrong type
     """
     try:
         found = read_toml(path) if path.is_file() else {}
     except (OSError, ValueError) as error:
         raise GraderError(
-            f'{path}: this is not valid TOML: {error}.', 'Try: correct the file'
+            f'{path}: cannot be read as TOML: {error}.', 'Try: correct the file'
         ) from error
     known = {one.name: one for one in fields(Facts)}
     for name, value in found.items():
         if name not in known:
-            raise GraderError(f'{path}: unknown name {name!r}.', f'Try: one of {", ".join(known)}')
+            raise GraderError(f'{path}: unknown name {name!r}.', f'Known: {", ".join(known)}.')
         if not isinstance(value, dict if name in TABLES else str):
             kind = 'a table' if name in TABLES else 'a string'
             raise GraderError(
@@ -97,11 +97,11 @@ def read_facts(path: Path) -> Facts:
 
 def lesson_files(folder: Path) -> list[Path]:
     """
-    Return the notebooks of all lessons, in the order of the lessons.
+    Return the notebooks of all lessons, in lesson order.
 
     :param folder: ``solutions/`` or ``notebooks/`` of a course
     """
-    # Skip hidden folders: JupyterLab writes START_HERE.ipynb to .ipynb_checkpoints/ too.
+    # Skip hidden folders: JupyterLab keeps copies of notebooks in .ipynb_checkpoints/.
     return sorted(folder.glob('[!.]*/*.ipynb'))
 
 
@@ -127,17 +127,17 @@ class Layout:
     people = Below('work', 'people.json')
     """The file with the display names of students, by student id."""
     namesakes = Below('work', 'namesakes.json')
-    """The file with ids that two students share, and with the participants' numbers."""
+    """The file with ids that two students share, and with participant numbers from Moodle."""
     not_collected = Below('work', 'not_collected.json')
     """The file with the submissions that ``collect`` found but could not collect."""
     class_list = Below('work', 'class_list.csv')
-    """The file with the students of the class, which instructors write."""
+    """The file with the students of the class, written by instructors."""
     extensions = Below('work', 'extensions.csv')
-    """The file with the extra time of individual students, which instructors write."""
+    """The file with the extra time of individual students, written by instructors."""
     delivered = Below('work', 'delivered.json')
     """The file with the names that platforms gave to collected files."""
     recordings = Below('work', 'recordings')
-    """The folder of the recordings, whose names are digests of files and scenario."""
+    """The folder of the recordings, named by digests of files, scenario and environment."""
     reports = Below('work', 'reports')
     """The folder of the HTML reports."""
     sample_class = Below('root', 'tests', 'submissions')
@@ -156,7 +156,7 @@ class Layout:
             if (folder / FILE).is_file():
                 return _course(folder, (folder / FILE).stat().st_mtime_ns)
         raise GraderError(
-            f'{folders[0]}: this is not the folder of a course; it has no {FILE}.',
+            f'{folders[0]}: this is not a course folder; it has no {FILE}.',
             'Try: cd to a course, or create one with new-course',
         )
 
@@ -218,6 +218,6 @@ def _course(root: Path, written_ns: int) -> Layout:
     """
     Return the course in a folder; its ``course.toml`` is read once.
 
-    :param written_ns: when the file was last written [ns]; a newer file is read again
+    :param written_ns: when the file was last written [ns]; a changed file is read again
     """
     return Layout(root)

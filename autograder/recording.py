@@ -1,9 +1,9 @@
 """
-Read and write the recording of one run, which has one JSON event per line.
+Read and write the recording of one run, with one JSON event per line.
 
 Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes every line
 and its fields.  The first line, the header, contains digests of files, scenario and environment,
-and a checksum that shows whether the file was truncated.  Its other fields (time, versions,
+and a checksum that shows whether the file was truncated.  Other header fields (time, versions,
 ``repeated``) are informative and do not affect a verdict.  The probe's events follow in the order
 of observation:
 
@@ -63,7 +63,7 @@ class Recording:
         """
         Return the events of one kind whose fields have the given values.
 
-        :param kind: an event name, see the docstring of the module
+        :param kind: an event name, see the module docstring
         :param where: names and values of fields
         """
         found = self._by_kind.get(kind, [])
@@ -73,7 +73,7 @@ class Recording:
 
     @cached_property
     def _by_kind(self) -> dict[str, list[Event]]:
-        """Return the events by kind; cached, because checks look up events a hundred times."""
+        """Return the events by kind; cached, because checks look up events very often."""
         kinds: dict[str, list[Event]] = {}
         for event in self.events:
             kinds.setdefault(event['event'], []).append(event)
@@ -138,7 +138,7 @@ class Recording:
         Return the distinct endpoints seen in any graph of the run.
 
         :param kind: ``'publisher'`` or ``'subscription'``
-        :param topic: full topic name, or None for all except the topics that every node has
+        :param topic: full topic name, or None for all topics that ROS itself does not create
         """
         seen: dict[str, Event] = {}
         for graph in self.of('graph'):
@@ -201,7 +201,7 @@ class Recording:
             raise RecordingInvalid(f'{where}: a line is not an event.', AGAIN)
         if header.pop('seal', None) != _seal(len(events), rest):
             raise RecordingInvalid(
-                f'{where}: the checksum is wrong; the file was cut off or changed.', AGAIN
+                f'{where}: the checksum is wrong; the file was truncated or changed.', AGAIN
             )
         return cls(header, events)
 
@@ -222,7 +222,7 @@ class Recording:
             raise RecordingInvalid(f'{path}: cannot be read ({error.strerror}).') from error
 
 
-AGAIN = 'Try: grade again, which makes a new recording.'
+AGAIN = 'Try: grade again to make a new recording.'
 
 
 def _seal(count: int, events: bytes) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """
 Define the results of grading as immutable data classes, which the stages of the grader exchange.
 
-This module does not depend on ROS, Jupyter or nbgrader.  Results and all objects in them convert
-to and from JSON types.
+This module does not depend on ROS, Jupyter or nbgrader.  Results and all objects in them can be
+converted to and from JSON types.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def first_of(names: Sequence[str], most: int, between: str = ', ') -> str:
 @dataclass(frozen=True)
 class Problem:
     """
-    A mistake in a submission: where, what was expected, what was found, what to try.
+    A mistake in a submission: its place, what was expected, what was found, and what to try.
 
-    :param where: name of the file, cell or folder for the reader
+    :param where: name of the file, cell or folder, as shown to the reader
     :param cells: grade ids of the answers that are missing because of the problem
     :param unusable: whether the problem makes the whole submission unreadable
     """
@@ -69,7 +69,7 @@ class CheckResult:
     The verdict of one check, with the feedback for the student if it fails.
 
     :param check: name of the check, unique in its exam
-    :param title: the sentence that is checked, from the check's docstring
+    :param title: the statement that is checked, from the check's docstring
     :param points: awarded points, 0 <= points <= max_points
     :param expected: the behaviour that the exercise requires
     :param observed: the behaviour that the probe recorded
@@ -118,7 +118,7 @@ class ExamResult:
 
     :param exam: name of the exam
     :param checks: in the order of the exam
-    :param note: one sentence about the whole run, may be empty
+    :param note: one sentence about the whole run; may be empty
     :param mode: isolation mode of the run, see :mod:`autograder.sandboxes.isolation`
     :param not_protected: what that mode does not protect, as text; empty for full isolation
     :param flags: observations that an instructor should look at, as text
@@ -151,7 +151,7 @@ class ExamResult:
 
     @property
     def ran_s(self) -> float:
-        """Return the duration of the run, now or when it was recorded [s]; 0.0 if unknown."""
+        """Return the duration of the run [s], measured now or stored; 0.0 if unknown."""
         return self.timing.get('run_s', self.timing.get('kept_run_s', 0.0))
 
     @property

@@ -1,9 +1,9 @@
 """
 Represent what a program did in virtual time, for notebooks, pytest and students' checks.
 
-The classes have the same interface as a notebook's listener, so its pictures can show a simulation
-like live messages.  A student's check of recorded runs gets the same objects in the sandbox, so
-this file imports only the standard library and ``autograder/probe/probe_wire.py``.
+The classes have the same interface as a notebook's listener, so pictures can show a simulation in
+the same way as live messages.  A student's check of recorded runs gets the same objects in the
+sandbox, so this file imports only the standard library and ``autograder/probe/probe_wire.py``.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class TopicRecord:
         ``(input)`` for inputs
     :param type: type of the messages, such as ``std_msgs/msg/String``
     :param times: when each message was received, or sent [s since the program started]
-    :param data: fields of each message, None for a message of more than 64 KB
+    :param data: fields of each message, or None for a message of more than 64 KB
     :param seconds: duration of the simulation in virtual time [s]
     """
 
@@ -74,7 +74,7 @@ class TopicRecord:
         return self.messages
 
     def stop(self) -> None:
-        """Do nothing, because a simulation has ended."""
+        """Do nothing, because the simulation has already ended."""
 
     def __len__(self) -> int:
         return len(self.times)
@@ -117,7 +117,7 @@ class Simulation:
     :param reason: why the simulation ended, a key of :data:`ENDS`; ``'complete'`` if it lasted as
         long as requested
     :param seconds: duration of the simulation in virtual time [s]
-    :param exit: exit code of the program, None if it did not end
+    :param exit: exit code of the program, or None if it did not end
     :param printed: the beginning and the end of the printed output, standard error last
     :param mode: isolation mode of the sandbox
     """
@@ -142,7 +142,7 @@ class Simulation:
         name = topic if topic.startswith('/') else f'/{topic}'
         if name not in self.heard:
             known = ', '.join(self.heard) or 'none'
-            raise KeyError(f'{name}: the program has no publisher there; its topics: {known}')
+            raise KeyError(f'{name}: the program has no such publisher; its topics: {known}')
         return self.heard[name]
 
     def messages(self, topic: str) -> list[Any]:

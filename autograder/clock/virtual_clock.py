@@ -2,8 +2,8 @@
 Start the driver of a run's virtual clock, and create a place on the clock for each process.
 
 A place is a position in the driver's order of processes, with a socket to the driver.  A process
-inherits one end of the socket, and the variable ``VIRTUAL_CLOCK`` contains its descriptor.  The
-library that ``LD_PRELOAD`` loads connects the process to the driver.
+inherits one end of the socket; the environment variable ``VIRTUAL_CLOCK`` contains the descriptor.
+The library that ``LD_PRELOAD`` loads connects the process to the driver.
 """
 
 from collections.abc import Iterator, Mapping
@@ -67,7 +67,7 @@ class VirtualClock:
         return ('env', *(f'{name}={value}' for name, value in names.items()))
 
     def begin(self) -> None:
-        """Close this process's copies of the sockets, so that the driver notices closed ones."""
+        """Close this process's copies of the sockets, so that the driver sees the others close."""
         for place in self.places:
             place.close()
 
@@ -102,12 +102,12 @@ def clock_programs() -> tuple[str, str]:
 
 def refusal() -> tuple[str, str]:
     """
-    Return why a program of this system cannot load the library, and the fix; empty if it can.
+    Return why a program of this system cannot load the library, and the fix; both empty if it can.
 
     :raises SandboxUnavailable: if the set-up has not built the clock
     """
     _, library = clock_programs()
-    # The loader prints the reason. Some reasons do not end the program.
+    # The loader prints an error, but some errors do not end the program.
     tried = subprocess.run(['true'], env={'LD_PRELOAD': library}, capture_output=True, check=False)
     if not tried.stderr:
         return '', ''
@@ -116,7 +116,7 @@ def refusal() -> tuple[str, str]:
         return what, 'Try: make VENV=... with a folder on a different file system'
     said = tried.stderr.decode(errors='replace').strip().splitlines()[-1]
     what = f'Programs cannot load the virtual clock: {said.rstrip(".")}.'
-    return what, 'Try: make clean, then make prepare, which builds it for this system'
+    return what, 'Try: make clean, then make prepare, which builds the clock for this system'
 
 
 @contextmanager

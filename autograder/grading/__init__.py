@@ -1,1 +1,1 @@
-"""Grade one submission or a class: run the programs without a recording, then judge."""
+"""Grade one submission or a class: run programs that have no recording yet, then judge."""

@@ -2,7 +2,7 @@
 Grade a complete ROS package: build it with colcon in the sandbox and run its executables.
 
 The checks of an exam do not change, but an executable runs instead of a node file.  If the build
-fails or the executable is missing, the feedback describes this problem of the package.
+fails or the executable is missing, the feedback describes this problem.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ _IN_CELL = re.compile(r'^Line (\d+)(?=[:,])')
 
 
 def package_name(files: Mapping[str, str]) -> str:
-    """Return the name in the manifest of a package; empty if colcon could not build the files."""
+    """Return the package name in the manifest; empty if colcon could not build the files."""
     builds = 'CMakeLists.txt' in files or 'setup.py' in files
     found = _NAME.search(files.get(MANIFEST, ''))
     return found[1] if found and builds else ''
@@ -48,13 +48,13 @@ def explained(
     facts: dict[str, Any] = {}
     if why := why_no_program(run):
         if run.recording.process['exit'] == NOT_BUILT:
-            expected = 'a package that colcon builds'
+            expected = 'a package that colcon can build'
             observed = 'the build fails, so nothing could be run'
         else:
             name, package = run.facts['executable'], run.facts['package']
             there = ', '.join(installed(run)['lib']) or 'no executable'
-            expected = f'the executable {name}, as ros2 run {package} {name} starts it'
-            observed = f'the package builds, but lib/{package} holds {there}'
+            expected = f'the executable {name}, which ros2 run {package} {name} starts'
+            observed = f'the package builds, but lib/{package} contains {there}'
         facts = {'expected': expected, 'observed': observed, 'cause': why.text}
         facts |= {'cause_id': why.cause_id, 'try_this': why.try_this}
     static = {check.name for check in exam.checks if check.static}

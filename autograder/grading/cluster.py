@@ -2,7 +2,7 @@
 Run exams on the workers of a Dask scheduler, as ``docs/cluster.md`` describes.
 
 Dask uses pickle to call functions in other processes.  Workers call only :func:`about` and
-:func:`autograder.runs.task.run_task`, whose arguments and results are bytes of JSON.  So no object
+:func:`autograder.runs.task.run_task`, whose arguments and results are JSON bytes.  So no object
 made from a submission is ever pickled or unpickled.
 """
 
@@ -47,7 +47,7 @@ class Cluster:
 
     def run(self, task: bytes) -> bytes:
         """
-        Run a task on any worker; the scheduler chooses a different one if a worker is lost.
+        Run a task on any worker; the scheduler chooses another worker if the first is lost.
 
         :raises GraderError: if several workers died during the task, or the cluster was lost
         """
@@ -61,7 +61,7 @@ class Cluster:
                 'Try: grade again. Finished runs are kept.',
             ) from error
         except CancelledError as error:
-            raise GraderError('The grading was stopped, or the cluster was lost.') from error
+            raise GraderError('The grading run was stopped, or the cluster was lost.') from error
 
     def close(self) -> None:
         """Cancel the tasks that have not started."""
@@ -103,7 +103,7 @@ def _connected(address: str) -> Iterator[Any]:
         raise ClusterUnavailable(
             f'--cluster {address}: expected a Dask scheduler, got no answer in {CONNECT_S} s '
             f'({type(error).__name__}).',
-            'Try: start it as docs/cluster.md says, and use the address that it prints',
+            'Try: start it as docs/cluster.md describes, and use the address that it prints',
         ) from error
     try:
         yield client
@@ -117,7 +117,7 @@ def _ask_all(client: Any, address: str) -> dict[str, Mapping[str, Any]]:
     if not workers:
         raise ClusterUnavailable(
             f'--cluster {address}: the scheduler has no workers.',
-            'Try: start some as docs/cluster.md says',
+            'Try: start workers as docs/cluster.md describes',
         )
     asked = {
         worker: client.submit(about, workers=[worker], pure=False, allow_other_workers=False)
@@ -153,7 +153,7 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
     Return the common isolation mode of all workers.
 
     :param answers: the answers of :func:`about` by the workers' addresses
-    :raises ClusterUnavailable: if a mode cannot protect hidden exams, or modes or versions differ
+    :raises ClusterUnavailable: if hidden exams are not protected, or modes or versions differ
     """
     first = ''
     for worker, found in answers.items():
@@ -170,7 +170,7 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
         first = first or found['mode']
         if found['mode'] != first:
             raise ClusterUnavailable(
-                f'{where} isolates with {found["mode"]}, others with {first}.',
+                f'{where} uses isolation {found["mode"]}, other workers use {first}.',
                 'Try: start all workers as root, or all as an ordinary user',
             )
     return first

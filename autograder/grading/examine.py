@@ -34,11 +34,11 @@ def examine(
     :param files: text by relative path; missing files are left out
     :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``Sandbox('none')`` for
         visible checks
-    :param recordings: folder in which recordings are stored; None stores nothing
+    :param recordings: folder for stored recordings; None to store nothing
     :param fresh: run even if a recording is stored
-    :param on_event: called with each event as it happens; not called for runs in ``place``
-    :param place: the workers that run the program; None runs it in this thread
-    :raises GraderError: if the grader failed, so that there is no verdict
+    :param on_event: called with each event as it happens; not called for runs on workers
+    :param place: the workers that run the program; None to run it in this thread
+    :raises GraderError: if the grader failed, so there is no verdict
     """
     if exam.hidden and not sandbox.keeps_secrets:
         raise SandboxUnavailable(
@@ -93,7 +93,7 @@ def judge_recording(
     Judge a student's files from their recording, without running a program.
 
     :param timing: times of the run [s]; None for a stored recording
-    :raises GraderError: if a check itself fails with an exception
+    :raises GraderError: if a check raises an exception
     """
     began = time.perf_counter()
     run = Run(files, recording, exam.facts)
@@ -141,7 +141,7 @@ def _without(exam: Exam, missing: list[str]) -> ExamResult:
         first.points,
         expected=f'the file{"s" if len(missing) > 1 else ""} {", ".join(missing)}',
         observed='no such cell in the notebook',
-        cause='The cell is missing, empty, or its first line is not the magic line.',
+        cause='The cell is missing or empty, or its first line is not the magic line.',
         cause_id='missing_file',
         try_this='Put the cell back as it was released and write your answer in it.',
         read=exam.read,

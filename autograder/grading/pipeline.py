@@ -2,8 +2,8 @@
 Grade one submission, or a class in parallel: read, run, judge, and combine the results.
 
 Threads run programs, on this machine or a cluster, and judge their recordings.  A run takes 2 % of
-a processor in this process, because other processes do the work.  If the grader fails, one
-submission is "for review": it does not get zero points, and grading continues with the others.
+a processor in this process, because other processes do the work.  If the grader fails on a
+submission, that submission is for review, without a score, and grading continues.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 Outcome = ExamResult | GraderError
-"""The outcome of one exam of one submission: its result, or an error of the grader."""
+"""The outcome of one exam of one submission: its result, or a grader error."""
 THREADS = 'grading'
 """Prefix of the names of the pool's threads."""
 
@@ -49,8 +49,8 @@ class Engine(Protocol):
         """
         Run and judge a student's files with an exam.
 
-        :param files: relative path to text
-        :raises GraderError: if the grader failed, so that there is no verdict
+        :param files: text by relative path
+        :raises GraderError: if the grader failed, so there is no verdict
         """
 
 
@@ -59,10 +59,10 @@ class SandboxEngine:
     """
     The engine for grading, which runs student code in a sandbox.
 
-    :param recordings: folder in which recordings are stored; None stores nothing
+    :param recordings: folder for stored recordings; None to store nothing
     :param fresh: repeat all runs, even if recordings are stored
     :param hidden: whether to use the hidden exams instead of the visible ones
-    :param place: the workers that run the programs; None runs them in the calling thread
+    :param place: the workers that run the programs; None to run them in the calling thread
     """
 
     sandbox: Sandbox
@@ -168,7 +168,7 @@ def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -
 def grade_notebook(
     data: bytes | None, lesson: Lesson, student: str, engine: Engine
 ) -> SubmissionResult:
-    """Grade the content of one notebook file, None if it is missing."""
+    """Grade the content of one notebook file; None means that the file is missing."""
     opened = open_submission(data, lesson.release, lesson.notebook)
     return grade_opened(opened, student, lesson, engine)
 
@@ -185,8 +185,8 @@ def grade_class(
     Grade a class; submissions with equal files share one run.
 
     :param jobs: maximum number of parallel runs
-    :param on_done: called with the student after each exam of each submission, in any thread
-    :param on_graded: called for each graded submission in this thread, while others still run
+    :param on_done: called with the student and the outcome after each exam, in any thread
+    :param on_graded: called for each graded submission in this thread, while other runs continue
     :returns: the results in the order of the submissions
     """
     opened = [open_one(submission, lesson) for submission in submissions]
@@ -221,7 +221,7 @@ def _tell(on_done: Callable[[str, Outcome], None], student: str, task: Future[Ou
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:
-    """Run one exam; return an error of the grader instead of raising it: the others go on."""
+    """Run one exam; return a grader error instead of raising it, so that other exams continue."""
     try:
         return engine.run(exam, files)
     except GraderError as error:

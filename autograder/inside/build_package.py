@@ -18,7 +18,7 @@ import gate  # type: ignore[import-not-found]  # next to this file, inside the s
 
 def add_package_files(folder: Path, package: str) -> None:
     """
-    Add the files that ``ros2 pkg create`` makes to a Python package from a notebook.
+    Add the files that ``ros2 pkg create`` generates to a Python package from a notebook.
 
     The node files of a notebook are in the top folder; this function moves them to the folder
     with the package's name.
@@ -36,7 +36,7 @@ def add_package_files(folder: Path, package: str) -> None:
 
 def build(source: str, package: str) -> Path:
     """
-    Build a copy of a package, or end with colcon's exit code.
+    Build a copy of a package, or exit with colcon's exit code.
 
     :param source: read-only folder of the package
     :returns: the folder in which the package is installed
@@ -55,7 +55,7 @@ def build(source: str, package: str) -> Path:
     command += ['--cmake-args', '-DCMAKE_BUILD_TYPE=None', '-DBUILD_TESTING=OFF']
     if shutil.which('ninja'):
         command += ['-GNinja']  # Ninja runs more steps of a message build in parallel than Make
-    # Four parallel compilers stay below the sandbox's limit of processes on any machine; Ninja
+    # Four parallel compilers stay below the sandbox's process limit on any machine; Ninja
     # ignores MAKEFLAGS. There is no load limit (-l): with one, a busy machine would build one file
     # at a time. Only Python programs run, so environment/cmake skips the C++ code of messages.
     parallel = {'MAKEFLAGS': '-j4', 'CMAKE_BUILD_PARALLEL_LEVEL': '4'}
@@ -63,7 +63,7 @@ def build(source: str, package: str) -> Path:
     with suppress(ImportError):
         from cmake import CMAKE_BIN_DIR  # type: ignore[import-not-found]
 
-        # The command of PyPI's cmake is a slow Python wrapper, so name the real program.
+        # The cmake command from PyPI is a slow Python wrapper, so use the real program.
         settings['CMAKE_COMMAND'] = str(Path(CMAKE_BIN_DIR) / 'cmake')
     ended = subprocess.run(command, env=settings, check=False).returncode
     if ended != 0:

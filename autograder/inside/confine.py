@@ -7,11 +7,11 @@ Usage: confine.py RULES COMMAND...  where RULES is JSON::
      "filter": file, "inherited": [descriptors]}
 
 This is for machines without namespaces.  This process is the supervisor, to which the rules do not
-apply.  Processes that the program leaves behind become its children, so nothing outlives the run:
-when the program has ended, on SIGTERM, or when the grader dies, the supervisor ends them all.  The
-program is a child to which the rules apply.  It may read, execute and write only the listed paths,
-cannot use TCP (Landlock 4 or newer), cannot signal processes outside (Landlock 6 or newer), and
-has the same system-call filter as in a sandbox with namespaces.
+apply.  Processes that the program leaves behind become children of the supervisor, so none outlive
+the run: when the program has ended, on SIGTERM, or when the grader dies, the supervisor ends them
+all.  The program is a child to which the rules apply.  It may read, execute and write only the
+listed paths, cannot use TCP (Landlock 4 or newer), cannot signal processes outside (Landlock 6 or
+newer), and has the same system-call filter as in a sandbox with namespaces.
 
 The Landlock library on PyPI has only development releases, which support only files, so this
 module makes the three system calls itself.  See landlock(7).
@@ -47,7 +47,7 @@ KNOWN_RIGHTS = (13, 14, 15, 15, 16)
 TCP_FROM, SCOPE_FROM = 4, 6
 TCP, SCOPE = 0b11, 0b11  # TCP: bind and connect; scope: abstract sockets and signals
 LTTNG = ('/dev/shm/lttng-ust-wait-6', '/dev/shm/lttng-ust-wait-8')
-"""Files of LTTng, which rclpy loads: of the wheels from PyPI, and of Ubuntu 24.04."""
+"""Files of LTTng, which rclpy loads: for the wheels from PyPI, and for Ubuntu 24.04."""
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
@@ -87,10 +87,10 @@ def landlock_version() -> int:
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     """
-    Give up all file access except that in the rules and, if Landlock can, TCP and signals.
+    Give up all file access except as in the rules and, if Landlock can, TCP and signals.
 
     :param rules: described in the docstring of this module
-    :param descriptors: paths of the rules to descriptors, opened before the uid was changed
+    :param descriptors: descriptors of the rules' paths, by path, opened before the uid was changed
     :raises OSError: if the kernel refuses
     """
     known = landlock_version()
@@ -134,7 +134,7 @@ def give_up(rules: dict[str, Any], code: bytes) -> None:
             descriptors[path] = os.open(path, os.O_PATH | os.O_CLOEXEC)
     held = ctypes.create_string_buffer(code, len(code))
     filter_calls = struct.pack('HxxxxxxP', len(code) // 8, ctypes.addressof(held))
-    with suppress(OSError):  # there is no further capability, or none can be gained anyway
+    with suppress(OSError):  # no capability is left, or this process cannot gain any
         for capability in range(MOST_CAPABILITIES):
             prctl(PR_CAPBSET_DROP, capability)
     if rules['uid']:
@@ -154,7 +154,7 @@ def give_up(rules: dict[str, Any], code: bytes) -> None:
 
 
 def confine_and_execute(rules: dict[str, Any], command: list[str]) -> NoReturn:
-    """Confine this process and replace it by the program."""
+    """Confine this process and replace it with the program."""
     os.setsid()
     give_up(rules, filter_of(rules))
     os.execvp(command[0], command)
@@ -165,11 +165,11 @@ def tracing_files(uid: int) -> Iterator[str]:
     Create the files in which LTTng waits for a tracer, and yield those that the program may read.
 
     If a program cannot create them itself, LTTng's threads fork a process every 5 s to try again.
-    The grader would see some of them as processes of the student.
+    The grader would see some of these as processes of the student.
     """
     for common in LTTNG:
         for path, mode, owner in ((common, 0o666, -1), (f'{common}-{uid}', 0o640, uid)):
-            with suppress(OSError):  # it exists already, or this system has no /dev/shm
+            with suppress(OSError):  # the file exists already, or this system has no /dev/shm
                 flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
                 file = os.open(path, flags, 0o600)
                 os.ftruncate(file, os.sysconf('SC_PAGESIZE'))
@@ -252,7 +252,7 @@ def main() -> None:
             code = reap().get(child)
     end_all()
     for path in traced:
-        if rules['uid'] and path.endswith(f'-{uid}'):  # a new uid in each run
+        if rules['uid'] and path.endswith(f'-{uid}'):  # each run has a new uid
             os.unlink(path)
     os._exit(code)
 

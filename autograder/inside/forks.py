@@ -1,13 +1,13 @@
 """
 Keep a Python process with rclpy loaded, and fork it to create the processes of each run.
 
-Loading rclpy takes longer than the work of most runs.  This process loads it once, before any node
+Loading rclpy takes longer than the rest of most runs.  This process loads it once, before any node
 or network exists, and serves many runs.  There is one such server for probes and one for students'
 programs.
 
 Only the grader can send orders to this process.  A fork enters the namespaces of its run.  Before
-it reads a scenario or a student's file, it gives up its rights (:func:`confine.give_up`): it gets
-an unused uid, no capabilities, and the system-call filter.
+it reads a scenario or a student's file, it gives up its rights (:func:`confine.give_up`): it drops
+its capabilities, loads the system-call filter and, as root, takes an unused uid.
 
 From this project, this file imports only ``inside/``, because a sandbox contains few files of the
 grader.
@@ -37,7 +37,7 @@ def serve() -> list[str]:
 
     Standard input is a socket of type SOCK_SEQPACKET, which keeps message boundaries.
 
-    :returns: in each fork, the arguments of its program; in the server, never
+    :returns: in each fork, the arguments of its program; the server never returns
     """
     grader = socket.socket(fileno=0)
     grader.send(READY)
@@ -61,9 +61,8 @@ def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int])
     :param order: ``argv``; ``variables`` of the environment; ``limits``, with the names of
         setrlimit(2) in lower case; ``rules`` for :func:`confine.give_up`, None to keep all
         rights; and ``folder``, the working folder of a student's program
-    :param files: descriptors of standard input, output and error, of the process's socket for the
-        virtual clock, for a student's program of the socket to its launcher, and of the
-        namespaces to enter
+    :param files: descriptors in this order: standard input, output and error; the socket for the
+        virtual clock; for a student's program, the socket to its launcher; the namespaces to enter
     """
     try:
         given, *written = files[:3]
@@ -73,7 +72,7 @@ def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int])
         if order['folder']:
             kept.append(namespaces.pop(0))
         rules = order['rules']
-        code = confine.filter_of(rules) if rules else b''  # the next lines can hide its file
+        code = confine.filter_of(rules) if rules else b''  # the next lines can hide the file
         for namespace in namespaces:
             _enter(namespace)
         os.environ.update(order['variables'])
@@ -88,7 +87,7 @@ def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int])
         os.dup2(given, 0)
         os.close(given)
         libc.join_virtual_clock(kept[1])
-        os.environ['VIRTUAL_CLOCK'] = str(kept[1])  # as if the program had begun with its place
+        os.environ['VIRTUAL_CLOCK'] = str(kept[1])  # as if started with this place
     except BaseException as error:  # noqa: BLE001 - a fork must never return to the server's loop
         os.write(2, f'{type(error).__name__}: {error}\n'.encode(errors='replace'))
         os._exit(1)
@@ -97,7 +96,7 @@ def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int])
 
 def _enter(namespace: int) -> None:
     """
-    Enter the namespace that a descriptor names.
+    Enter the namespace to which a descriptor refers.
 
     :raises OSError: if the kernel refuses
     """
@@ -121,7 +120,7 @@ def _begin_session(folder: str, kept: list[int]) -> None:
             os.write(launcher, b'%d\n' % (code if code >= 0 else 128 - code))
         os._exit(0)
     confine.prctl(confine.PR_SET_PDEATHSIG, int(signal.SIGKILL))
-    # Without this, which execve(2) does, a program whose uid has changed cannot read /proc/self.
+    # Do what execve(2) does: otherwise, a program whose uid has changed cannot read /proc/self.
     confine.prctl(confine.PR_SET_DUMPABLE, 1)
     os.close(launcher)
     os.setsid()

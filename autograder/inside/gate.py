@@ -10,7 +10,7 @@ import sys
 
 
 def wait() -> None:
-    """Wait for the grader's byte, and replace standard input by an empty one."""
+    """Wait for the grader's byte, and replace standard input with ``/dev/null``."""
     if os.read(0, 1) != b'x':
         sys.exit('the grader is gone')
     nothing = os.open(os.devnull, os.O_RDONLY)

@@ -1,16 +1,16 @@
 """
 Speed up the import of rclpy, which loads many modules that a run does not need.
 
-Of the 0.45 s of processor time before the first node exists, numpy takes 0.13 s (and a thread for
-each processor), although only messages with numeric arrays use it.  The generator of message
+Of the 0.45 s of processor time before the first node exists, numpy takes 0.13 s (and starts a
+thread per processor), although only messages with numeric arrays use it.  The generator of message
 classes takes 0.08 s for a parser that only a build needs.  YAML, for parameter files, takes
 0.015 s.  So numpy and YAML are loaded on first use, and the generator is hidden, which its package
 tolerates.  Both the probe and the student's program start faster.
 
 rclpy loads a hundred libraries at once, and the dynamic linker then searches them one by one for
 each of 18 000 symbols.  This module loads the middleware first, so the linker searches fewer
-libraries for its symbols.  That saves a tenth of the processor time of importing rclpy.  It also
-looks up all symbols of the middleware, because otherwise each fork would look them up.
+libraries for its symbols.  That saves a tenth of the processor time of importing rclpy.  All
+symbols of the middleware are looked up now, because otherwise each fork would look them up.
 
 The probe and the launcher of the student's program share this file.
 """

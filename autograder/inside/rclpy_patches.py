@@ -2,7 +2,7 @@
 Work around two defects of rclpy's executors, so that correct programs do not fail at random.
 
 An executor lists the entities of its nodes and then adds them to a wait set.  In between, another
-of its threads may destroy a publisher or subscription, for example in a clean-up callback.  rclpy
+executor thread may destroy a publisher or subscription, for example in a clean-up callback.  rclpy
 7.1 then skips destroyed subscriptions, timers, services and clients, but not event handlers:
 ``InvalidHandle`` ends the program, in about one of four runs of a correct managed node with three
 threads.  This patch also skips destroyed event handlers.

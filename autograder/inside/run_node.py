@@ -3,8 +3,8 @@ Start a node file inside the sandbox as ``ros2 run`` would.
 
 Usage: run_node.py FILE [arguments of the program].  The file runs as a script.  If it defines
 ``main`` but leaves the call to an entry point, this program calls ``main()`` afterwards.  Without
-arguments, this program serves forks (:mod:`autograder.inside.forks`), which get theirs from the
-grader.
+arguments, this program forks on request (:mod:`autograder.inside.forks`), and each fork gets its
+arguments from the grader.
 
 The file can import a folder of modules next to it as a package, even if the folder has the name of
 the course's message package: in an installed package, modules and messages share one folder.  If
@@ -51,7 +51,7 @@ def never_calls_main(tree: ast.Module) -> bool:
 
 def join_packages(folder: Path) -> list[Path]:
     """
-    Extend installed packages by the folders of the same name, which take precedence.
+    Extend installed packages with the folders of the same name, which take precedence.
 
     :param folder: the folder of the node file
     :returns: all package folders in it
@@ -73,7 +73,7 @@ def import_common_modules() -> None:
     Submodules of rclpy are not imported, because that could hide a missing import in the program.
     """
     # The threads and processes that these imports start have ended when the grader releases the
-    # program, so its first line runs exactly at the release.
+    # program, so the first line of the program runs exactly at the release.
     import rclpy  # noqa: F401
     from rosidl_generator_py import import_type_support  # type: ignore[import-untyped]
 
@@ -84,16 +84,16 @@ def import_common_modules() -> None:
     for package in (*OF_EVERY_NODE, *INNER):
         import_type_support(package)  # loads only libraries, no Python module
     importlib.import_module('concurrent.futures')
-    # Fill the cache of inspect: the first log line looks up the file of each module.
+    # Fill the cache of inspect, because the first log line looks up the file of each module.
     inspect.getmodule(inspect.currentframe())
 
 
 def arguments_of_fork() -> list[str]:
-    """Serve forks, and return the arguments of the program in each of them."""
+    """Fork on request, and return the arguments of the program in each fork."""
     import forks  # type: ignore[import-not-found]
 
     arguments: list[str] = forks.serve()
-    # The student's files can have modules with the names of the grader's.
+    # The student's modules may have the same names as the grader's.
     sys.path[0] = str(INSIDE)
     for module in [one for one in sys.modules if one in ('forks', 'confine')]:
         del sys.modules[module]

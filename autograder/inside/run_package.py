@@ -54,7 +54,7 @@ def command(file: Path) -> list[str]:
 
 
 def main() -> None:
-    """Build the package and replace this process by the program."""
+    """Build the package and replace this process with the program."""
     gate.wait()
     source, package, name, *arguments = sys.argv[1:]
     try:

@@ -1,5 +1,5 @@
 """
-Serve the probes of runs as forks of this process; :mod:`autograder.inside.forks` describes it.
+Fork a probe from this process for each run, with :mod:`autograder.inside.forks`.
 
 From this project, this file imports only ``probe/`` and ``inside/``, because the sandbox contains
 no other file of the grader.
@@ -18,7 +18,7 @@ EVERY_RUN = ('rcl_interfaces/msg/Log', 'rcl_interfaces/srv/GetParameters', 'std_
 
 
 def main() -> None:
-    """Load the message types that every probe needs, then serve; each fork is a probe."""
+    """Load the message types that every probe needs, then fork probes on request."""
     for name in EVERY_RUN:
         load_type(name).__class__.__import_type_support__()
     gc.freeze()  # a garbage collection in a fork would copy the memory pages that it visits
@@ -27,7 +27,7 @@ def main() -> None:
     try:
         probe.main()
         code = 0
-    except BaseException as error:  # noqa: BLE001 - without Python's slow shutdown
+    except BaseException as error:  # noqa: BLE001 - skip Python's slow shutdown
         os.write(2, f'{type(error).__name__}: {error}\n'.encode(errors='replace'))
     finally:
         os._exit(code)

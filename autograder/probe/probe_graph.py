@@ -1,11 +1,11 @@
 """
 Read the ROS graph: the nodes and endpoints other than the probe's own.
 
-The student's program can forge discovery data, so a name may be any string and identifies nothing.
-The probe recognises its endpoints by the id of its own participant, and its node because that node
-existed first.
+The student's program can forge discovery data, so a name may be any string and does not identify a
+node.  The probe recognises its own endpoints by its participant id, which it reads before another
+node can take its name.
 
-From this project, this file imports only files of the probe, whose sandbox contains no others.
+From this project, this file imports only files of the probe; see ``probe.py`` for the reason.
 """
 
 import re
@@ -14,7 +14,7 @@ from typing import Any
 from probe_wire import qos_json  # type: ignore[import-not-found]  # next to this file
 from rclpy.node import Node, NodeNameNonExistentError
 
-# Ignore subscriptions on these topics: every node has them.
+# Ignore subscriptions on these topics, which ROS itself creates for nodes.
 HIDDEN_TOPICS = ('/parameter_events', '/rosout', '/clock')
 MOST_NODES, MOST_ENDPOINTS = 200, 500  # limits of the lists; ``count`` includes every endpoint
 LONGEST_NAME = 256
@@ -25,7 +25,7 @@ NODE_NAME = re.compile(r'(?:/[A-Za-z_][A-Za-z0-9_]*)+')
 
 class Graph:
     """
-    The graph around the probe's node.
+    The ROS graph as the probe's node sees it.
 
     :param node: the probe's node, which subscribes to ``/rosout``; no other node has its name yet
     """
@@ -40,7 +40,7 @@ class Graph:
         self.processes: dict[bytes, int] = {}
 
     def names(self) -> list[str]:
-        """Return the full names of all nodes except the probe's; include others with that name."""
+        """Return the full names of all nodes but the probe's; keep other nodes with its name."""
         found = sorted(
             f'{namespace.rstrip("/")}/{name}'[:LONGEST_NAME]
             for name, namespace in self.node.get_node_names_and_namespaces()
@@ -55,8 +55,8 @@ class Graph:
         """
         Return whether a node has a publisher; every node has one for ``/parameter_events``.
 
-        If a program ends as soon as it is discovered, the middleware may receive the data of its
-        node after the removal of all its endpoints.  Then the middleware lists the node forever.
+        If a program ends as soon as it is discovered, the middleware may receive its node's data
+        after the removal of all its endpoints.  Then the middleware lists the node forever.
         """
         if not NODE_NAME.fullmatch(name):
             return True
@@ -78,7 +78,7 @@ class Graph:
             if topic not in HIDDEN_TOPICS:
                 endpoints += self._endpoints(topic, 'subscription')
         endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
-        for end in endpoints:  # replace process ids, which vary from run to run, by stable numbers
+        for end in endpoints:  # replace process ids, which vary between runs, with stable numbers
             end['process'] = self.processes.setdefault(end['process'], len(self.processes))
         names = self.names()
         return {

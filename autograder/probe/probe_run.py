@@ -6,7 +6,7 @@ stands still while either of them computes.  So when a wait of the probe ends, t
 program has handled every message sent to it, and all its answers have arrived; the probe needs no
 other synchronisation.
 
-From this project, this file imports only files of the probe, whose sandbox contains no others.
+From this project, this file imports only files of the probe; see ``probe.py`` for the reason.
 """
 
 from collections.abc import Callable
@@ -33,16 +33,16 @@ from type_description_interfaces.srv import GetTypeDescription
 
 SECOND = 1_000_000_000
 LOOK_S = 0.05  # interval between checks for the first node; discovery takes 0.11 s
-# The time from the first node to the first step. Its value keeps the steps off multiples of all
+# The time from the first node to the first step. This value keeps the steps off multiples of all
 # usual periods, so that no input coincides with a timer.
 MEET_S = 0.48
 SETTLE_S = 0.2  # time for both sides to discover a new endpoint, or its removal
-LONGEST_EVENT = 65536  # characters of a message's JSON; only the size of longer ones is recorded
+LONGEST_EVENT = 65536  # characters of a message's JSON; only the size of longer JSON is recorded
 MOST_EVENTS = 20000
 MOST_ASKED = 50  # maximum number of nodes whose services are called at the end
 ANSWER_S = 3.0
 QUESTIONS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
-# Turn off rclpy's warnings about incompatible QoS, which nobody would read. Without their event
+# Turn off rclpy's warnings about incompatible QoS, which are not recorded. Without their event
 # handlers, the probe waits on only a third as many entities.
 SILENT_PUBLISHER = PublisherEventCallbacks(use_default_callbacks=False)
 SILENT_SUBSCRIPTION = SubscriptionEventCallbacks(use_default_callbacks=False)
@@ -56,9 +56,9 @@ class Probe:
     """
 
     def __init__(self, scenario: dict[str, Any]) -> None:
-        """Create every endpoint of the probe, before the student's code starts."""
+        """Create the probe's first endpoints, before the student's code starts."""
         self.scenario = scenario
-        # Send other output, such as rclpy's warnings, to standard error: it is not an event.
+        # Send other output, such as rclpy's warnings, to standard error: it contains no events.
         self.output = os.fdopen(os.dup(1), 'w', encoding='utf-8')
         os.dup2(2, 1)
         self.events, self.full = 0, False
@@ -103,7 +103,7 @@ class Probe:
 
     def watch(self, topic: str) -> None:
         """Subscribe to a topic that the scenario records."""
-        # A best-effort, volatile subscription matches every publisher, so a wrong QoS profile of
+        # A best-effort, volatile subscription matches every publisher, so a wrong QoS profile in
         # the program does not hide its messages.
         hearing = QoSProfile(
             depth=100,
@@ -128,7 +128,7 @@ class Probe:
 
     @property
     def clock_ns(self) -> int | None:
-        """Return the virtual time since the release [ns], None before it; fixed after the end."""
+        """Return the virtual time since the release [ns]; None before it, fixed after the end."""
         if self.began_ns is None or self.over_ns is not None:
             return self.over_ns
         return time.monotonic_ns() - self.began_ns
@@ -154,12 +154,12 @@ class Probe:
         print(json.dumps(line, allow_nan=False), file=self.output, flush=True)
 
     def message(self, topic: str, message: Any, info: Any, **facts: Any) -> None:
-        """Write the event of a received message, with its sequence number from the publisher."""
+        """Write an event for a received message, with the publisher's sequence number."""
         data = to_json(message)
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
         facts['number'] = info['publication_sequence_number']
-        # A publisher keeps messages for late subscriptions, so they can be old on arrival.
+        # A publisher may keep messages for late subscriptions, so they can be old on arrival.
         if age_ns := time.time_ns() - info['source_timestamp']:
             facts['age_ns'] = age_ns
         self.emit('message', topic=topic, **what, after_input=self.input, **facts)
@@ -197,7 +197,7 @@ class Probe:
             self._take_messages(self._due_ns(now_ns, until_ns) - now_ns)
 
     def _take_messages(self, most_ns: int) -> None:
-        """Wait for messages, at most ``most_ns``, and handle one of each topic in turn."""
+        """Wait for messages, at most ``most_ns``, and handle all, one per subscription in turn."""
         heard = list(self.node.subscriptions)
         waiting = _rclpy.WaitSet(len(heard), 0, 0, 0, 0, 0, self.context.handle)
         waiting.clear_entities()
@@ -218,7 +218,7 @@ class Probe:
             now_ns = time.monotonic_ns()
             if now_ns >= until_ns:
                 return False
-            # rclpy truncates the timeout to whole nanoseconds; adding half of one prevents a loss.
+            # rclpy truncates the timeout to whole nanoseconds; adding 0.5 ns prevents a loss.
             self.executor.spin_once(
                 timeout_sec=(self._due_ns(now_ns, until_ns) - now_ns + 0.5) / SECOND
             )
@@ -233,7 +233,7 @@ class Probe:
         self.listen(SETTLE_S)
 
     def _tick(self, now_ns: int) -> int:
-        """Publish the ROS time if it is due, and return when the next one is due [ns]."""
+        """Publish the ROS time if it is due, and return when it is due next [ns]."""
         clock = self.scenario['ros_clock']
         step_ns = round(clock['step_s'] * SECOND)
         every_ns = round(step_ns / clock['rate'])
@@ -295,7 +295,7 @@ class Probe:
 
     def _client_of(self, name: str) -> Any:
         """
-        Return a client for a standard service of a node; None if the node has none.
+        Return a client for a standard service of a node; None if the node has no such service.
 
         A node without parameter services has the type description service of REP 2016.
         """

@@ -3,7 +3,7 @@ Execute the steps of a scenario, which :mod:`autograder.exam.scenario` defines.
 
 Each kind of step is a function that gets the probe and the step's data.
 
-From this project, this file imports only files of the probe, whose sandbox contains no others.
+From this project, this file imports only files of the probe; see ``probe.py`` for the reason.
 """
 
 from collections.abc import Callable
@@ -73,7 +73,7 @@ def call(probe: Any, step: dict[str, Any]) -> None:
 
 def _client_of_only_node(probe: Any, step: dict[str, Any]) -> Any:
     """
-    Return a client for the service with the name of the program's only node, or None.
+    Return a client for the same service of the program's only node, or None.
 
     A wrong node name then fails only the check of the name, not all checks of the service.
     """
@@ -180,8 +180,8 @@ def take(probe: Any, number: int, step: dict[str, Any]) -> None:
     Execute one step.
 
     :raises Stop: if the scenario ends with this step
-    :raises RuntimeError: if the probe fails; its message is one line, because the grader shows
-        only the last line
+    :raises RuntimeError: if the probe fails; the error message is one line, because the grader
+        shows only the last line
     """
     try:
         STEPS[step['do']](probe, step)

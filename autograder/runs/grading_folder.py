@@ -1,4 +1,4 @@
-"""One folder for all temporary files of a grading; the next grading removes it if left behind."""
+"""Keep the temporary files of a grading run in one folder; the next run removes leftovers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ def grading_folder() -> Iterator[Path]:
     """
     Yield a folder for all temporary files of this process, and remove it afterwards.
 
-    A killed grading leaves its folder behind; such folders are removed first.
+    First remove the folders that killed grading runs have left behind.
     """
     above = Path(tempfile.gettempdir())
     for left in above.glob(f'{FOLDERS}*'):
@@ -41,7 +41,7 @@ def _made(above: Path) -> tuple[Path, int]:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if os.fstat(lock).st_nlink:
             return folder, lock
-        os.close(lock)  # before it was locked, another grading removed the folder as a leftover
+        os.close(lock)  # another grading run removed the folder before it was locked
 
 
 def _remove_if_left(folder: Path) -> None:
@@ -50,11 +50,11 @@ def _remove_if_left(folder: Path) -> None:
             return
         lock = os.open(folder / 'lock', os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC)
     except OSError:
-        return  # another grading is creating or removing the folder
+        return  # another grading run is creating or removing the folder
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         shutil.rmtree(folder, ignore_errors=True)
     except BlockingIOError:
-        pass  # the grading that owns the folder is still running
+        pass  # the grading run that owns the folder has not ended
     finally:
         os.close(lock)

@@ -3,7 +3,7 @@ Run the student's program in the sandbox with the probe next to it, and record t
 
 Both processes share one virtual clock, so the recording does not depend on the machine.  One loop
 over file descriptors reads a limited amount of output from the probe and the program.  It ends the
-run when the probe has finished, the program has ended, or the watchdog reports an exceeded limit.
+run when the probe or the program has ended, or when the watchdog reports an exceeded limit.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -40,14 +40,14 @@ CHECK_FILES = {
 """Grader files that the sandbox shows to a check written by a student."""
 BUILDS = ('build', 'package')
 """Values of ``program`` in a scenario for which colcon builds a package first."""
-# A message package takes about 5 s of processor time; slow machines need up to six times as much.
+# Building messages takes about 5 s of processor time, up to six times as much on slow machines.
 BUILD_LIMITS = Limits(cpu_s=30)
-# The package is built, and then its program runs.
+# A package run builds the package and then runs its program, so the two limits add up.
 PACKAGE_LIMITS = Limits(cpu_s=BUILD_LIMITS.cpu_s + Limits.cpu_s)
 _BREAKS = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGXCPU)
 BROKEN = tuple(code for sign in _BREAKS for code in (-sign, 128 + sign))
-"""Exit codes of a probe that crashed on received data; faults in its code give other codes."""
-_NO_TYPE = 'Try: name the package in environment/messages.txt, then make prepare.'
+"""Exit codes of a probe that crashed on received data; Python exceptions give other codes."""
+_NO_TYPE = 'Try: add the package to environment/messages.txt, then run make prepare.'
 
 
 def program_for(
@@ -89,7 +89,7 @@ def submission_folder(files: Mapping[str, str]) -> Iterator[tuple[Path, Path]]:
     """
     Yield a temporary folder with the student's files, and an empty home folder.
 
-    :param files: relative path to text; the grader's parser has validated the paths
+    :param files: text by relative path; the grader's parser has validated the paths
     """
     base = Path(tempfile.mkdtemp(prefix='run-'))
     try:
@@ -119,10 +119,10 @@ def observe(
 
     :param exam_name: for the recording's header
     :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
-    :param files: relative path to text
+    :param files: text by relative path
     :param on_event: called with each event as it happens
-    :returns: the recording, and wall-clock times [s] that no verdict may use
-    :raises ProbeFailed: if the probe failed, so that there is no evidence
+    :returns: the recording, and wall-clock times [s] that must not affect verdicts
+    :raises ProbeFailed: if the probe failed, so there is no evidence
     :raises SandboxUnavailable: if the sandbox cannot be started
     """
     builds = scenario['program'] in BUILDS  # compilers run in parallel
@@ -188,7 +188,7 @@ class _RunLoop:
         """
         Run until the probe has finished or a limit is exceeded, and return all events.
 
-        :raises ProbeFailed: if the probe failed, or something outside ended the program
+        :raises ProbeFailed: if the probe failed, or something outside ended the sandbox
         """
         try:
             self._loop()
@@ -217,14 +217,14 @@ class _RunLoop:
 
     def _why_stopped(self, said: str) -> str:
         """
-        Return the limit that ended the run, ``probe_broken`` if the program broke the probe.
+        Return the limit that ended the run, or ``probe_broken`` if the program broke the probe.
 
         :param said: the last line of the probe's standard error
         :raises ProbeFailed: if the probe was not ready in time, or failed by itself
         """
         if self.killed and not self.ready_s:
             raise ProbeFailed(f'The probe was not ready in time: {self.killed}.')
-        code, said = self.probe.returncode, said or 'no word'
+        code, said = self.probe.returncode, said or 'no error message'
         if not self.killed and not (self.ready_s and code in BROKEN):
             raise ProbeFailed(
                 f'exam {self.exam}: the probe stopped with exit code {code}: {said}.',
@@ -234,17 +234,17 @@ class _RunLoop:
         return self.killed
 
     def _record_end(self) -> None:
-        """Record the exit of the program if, in virtual time, it ended before its scenario."""
+        """Record the program's exit if, in virtual time, it ended before the scenario."""
         if self.killed or (self.done and not self._has_end()):
             return  # a limit has ended the run, or the probe has failed
         self.ended_ns = self._early_end_ns()
         if self.ended_ns is None:
-            self.exit = None  # the run does not include what happens after the scenario
+            self.exit = None  # the run ends with the scenario
         elif self.exit is None:
             self.exit = self.student.process.wait(EXIT_TIMEOUT_S)
 
     def _early_end_ns(self) -> int | None:
-        """Return when the program ended [ns], None if it runs or its scenario ended first."""
+        """Return when the program ended [ns]; None if it runs or the scenario ended first."""
         ended_ns = self.clock.ended_ns(STUDENT)
         if ended_ns is None or not self.ready_s:
             return None
@@ -257,7 +257,7 @@ class _RunLoop:
         return ended_ns is not None and self.clock.elapsed_ns - self.released_ns > ended_ns
 
     def _loop(self) -> None:
-        # A random name for the probe's node, which no program can predict.
+        # Give the probe's node a random name, which no program can predict.
         order = {**self.scenario, 'name': f'n{secrets.token_hex(6)}'}
         self._tell_probe(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
@@ -273,10 +273,10 @@ class _RunLoop:
 
     def _read_until_done(self, pipes: selectors.BaseSelector) -> None:
         while not self.done:
-            # The probe writes all events of a moment before virtual time passes it, and one read
-            # empties its pipe.
+            # The probe writes all events of an instant before virtual time advances, and one read
+            # empties the pipe.
             past_end = self._is_past_end()
-            # The program's output must not choose the moments of the watchdog's checks.
+            # The program's output must not determine when the watchdog checks the limits.
             for key, _ in pipes.select(0 if past_end else self.watchdog.due_in_s()):
                 if key.data == 'ended':
                     pipes.unregister(key.fileobj)
@@ -300,7 +300,7 @@ class _RunLoop:
             self._keep_output(key.data, data)
 
     def _keep_output(self, name: str, data: bytes) -> None:
-        """Add data to the output, of which the start and the end (with the traceback) are kept."""
+        """Add data to the output; keep only its start and its end (with the traceback)."""
         self.printed += len(data)
         kept = self.output[name] + data
         if len(kept) > KEPT_OUTPUT:
@@ -328,7 +328,7 @@ class _RunLoop:
                     f'The probe wrote a line that is not an event: {error}.'
                 ) from error
             if event['event'] == 'ready':
-                # Virtual time stands still until the probe has received the byte that starts it.
+                # Virtual time stands still until the probe has received the start byte.
                 self.ready_s, self.released_ns = time.monotonic(), self.clock.elapsed_ns
                 together = self.probe.pid, self.clock.driver.pid, *family(*self.student.pids)
                 keep_on(self.processors, together)
@@ -351,7 +351,7 @@ class _RunLoop:
         self.exit = self.student.process.wait()
         if self.student.held():
             self._read_the_rest()
-            said = self.output['stderr'].decode(errors='replace').strip() or 'no word'
+            said = self.output['stderr'].decode(errors='replace').strip() or 'no error message'
             what = f'The sandbox ended with code {self.exit} before the program began'
             raise ProbeFailed(f'{what}: {said}.')
 
@@ -374,10 +374,10 @@ class _RunLoop:
 
     def _record_surroundings(self) -> None:
         """Record what the probe cannot see: other ROS domains, and processes left running."""
-        if self.student.home is None:  # otherwise, the program shares the machine's network
+        if self.student.home is None:  # a program with a home folder shares the host's network
             self.domains = other_domains(ports(self.student.pid))
         expected = bool(self.student.namespaces) + self.student.supervised
-        if self.exit is None:  # the program runs, and its launcher if it is a fork
+        if self.exit is None:  # the program still runs; a fork also has a launcher
             expected += 1 + bool(self.student.fork)
         self.left = len(running(*self.student.pids)) > expected
 
@@ -395,6 +395,6 @@ class _RunLoop:
 
 
 def _until(events: list[dict[str, Any]], ended_ns: int) -> list[dict[str, Any]]:
-    """Return the events up to the end of the program, without those of the scenario's end."""
+    """Return the events up to the program's end, without those at the end of the scenario."""
     early = (event for event in events if (event['clock_ns'] or 0) <= ended_ns)
     return [one for one in early if one['event'] != 'end' and one.get('when') != 'end']

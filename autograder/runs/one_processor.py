@@ -1,10 +1,10 @@
 """
 Keep a run on one processor.
 
-Two threads of a run hardly ever compute at the same time, because its virtual clock wakes them one
-by one.  So a second processor gains nothing, and even costs time: waking a thread on it takes
-longer than switching to the thread, because an idle processor must first wake up itself.  Before
-the clock advances, the program and the probe start in parallel and use all processors.
+Two threads of a run hardly ever compute at the same time, because the virtual clock wakes them one
+by one.  So a second processor gains nothing, and even costs time: waking a thread on an idle
+processor takes longer than switching to it, because that processor must wake up first.  Before the
+clock advances, the program and the probe start in parallel and use all processors.
 """
 
 from collections import Counter
@@ -17,8 +17,8 @@ import threading
 from autograder.sandboxes.processes import ready_to_run
 
 BUSY = 2
-"""Number of ready threads per processor above which a run does not stay on one processor."""
-_PROCESSOR = 36  # field "processor" of proc(5), counted after the name of the command
+"""Number of ready threads per processor above which a run may use all processors."""
+_PROCESSOR = 36  # index of the field "processor" in proc(5), after the command name
 _lock = threading.Lock()
 _runs: Counter[int] = Counter()  # runs of this process on each processor
 
@@ -28,7 +28,7 @@ def one_processor() -> Iterator[set[int]]:
     """
     Choose the processor with the fewest runs, for :func:`keep_on`.
 
-    On a busy machine, choose all processors: none is idle, and the system places threads better.
+    On a busy machine, choose all processors: none is idle, and the kernel places threads better.
     """
     allowed = os.sched_getaffinity(0)
     if ready_to_run() > BUSY * len(allowed):
@@ -36,7 +36,7 @@ def one_processor() -> Iterator[set[int]]:
         return
     here = _current()
     with _lock:
-        # Prefer the current processor: the system has chosen it, and knows of other programs, too.
+        # Prefer the current processor, which the kernel has chosen with regard to all programs.
         chosen = min(allowed, key=lambda one: (_runs[one], one != here))
         _runs[chosen] += 1
     try:
@@ -48,7 +48,7 @@ def one_processor() -> Iterator[set[int]]:
 
 def keep_on(processors: set[int], pids: Iterable[int]) -> None:
     """
-    Restrict all threads of these processes, and all that they start later, to some processors.
+    Restrict the current and future threads of the given processes to the given processors.
 
     A process that has ended, or that the grader may not change, is skipped.
 

@@ -1,9 +1,9 @@
 """
-Load the stored recording of some files in a scenario, or run and record them.
+Load the stored recording of some files in a scenario, or run the files and record the run.
 
 A recording depends only on the files, the scenario and the environment.  It is stored under a
-digest of the three, so equal files (such as the untouched stub of half a class) run once, grading
-again runs nothing, and an edited check is judged in milliseconds.
+digest of these three, so identical files (such as untouched stubs) run once, grading again runs
+nothing, and an edited check is judged in milliseconds.
 """
 
 from collections.abc import Callable, Mapping
@@ -33,7 +33,7 @@ class StoredRun:
     A recording, with its timing and the name of its file.
 
     :param timing: times of the run [s]; empty for a stored recording
-    :param name: name of its file; empty if the recording is not stored
+    :param name: file name of the recording; empty if it is not stored
     """
 
     recording: Recording
@@ -54,11 +54,11 @@ def load_or_record(
     """
     Return the recording of some files in the scenario of an exam.
 
-    :param files: relative path to text
-    :param recordings: folder in which recordings are stored; None stores nothing
+    :param files: text by relative path
+    :param recordings: folder for stored recordings; None to store nothing
     :param fresh: run even if a recording is stored
-    :param on_event: called with each event as it happens; not called for runs in ``place``
-    :param place: the workers that run the program; None runs it in this thread
+    :param on_event: called with each event as it happens; not called for runs on workers
+    :param place: the workers that run the program; None to run it in this thread
     :raises GraderError: if the grader failed
     """
     texts = (*files.values(), json.dumps(exam.scenario.to_json()))
@@ -100,9 +100,9 @@ def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
 
 def _run_with_retry(once: Callable[[], Outcome], builds: bool) -> Outcome:
     """
-    Run once; if the probe failed or something outside ended the run, repeat it once.
+    Run once; if the probe failed or something outside the sandbox ended the run, repeat it once.
 
-    A run for which the machine was too busy took ten minutes, and is not repeated.
+    A run that took ten minutes because the machine was too busy is not repeated.
     """
     with suppress(ProbeFailed):
         recording, timing = once()
@@ -113,16 +113,16 @@ def _run_with_retry(once: Callable[[], Outcome], builds: bool) -> Outcome:
 
 
 ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
-"""Signals with which people and systems end a process; a program's own errors cause others."""
+"""Signals that people and systems send to end a process; a program's own errors cause others."""
 
 
 def _may_have_been_ended(recording: Recording, builds: bool) -> bool:
     """
     Return whether another program may have ended the student's program or a compiler.
 
-    A program that kills itself does so again in the repeated run, which then counts.
+    A program that kills itself does so again when the run is repeated; the second run counts.
 
-    :param builds: whether the output may be a compiler's; a program chooses its own
+    :param builds: whether the output may come from a compiler; a program can print anything
     """
     process = recording.process
     if process.get('killed') or not process.get('exit'):
@@ -133,7 +133,7 @@ def _may_have_been_ended(recording: Recording, builds: bool) -> bool:
 
 
 def files_digest(files: Mapping[str, str]) -> str:
-    """Return the digest of a student's files that the header of a recording contains."""
+    """Return the digest of a student's files, as stored in a recording's header."""
     return _digest(json.dumps(sorted(files.items())))
 
 

@@ -36,7 +36,7 @@ class Place(Protocol):
         """
         Run one task; several threads may call this method at the same time.
 
-        :raises GraderError: if the workers failed; a task that fails returns an answer instead
+        :raises GraderError: if the workers failed; if the task fails, the answer says why
         """
 
 
@@ -45,7 +45,7 @@ def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mo
     Return one run as a task for a worker.
 
     :param scenario: made by :meth:`autograder.exam.scenario.Scenario.to_json`
-    :param files: the student's files, relative path to text
+    :param files: the student's files, text by relative path
     :param mode: the isolation mode to use
     """
     task = {'exam': exam, 'scenario': scenario, 'files': dict(files), 'mode': mode}
@@ -57,7 +57,7 @@ def parse_outcome(answer: bytes) -> tuple[Recording, dict[str, float]]:
     Read the answer of :func:`run_task`.
 
     :returns: the recording, and times of the run [s]
-    :raises GraderError: if the worker reported one; its class is the same if it is known here
+    :raises GraderError: if the worker reported a fault; a class from ``errors.py`` is preserved
     """
     found = json.loads(answer)
     if 'fault' in found:
@@ -112,7 +112,7 @@ def _sandbox(mode: str) -> Sandbox:
 
     if mode != full(os.geteuid() == 0):
         raise GraderError(
-            f'A worker refused the task: isolation {mode} does not work for its user.',
-            'Start all workers as root, or all as an ordinary user.',
+            f"A worker refused the task: isolation {mode} does not work for the worker's user.",
+            'Try: start all workers as root, or all as an ordinary user.',
         )
     return Sandbox(mode)

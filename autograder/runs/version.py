@@ -1,7 +1,7 @@
 """
 Compute digests of everything that affects how a program runs, to compare two machines.
 
-The project may be in different folders, but its files, its Python and its ROS must be the same.
+The project may be in a different folder on each machine, but its files, Python and ROS must match.
 A recording also contains readable versions (:func:`made_with`).
 """
 
@@ -32,9 +32,9 @@ RUNS_PROGRAMS = (
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')
 """Names of Python distributions that may contain rclpy."""
 GIT_S = 5.0
-"""Timeout of git; the commit is only informative, so a longer wait is not worthwhile."""
+"""Timeout for git; the commit is only informative, so a longer wait is not worthwhile."""
 FURTHER = 'packages of environment/messages.txt'
-"""Key of the extra message packages in a version; a run depends only on those that it names."""
+"""Key of the extra message packages in a version; a run depends only on packages that it names."""
 TASKS = 1
 """Version of the format of tasks and answers in :mod:`autograder.runs.task`."""
 
@@ -85,11 +85,11 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
 
 @lru_cache(maxsize=1)
 def made_with() -> Mapping[str, str]:
-    """Return the known versions of grader, Python and rclpy, for the headers of recordings."""
+    """Return the known versions of the grader, Python and rclpy, for the headers of recordings."""
     found = {'grader': commit(HERE.parent), 'python': platform.python_version()}
     for name in reversed(ROS_PACKAGES):
         with suppress(metadata.PackageNotFoundError):
-            found['rclpy'] = metadata.version(name)  # without importing it
+            found['rclpy'] = metadata.version(name)  # without importing rclpy
     return {name: text for name, text in found.items() if text}
 
 
@@ -97,7 +97,7 @@ def commit(root: Path) -> str:
     """
     Return the commit of a copy of the project, with a suffix if files have changed since.
 
-    :returns: empty if the folder is not a git repository, or if git is missing or fails
+    :returns: an empty string if the folder is not a git repository, or if git is missing or fails
     """
     if not (root / '.git').exists():  # otherwise git would describe an enclosing repository
         return ''
@@ -126,7 +126,7 @@ def _digest_of_grader() -> str:
 
 
 def _digest_of_settings(venv: Path) -> str:
-    """Return a digest of the ROS settings that does not depend on the names of folders."""
+    """Return a digest of the ROS settings that does not depend on folder names."""
     text = (venv / FILE_NAME).read_text(encoding='utf-8')
     share = Path(json.loads(text)['workspace'], 'share')
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
@@ -137,8 +137,8 @@ def _digest_of_settings(venv: Path) -> str:
 
 
 def _digest_of_packages(venv: Path) -> str:
-    """Return a digest of the installed ROS packages; empty for a sourced ROS."""
-    # Use the names of their folders, because reading the metadata of all packages takes seconds.
+    """Return a digest of the installed ROS wheels; a sourced ROS has none."""
+    # Use the folder names, because reading the metadata of all packages takes seconds.
     found = venv.glob('lib/python*/site-packages/ros_*.dist-info')
     packages = {path.name: path.name.removeprefix('ros_').partition('-')[0] for path in found}
     names = sorted(name for name, package in packages.items() if package not in _further(venv))

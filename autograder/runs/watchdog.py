@@ -1,5 +1,5 @@
 """
-Enforce the limits of a run: processor time, memory, files, output, and time without computing.
+Enforce the limits of a run: processor time, memory, files, output, and idle time.
 
 A busy machine makes a run longer, but does not change its result.  A run that takes more than ten
 minutes of real time is aborted, and the submission is for review.
@@ -13,15 +13,15 @@ from autograder.sandboxes.confinement import ConfinedProgram, Limits
 from autograder.sandboxes.processes import pss_bytes, states, usage, used_ns
 
 WATCH_EVERY_S = 0.05
-# Limit of processor time before the first node: imports take 0.3 s, and 1 s on a slow machine.
+# Processor time allowed before the first node: imports take 0.3 s, or 1 s on a slow machine.
 BUSY_S = 3.0
 # If the probe and the driver use this much more processor time than the program, a flood of
 # packets keeps them busy.
 PROBE_S = 10.0
 # Budgets of real time in which no process of the run computes: one until the program begins or its
 # package is built, one afterwards. A wait on the virtual clock takes no real time: at a load of 20
-# to 30 on two processors, correct samples used at most 0.1 s of their 5 s, and a program that
-# printed 7 MB used 0.2 s. Slow disks and a person who stops the probe use more.
+# to 30 on two processors, correct programs used at most 0.1 s of their 5 s, and a program that
+# printed 7 MB used 0.2 s. Slow disks use more, and so does a person who pauses the probe.
 PREPARING_S, IDLE_S = 20.0, 5.0
 MOST_WALL_S = 600.0  # real time after which the machine is too busy for a verdict
 
@@ -71,7 +71,7 @@ class Watchdog:
         student_ns, others_ns = used_ns(*self.student.pids), sum(map(used_ns, self.others))
         used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
         self.used_ns = student_ns + others_ns
-        # If the grader's own process was delayed, do not charge the program for the delay.
+        # If the grader's own process was delayed, do not count the delay as idle time.
         idle_s = min(self.looked - before, WATCH_EVERY_S) - used_s
         return (
             self._too_long(begun, others_ns / 1e9, idle_s)
@@ -101,13 +101,13 @@ class Watchdog:
 
     def _too_idle(self, begun: bool, idle_s: float) -> bool:
         """
-        Return whether no process has computed for too long, in the whole run.
+        Return whether the total time in which no process computed exceeds its budget.
 
-        Progress renews no budget: a program could alternate waits that the clock does not see with
-        short ones that it sees.
+        Progress does not renew a budget; otherwise, a program could alternate waits outside the
+        virtual clock with short waits on it.
 
         :param begun: whether a node has been seen
-        :param idle_s: real time since the last check, without the processor time of all processes
+        :param idle_s: real time since the last check, minus the processor time of all processes
         """
         everyone = (*self.student.pids, *self.others)
         if idle_s <= 0 or any(b'R' in states(pid) for pid in everyone):

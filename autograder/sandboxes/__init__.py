@@ -1,1 +1,1 @@
-"""Run student code in sandboxes with different isolation modes and with limits."""
+"""Run student code in sandboxes, with limits and one of several isolation modes."""

@@ -1,9 +1,9 @@
 """
 Choose the strongest isolation mode that works on this machine, or an accepted weaker one.
 
-A mode works only if a trial, which starts a program and a probe as a run does, finds everything
-that a run needs.  The program can use rclpy, it cannot read the grader's files, and its time is
-virtual.  The probe can enter the network of the program.
+A mode works only if it passes a trial, which starts a program and a probe as a run does.  The
+program must be able to use rclpy, must not be able to read the grader's files, and must have
+virtual time.  The probe must be able to enter the program's network.
 """
 
 import functools
@@ -33,7 +33,7 @@ def strongest(allow_weak: str = '') -> Sandbox:
 
     :param allow_weak: the weakest accepted mode of :data:`autograder.sandboxes.isolation.WEAK`;
         empty to require full isolation
-    :raises SandboxUnavailable: with the exact fix, and the weaker modes that the user may accept
+    :raises SandboxUnavailable: if no mode works, with the fix and the modes that could be accepted
     """
     root = os.geteuid() == 0
     refusals: dict[str, SandboxUnavailable] = {}
@@ -54,7 +54,7 @@ def usable(mode: str) -> Sandbox:
     """
     Return the sandbox of a mode, after a trial run.
 
-    :raises SandboxUnavailable: with the exact fix, if the mode does not work on this machine
+    :raises SandboxUnavailable: if the mode does not work on this machine, with the fix
     """
     sandbox = Sandbox(mode)
     what, fix = virtual_clock.refusal()
@@ -68,7 +68,7 @@ def usable(mode: str) -> Sandbox:
 
 
 def _missing(sandbox: Sandbox) -> tuple[str, str]:
-    """Return what the system lacks for a sandbox, and the fix; empty strings if nothing."""
+    """Return what the system lacks for a sandbox, and the fix; both empty if it lacks nothing."""
     if not landlock.filter_file().is_file():
         return landlock.NO_FILTER
     if sandbox.isolated:
@@ -77,8 +77,8 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
     needed = (*sandbox.ros.read_only, str(HERE / 'inside'))
     if sandbox.facts.root and (folder := landlock.closed_folder(needed)):
         return (
-            f'{folder} is closed to other users, and Python or the course is below it.',
-            f'Move them, or let other users in: chmod o+x {folder}',
+            f'{folder} is closed to other users, and Python or the course is in it.',
+            f'Move Python or the course, or let other users in: chmod o+x {folder}',
         )
     return landlock.refusal(sandbox.facts.root)
 
@@ -87,7 +87,7 @@ def try_out(sandbox: Sandbox) -> None:
     """
     Try to start a program and a probe as a run does, and to read the grader's files.
 
-    :raises SandboxUnavailable: if one of them does not start, reading succeeds, or time is real
+    :raises SandboxUnavailable: if one of them does not start, can read the files, or has real time
     """
     now = str(SYSTEM_TIME_NS / 1e9)
     program = Program((sandbox.ros.python, *TRIAL, __file__, now), INSIDE)
@@ -109,7 +109,7 @@ def try_out(sandbox: Sandbox) -> None:
         raise SandboxUnavailable(what, 'Try: run the same command again')
     if said == 'open':
         raise SandboxUnavailable(
-            f'Isolation {sandbox.mode} lets a program read grader files.', isolation.SECTION
+            f"Isolation {sandbox.mode} lets a program read the grader's files.", isolation.SECTION
         )
     if said == 'real':
         what = f'With isolation {sandbox.mode}, a program does not load the virtual clock: {error}'
@@ -120,7 +120,7 @@ def try_out(sandbox: Sandbox) -> None:
 
 
 def _answer(sandbox: Sandbox, confined: ConfinedProgram, clock: VirtualClock) -> tuple[str, str]:
-    """Start the probe, release the program, and return what it printed and its last error."""
+    """Start the probe, release the program, and return its output and its last error line."""
     probe = start_probe(sandbox, confined, clock.places[PROBE].fileno())
     clock.begin()
     confined.release()

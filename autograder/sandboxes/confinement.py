@@ -38,11 +38,11 @@ class Limits:
 
     def of_process(self, others: int = 0) -> dict[str, int]:
         """
-        Return the limits that the kernel enforces, with the names of setrlimit(2) in lower case.
+        Return the limits that the kernel enforces, named as in setrlimit(2) but in lower case.
 
         The watchdog enforces the limits that apply to all processes together.
 
-        :param others: processes and threads that the same uid already has, which the kernel counts
+        :param others: number of the uid's other processes and threads, which the kernel counts too
         """
         return {
             'nproc': self.processes + others,
@@ -50,7 +50,7 @@ class Limits:
             'fsize': self.folder,
             'core': 0,
             'nofile': 256,
-            'cpu': self.cpu_s + 5,  # higher than the watchdog's limit, which therefore acts first
+            'cpu': self.cpu_s + 5,  # higher than the watchdog's limit, which takes effect first
         }
 
     def argv(self, others: int = 0) -> list[str]:
@@ -65,7 +65,7 @@ class Program:
     A command to run in a sandbox, and the files that it can see.
 
     :param argv: the command, with paths inside the sandbox
-    :param binds: read-only files and folders, host path to sandbox path
+    :param binds: paths in the sandbox of read-only files and folders, by host path
     :param course_messages: whether the program can import the course's own message package
     :param variables: environment variables in addition to those of ROS
     """
@@ -84,15 +84,15 @@ class ConfinedProgram:
     :param process: the outermost process, which is the launcher if the mode has one
     :param gate: the grader's end of the program's standard input
     :param pid: host pid of the sandbox's first process; without namespaces, of ``process``
-    :param pidfd: descriptor of the process with that pid, safe against pid reuse
-    :param namespaces: open descriptors of the sandbox's namespaces that forks enter, by their
-        names in ``/proc``; for a plain user also ``user``, and ``nested``, the one in it
-    :param fork: host pid of a program that is a fork, else 0; then ``process`` is a launcher that
-        ends with the program's exit code
+    :param pidfd: descriptor of the process with that pid; it stays correct if the pid is reused
+    :param namespaces: open descriptors of the sandbox's namespaces that forks enter, by name in
+        ``/proc``; for a plain user also ``user``, and ``nested`` for the user namespace inside it
+    :param fork: host pid of the program if it is a fork, else 0; the ``process`` of a fork is a
+        launcher that ends with the program's exit code
     :param on_end: called when all processes have ended
     :param supervised: whether :mod:`autograder.inside.confine` ends the program's descendants
     :param home: the folder that the program may write to, None if it has its own file system
-    :param claimed: its ROS domain, None if it has its own network
+    :param claimed: the program's ROS domain, None if it has its own network
     :param released: whether the release was sent successfully
     :param ended_unread: whether the program ended before it read the release; the socket reports
         this only once
@@ -124,10 +124,10 @@ class ConfinedProgram:
 
     def held(self) -> bool:
         """
-        Return whether the program still waits, or ended before any line of the student ran.
+        Return whether the program still waits, or ended before any student code ran.
 
-        The kernel reports whether the byte in the socket was read, and no process inside can write
-        to the socket.  A pipe could be reopened through ``/proc`` and filled.
+        The kernel reports whether the byte in the socket was read, and no process inside can
+        change this.  A program could reopen a pipe through ``/proc`` and fill it.
         """
         unread = fcntl.ioctl(self.gate, termios.TIOCOUTQ, bytes(4))
         ended = self.gate.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
@@ -135,7 +135,7 @@ class ConfinedProgram:
         return not self.released or any(unread) or self.ended_unread
 
     def kill(self) -> None:
-        """End all processes inside, then the launcher; the other order could leave orphans."""
+        """End all processes inside, then the launcher; the reverse order could leave orphans."""
         try:
             if self.supervised:
                 # The supervisor ends all descendants, including daemons, and then itself.
@@ -171,7 +171,7 @@ class ConfinedProgram:
         return self.claimed.domain if self.claimed else 0
 
     def files(self) -> tuple[int, int]:
-        """Return the number of files that the program has created, and their size [bytes]."""
+        """Return the number and total size [bytes] of the files that the program has created."""
         if self.home is not None:
             return _tree(self.home)
         count = size = 0
@@ -195,7 +195,7 @@ def end_group(process: subprocess.Popen[bytes]) -> None:
     bubblewrap's inner process waits forever if the outer one dies before it sends the signal to
     continue.  Until the inner process has its own session, it is in this group.
 
-    :param process: leader of the group; it must not be reaped yet, or its pid may be reused
+    :param process: leader of the group, not yet reaped: a reaped pid may belong to another process
     """
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)

@@ -1,8 +1,8 @@
 """
 Keep processes that have rclpy loaded, and fork them to create the probe and the program of a run.
 
-:mod:`autograder.inside.forks` runs in these processes.  They serve one run at a time; further
-runs at the same time start further servers, which later runs use again.
+:mod:`autograder.inside.forks` runs in these processes.  Each serves one run at a time; runs in
+parallel start further servers, which later runs reuse.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ ENTER = 'CAP_SYS_ADMIN'  # capability to enter the network of a run: setns(2)
 @dataclass(frozen=True)
 class Loaded:
     """
-    A program that loads rclpy and then serves forks.
+    A program that loads rclpy and then forks on request.
 
     :param program: its command without arguments, and the files that it needs
-    :param boxed: whether it has its own file systems, network and processes; then its forks can
-        only enter the network of a run
+    :param boxed: whether the program has its own file systems, network and process ids; its forks
+        then enter only the network of a run
     """
 
     program: Program
@@ -54,7 +54,7 @@ class Fork:
     """
     A process of one run.
 
-    :param server: the process that forked it, and reports its exit code
+    :param server: the server that forked the process and reports its exit code
     :param pid: host process id
     """
 
@@ -66,9 +66,9 @@ class Fork:
 
 class ForkServer:
     """
-    A process that forks others, one at a time.
+    A process that forks other processes, one at a time.
 
-    :param sandbox: confines the forks, and a boxed server itself
+    :param sandbox: the sandbox that confines the forks and, if boxed, the server itself
     """
 
     def __init__(self, sandbox: Sandbox, loaded: Loaded) -> None:
@@ -89,7 +89,7 @@ class ForkServer:
         except ProbeFailed as error:
             end_group(self.process)
             said = self.process.communicate()[1].decode(errors='replace').strip().splitlines()
-            what = (said or ['no word'])[-1]
+            what = (said or ['no error message'])[-1]
             raise SandboxUnavailable(
                 f'The fork server did not start: {what}.', fix_for(what)
             ) from error
@@ -115,11 +115,11 @@ class ForkServer:
 
     def fork(self, order: Mapping[str, Any], given: int, others: Sequence[int]) -> Fork:
         """
-        Fork a process, which has not read anything from its standard input.
+        Fork a process, which has not yet read from its standard input.
 
         :param order: described in :mod:`autograder.inside.forks`
-        :param given: descriptor of the standard input
-        :param others: further descriptors for the order
+        :param given: descriptor of the fork's standard input
+        :param others: further descriptors to send with the order
         :raises ProbeFailed: if the fork could not confine itself, or the server has ended
         """
         pipes = [os.pipe() for _ in range(2)]
@@ -136,7 +136,7 @@ class ForkServer:
                     os.close(writing)
             said, pid = self._answer()
             if said != BORN:
-                why = outputs[1].read().decode(errors='replace').strip() or 'no word'
+                why = outputs[1].read().decode(errors='replace').strip() or 'no error message'
                 raise ProbeFailed(f'A fork could not be confined: {why}.')
         except BaseException:
             for output in outputs:
@@ -148,7 +148,7 @@ class ForkServer:
         """
         Wait for the exit code of the last fork and return it; None if the server has failed.
 
-        After a known exit code, the server is marked as idle, ready for the next run.
+        If the exit code is known, the server is marked as idle, ready for the next run.
         """
         try:
             code = int(self._answer()[0])
@@ -159,7 +159,7 @@ class ForkServer:
 
     def _answer(self) -> tuple[bytes, int]:
         """
-        Receive one message, and return it with the process id of its sender.
+        Receive one message, and return it with its sender's process id.
 
         :raises ProbeFailed: if no message arrives within 120 s, or the server has ended
         """
@@ -186,7 +186,7 @@ def _end(process: subprocess.Popen[bytes], channel: socket.socket) -> None:
 
 
 _idle: list[ForkServer] = []
-# The kernel ends a sandbox when the thread that started it ends. These threads never end.
+# The kernel ends a sandbox when the thread that started it ends. This pool's threads never end.
 _starters = ThreadPoolExecutor(thread_name_prefix='fork servers')
 
 
@@ -201,7 +201,7 @@ def free_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer:
 
 def load_together(sandbox: Sandbox, *all_loaded: Loaded) -> None:
     """
-    Start the missing servers at the same time, because each takes a third of a second.
+    Start the missing servers in parallel, because each takes a third of a second.
 
     :raises SandboxUnavailable: if a new server does not start
     """
@@ -216,8 +216,8 @@ def load_together(sandbox: Sandbox, *all_loaded: Loaded) -> None:
 
 
 def _idle_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer | None:
-    """Take an idle server out of the list; drop those of the same kind that have ended."""
-    for server in reversed(_idle.copy()):  # the pages of the last one are most likely in a cache
+    """Take an idle server from the list; drop servers of the same kind that have ended."""
+    for server in reversed(_idle.copy()):  # the last one's pages are most likely still cached
         if server.loaded == loaded:
             with suppress(ValueError):  # another thread has taken it
                 _idle.remove(server)

@@ -1,9 +1,9 @@
 """
 Start a student's program, where possible as a fork of a process that has rclpy loaded.
 
-bubblewrap creates the namespaces of the run, in which only a launcher runs.  The fork enters them
-and gives up its rights, so it is confined like a program that bubblewrap starts.  The launcher
-ends with the exit code of the fork, and its end ends the sandbox.
+bubblewrap creates the namespaces of the run, in which only a launcher runs.  The fork enters these
+namespaces and gives up its rights, so it is confined like a program that bubblewrap starts.  The
+launcher exits with the fork's exit code, and the sandbox ends with the launcher.
 """
 
 from dataclasses import replace
@@ -20,12 +20,12 @@ from autograder.sandboxes.processes import family
 from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
 
 LAUNCHER = ('sh', '-c', f'read code; exit "${{code:-{KILLED[1]}}}"')
-"""Waits for the program's exit code, and ends with it."""
+"""A command that waits for the program's exit code, and exits with the same code."""
 FURTHER = ('mnt', 'pid', 'ipc', 'uts', 'cgroup')
-"""Namespaces that only a program enters, not its probe."""
+"""Namespaces that a program enters but its probe does not."""
 INSIDE = {str(HERE / 'inside'): '/grader/inside'}
 FOLDER = '/tmp'
-# Positions on the virtual clock. If both are due at the same instant, the probe runs first.
+# Places on the virtual clock. If both processes are due at the same instant, the probe runs first.
 PROBE, STUDENT = 0, 1
 
 
@@ -40,19 +40,19 @@ def start_program(
     """
     Start the program of a run, which waits for :meth:`ConfinedProgram.release`.
 
-    :param program: Python, a script of the grader that serves forks or builds a package, and their
-        arguments
+    :param program: the command: Python, a script of the grader that forks on request or builds a
+        package, and their arguments
     :param home: an existing empty folder
     :param builds: whether the script builds a package first
     :raises SandboxUnavailable: if bubblewrap or a fork server does not start
-    :raises ProbeFailed: if the sandbox ends, or a fork could not confine itself
+    :raises ProbeFailed: if the sandbox has ended, or a fork could not confine itself
     """
     compile_code()
     place = clock.places[STUDENT].fileno()
     if sandbox.isolated and not builds:
         return _start_fork(sandbox, program, limits, home, place)
     # Packages are built in real time. After the build, run_package.py and build_package.py load
-    # the library of the virtual clock into the program that replaces them.
+    # the virtual clock's library into the program that replaces them.
     placed = clock.command(STUDENT, later=builds)
     program = replace(program, argv=(*placed, *program.argv))
     return sandbox.start(program, limits, home, (place,))
@@ -75,7 +75,7 @@ def _start_fork(
                 'argv': program.argv[2:],
                 'folder': FOLDER,
                 'variables': {**program.variables, 'PWD': FOLDER},
-                # The fork's parent, which reports its end, has the same uid.
+                # Add 1 for the fork's parent, which has the same uid.
                 'limits': limits.of_process(1 + sandbox.processes()),
                 'rules': {
                     'uid': throw_away_uid() if sandbox.facts.root else 0,
@@ -98,8 +98,8 @@ def _open_namespaces(confined: ConfinedProgram) -> list[int]:
     for kind in FURTHER:
         confined.namespaces[kind] = open_namespace(confined.pid, kind)
     if 'user' in confined.namespaces:
-        # The first one gives the right to enter the others. The launcher is in a nested one, in
-        # which it has its own uid and can create no further namespace.
+        # This user namespace gives the right to enter the other namespaces. The launcher is in a
+        # nested one, in which it has its own uid and cannot create further namespaces.
         launcher = [confined.pid, *family(confined.pid)][-1]
         confined.namespaces['nested'] = open_namespace(launcher, 'user')
     order = ('user', 'net', *FURTHER, 'nested')

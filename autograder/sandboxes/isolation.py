@@ -12,17 +12,17 @@ from pathlib import Path
 
 SHARED_NETWORK = (
     'the network is shared: a program can send to other programs on this machine and, over UDP, '
-    'to other machines; a program that finds its ROS domain can take part in its run'
+    'to other machines; any program that finds the ROS domain can take part in the run'
 )
 SHARED_USER = (
-    "the program runs as the grader's own user: it can change modes and dates of that user's "
-    "files, and it shares that user's limit of processes"
+    "the program runs as the grader's own user: it can change permissions and dates of that "
+    "user's files, and it shares that user's process limit"
 )
 SIGNALS = 'before Linux 6.12 the program can end processes of the same user, including the grader'
-NAMES = 'the program can see names and sizes of files, but cannot read them'
+NAMES = 'the program can see the names and sizes of files, but cannot read the files'
 EVERYTHING = (
     'nothing is hidden or protected from the program: it can use the files, programs and network '
-    'of the user; only limits of time and memory apply'
+    'of the user; only time and memory limits apply'
 )
 
 
@@ -33,7 +33,7 @@ class Mode:
 
     :param what: a description of the mode
     :param lacks: what the mode does not protect; empty for full isolation
-    :param keeps_secrets: whether programs cannot read hidden exams, so that these may be run
+    :param keeps_secrets: whether hidden exams may be run, because programs cannot read them
     :param root: whether the grader must be root (then the program gets a temporary uid) or must
         not be root
     :param namespaces: whether the program has separate file systems and a separate network
@@ -50,7 +50,7 @@ class Mode:
 
 MODES = {
     'bwrap-user': Mode('bubblewrap as a plain user', namespaces=True),
-    'bwrap-root': Mode('bubblewrap from root, with a throw-away user', root=True, namespaces=True),
+    'bwrap-root': Mode('bubblewrap as root, with a throw-away user', root=True, namespaces=True),
     'landlock-uid': Mode(
         'Landlock with a throw-away user', (SHARED_NETWORK, NAMES), root=True, landlock=True
     ),
@@ -89,7 +89,7 @@ def banner(mode: str) -> str:
     lines += [f'  - {lack}.' for lack in MODES[mode].lacks]
     if not MODES[mode].keeps_secrets:
         lines.append('  Only visible checks are run, and nothing is entered in the gradebook.')
-    return '\n'.join([*lines, '  Every result of this run mentions this.'])
+    return '\n'.join([*lines, '  Every result of this run mentions the weak isolation.'])
 
 
 # -- fixes ---------------------------------------------------------------------------------
@@ -114,7 +114,7 @@ FIX_CLONE = (
     'This kernel allows user namespaces only for root: sudo sysctl -w '
     'kernel.unprivileged_userns_clone=1.'
 )
-FIX_COUNT = 'This system allows no user namespace: sudo sysctl -w user.max_user_namespaces=15000.'
+FIX_COUNT = 'This system allows no user namespaces: sudo sysctl -w user.max_user_namespaces=15000.'
 FIX_CONTAINER = (
     'This container forbids what the sandbox needs: start it as a plain user, with '
     '--security-opt seccomp=grader.json --security-opt systempaths=unconfined '
@@ -158,7 +158,7 @@ class System:
 
 def fix_for(said: str, system: System | None = None) -> str:
     """
-    Return the fix for an error message of bubblewrap, or of a program in the sandbox.
+    Return the fix for an error message from bubblewrap, or from a program in the sandbox.
 
     :param said: the error message
     :param system: None for the running system

@@ -2,7 +2,7 @@
 Prepare the weaker isolation with Landlock: readable files, a free ROS domain, one run at a time.
 
 :mod:`autograder.inside.confine` applies the rules.  A rule opens a whole folder.  To keep a path
-inside closed (the course's own nodes are the solution), the rules open everything around it.
+in it closed (such as the course's own nodes, the solutions), the rules open all paths around it.
 """
 
 from collections.abc import Iterable, Iterator
@@ -43,7 +43,7 @@ def refusal(root: bool) -> tuple[str, str]:
         fix = 'Add landlock to the kernel parameter lsm=..., or use kernel 6.2 or newer.'
         return what, fix
     if not root and found < SAME_USER_FROM:
-        what = f'Landlock {found} cannot protect files against a program of the same user.'
+        what = f'Landlock {found} cannot protect files from a program of the same user.'
         return what, 'Use kernel 6.2 or newer.'
     return '', ''
 
@@ -67,7 +67,7 @@ def own_nodes(ros: RosEnvironment, course_messages: bool) -> set[Path]:
     Return the paths of the course's own nodes, which are the solutions of exercises.
 
     :param course_messages: whether the program may import the course's own message package; if
-        not, its whole workspace is returned
+        not, the whole workspace is returned
     """
     workspace = Path(ros.workspace).parents[1]
     if not course_messages:
@@ -98,7 +98,7 @@ def _around(path: Path, closed: set[Path]) -> Iterator[tuple[Path, bool]]:
     """
     Yield the paths to open so that everything below a path is open except the closed paths.
 
-    The second value is whether a path may be read with all its contents, or only listed.
+    The second value says whether a path may be read with all its contents, or only listed.
     """
     if path in closed:
         return
@@ -131,7 +131,7 @@ def claim_free_domain() -> Claim:
 @contextmanager
 def turn() -> Iterator[None]:
     """Wait until no other run of this user is active, because such runs share the network."""
-    # All gradings use the same lock file, although each has its own temporary folder.
+    # All grading runs use the same lock file, although each has its own temporary folder.
     common = os.environ.get('TMPDIR') or '/tmp'
     path = Path(common, f'ros2-course-runs-{os.geteuid()}.lock')
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
@@ -143,7 +143,7 @@ def turn() -> Iterator[None]:
 
 
 def threads_of_user() -> int:
-    """Return the number of threads of this user, which count for the limit of processes."""
+    """Return the number of this user's threads, which count towards the process limit."""
     count = 0
     for folder in glob('/proc/[0-9]*'):
         try:

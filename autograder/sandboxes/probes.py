@@ -1,11 +1,11 @@
 """
 Create a run's probe in the network of the student's sandbox, separate from the student's program.
 
-A probe is a fork of a process that has rclpy loaded.  As root, this process has its own sandbox.
+A probe is a fork of a process that has rclpy loaded.  For root, this process has its own sandbox.
 A plain user's probe enters the user namespace of the student's sandbox, in which no further
 namespace can be created.  There, Landlock confines the probe if the kernel supports it; otherwise,
-only limits and the system-call filter confine it.  Without isolation, the probe runs unconfined
-next to the student's program.
+only limits and the system-call filter do.  Without isolation, the probe runs unconfined next to
+the student's program.
 """
 
 import compileall
@@ -24,7 +24,7 @@ from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 CODE = {str(HERE / name): f'/grader/{name}' for name in ('probe', 'inside')}
-"""Folders of the grader that the fork server can read; ``inside`` is shared with the student."""
+"""Folders of the grader that the fork server can read; students' sandboxes have ``inside`` too."""
 START = '/grader/probe/fork_server.py'
 FILTER = '/grader/filter.bpf'
 LIMITS = Limits()
@@ -32,7 +32,7 @@ LIMITS = Limits()
 
 @cache
 def compile_code() -> None:
-    """Compile the files that fork servers load, because they cannot write bytecode."""
+    """Compile the files that fork servers load, because the servers cannot write bytecode."""
     for folder in CODE:
         compileall.compile_dir(folder, quiet=2)  # ignores folders that are not writable
 
@@ -41,12 +41,12 @@ class Probe:
     """
     The probe of one run.
 
-    :param fork: its process
-    :param stdin: descriptor of the pipe to its standard input
+    :param fork: the probe's process
+    :param stdin: descriptor of the pipe to the probe's standard input
     """
 
     def __init__(self, fork: Fork, stdin: int) -> None:
-        """Open the pipe, which is closed by :meth:`end`."""
+        """Open the pipe, which :meth:`end` closes."""
         self.fork, self.pid = fork, fork.pid
         self.pidfd = os.pidfd_open(fork.pid)
         self.stdin = os.fdopen(stdin, 'wb')
@@ -83,7 +83,7 @@ def start_probe(sandbox: Sandbox, student: ConfinedProgram, place: int) -> Probe
     Start a probe, which waits for its scenario.
 
     :param student: the program, which has not been released yet
-    :param place: the probe's socket for the virtual clock, a descriptor
+    :param place: descriptor of the probe's socket for the virtual clock
     :raises ProbeFailed: if the probe could not confine itself, or has ended
     :raises SandboxUnavailable: if the fork server does not start
     """

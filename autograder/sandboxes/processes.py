@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 import time
 
-# Ports of RTPS: 7400 + 250 x domain for discovery; 10 + 2 x N above that for participant N.
+# RTPS ports: 7400 + 250 x domain for discovery; 10 + 2 x N above that for participant N.
 FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
 FIRST_EPHEMERAL_PORT = 32768  # Linux assigns ports from here on to unbound sockets: ip(7)
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
@@ -19,7 +19,7 @@ PAGE = os.sysconf('SC_PAGESIZE')
 
 def states(*pids: int) -> bytes:
     """
-    Return the state of each thread of processes and their descendants, as one letter each.
+    Return one state letter for each thread of some processes and their descendants.
 
     R means running or waiting for a processor, D waiting for a disk, T stopped: proc(5).
 
@@ -41,7 +41,7 @@ def running(*pids: int) -> list[int]:
     """
     Return the pids of processes and their descendants that have not ended.
 
-    A process that has ended keeps its pid, as a zombie, until its parent asks for its exit code.
+    A process that has ended keeps its pid, as a zombie, until its parent reads the exit code.
 
     :param pids: host pids
     """
@@ -60,7 +60,7 @@ def used_ns(*pids: int) -> int:
 
 def ports(pid: int) -> set[int]:
     """
-    Return the UDP ports that the network of a process uses.
+    Return the UDP ports that are in use in the network of a process.
 
     :param pid: host pid
     """
@@ -105,12 +105,12 @@ def oom_kills() -> int:
 
 
 def ready_to_run() -> int:
-    """Return how many threads of the machine run or are ready to run."""
+    """Return how many threads on the machine are running or ready to run."""
     return _count('/proc/stat', b'procs_running')
 
 
 def _count(path: str, wanted: bytes) -> int:
-    # Read it whole: on a machine with hundreds of processors, /proc/stat is longer than 64 KiB.
+    # Read the whole file: with hundreds of processors, /proc/stat is longer than 64 KiB.
     for line in Path(path).read_bytes().splitlines():
         name, _, count = line.partition(b' ')
         if name == wanted:
@@ -122,7 +122,7 @@ def pss_bytes(*pids: int) -> int:
     """
     Return the memory of processes and their descendants; shared pages count once [bytes].
 
-    This is slower than :func:`usage`, so call it only if the sum of :func:`usage` is over a limit.
+    This is slower than :func:`usage`, so call it only if :func:`usage` exceeds a limit.
     """
     total = 0
     for current in family(*pids):
@@ -150,7 +150,7 @@ def family(*pids: int) -> Iterator[int]:
 
 
 def _read(path: str) -> bytes:
-    """Read a small file of ``/proc`` with little overhead; each check reads about twenty."""
+    """Read a small file of ``/proc`` with little overhead; a watchdog check reads about twenty."""
     file = os.open(path, os.O_RDONLY)
     try:
         return os.read(file, 1 << 16)
@@ -171,7 +171,7 @@ def usage(*pids: int) -> tuple[int, float]:
         except OSError:
             continue  # the process has ended
         fields = stat.rpartition(b')')[2].split()
-        # Fields of proc(5): utime, stime, both for reaped children, and the resident pages.
+        # Fields of proc(5): utime, stime, the same two for reaped children, and resident pages.
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE
     return resident, ticks / CPU_TICKS

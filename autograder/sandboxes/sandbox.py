@@ -5,11 +5,10 @@ Confine student code with bubblewrap in separate namespaces, or with weaker isol
 The two modes with full isolation give the student's process its own mount, pid, network, ipc and
 uts namespaces, a read-only system, temporary folders of limited size, resource limits and a
 system-call filter.  Hidden exams, the gradebook and other submissions do not exist in these
-namespaces.
-Bubblewrap starts with an almost empty environment, because a program inside can read that
-environment from ``/proc/1/environ``.
+namespaces.  Bubblewrap starts with an almost empty environment, because programs in the sandbox
+can read it from ``/proc/1/environ``.
 
-This module only builds command lines and queries the kernel; bubblewrap creates the namespaces.
+This module builds the command lines and starts bubblewrap, which creates the namespaces.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,7 +32,7 @@ HERE = Path(__file__).parents[1]
 NS_GET_USERNS = 0xB701  # ioctl_ns(2)
 HOME = '/tmp/home'
 READY = ('sh', '-c', 'echo >&0; exec "$@"', 'sh')
-"""Prefix of a command: reports that the file systems and the network are set up, then runs it."""
+"""Prefix of a command: report that the file systems and the network are set up, then run it."""
 READY_S = 120.0  # timeout, ten thousand times the usual duration
 FIRST_UID, UIDS = 1_000_000_000, 1_000_000_000
 
@@ -103,7 +102,7 @@ class Sandbox:
         read the command line.
 
         :param descriptors: options with descriptors, such as ``--info-fd N``
-        :param capabilities: kept by root, in addition to those for giving up its rights
+        :param capabilities: those that root keeps, in addition to those for giving up its rights
         """
         argv = ['--unshare-ipc', '--unshare-pid', '--unshare-uts', '--unshare-cgroup-try']
         argv += ['--unshare-net', '--cap-drop', 'ALL']
@@ -120,7 +119,7 @@ class Sandbox:
         return argv
 
     def command(self, program: Program, limits: Limits) -> list[str]:
-        """Return the command for bubblewrap: the program with its limits and, as root, a uid."""
+        """Return the command for bubblewrap: the program with its limits and, for root, a uid."""
         drop = []
         if self.facts.root:
             uid = str(throw_away_uid())
@@ -228,7 +227,7 @@ class Sandbox:
             if rules['uid']:
                 os.chown(home, rules['uid'], rules['uid'])
             launcher = str(HERE / 'inside' / 'confine.py')
-            # Do not use -I: Python must find the modules next to the launcher.
+            # Ignore site-packages and PYTHON*: the launcher needs only the standard library.
             argv = [self.ros.python, '-E', '-s', '-S', launcher, json.dumps(rules), *argv]
         gate, theirs = socket.socketpair()
         with theirs:
@@ -246,7 +245,7 @@ class Sandbox:
         """
         Return a program's command line and environment variables, with host paths.
 
-        :param limits: added to the command line; None adds no limits
+        :param limits: limits to add to the command line, None for no limits
         """
         inside = {guest: host for host, guest in program.binds.items()}
         variables = {
@@ -280,7 +279,7 @@ class Sandbox:
 
 def throw_away_uid() -> int:
     """
-    Return a temporary uid for one sandbox or probe, because the limit of processes is per uid.
+    Return a temporary uid for one sandbox or probe, because the process limit is per uid.
 
     The uid is random and not derived from the grader's pid: graders in two containers may have
     the same pid and share a kernel, which counts the processes of both.
@@ -312,12 +311,12 @@ def start_bwrap(
     """
     Start bubblewrap, and pass its options through a pipe.
 
-    :param fds: descriptors that it inherits
+    :param fds: descriptors that bubblewrap inherits
     :param pipes: arguments of :class:`subprocess.Popen` that replace those in :data:`PIPES`
     """
     listed, writing = os.pipe()
     try:
-        # The options have about 8 KB, and a pipe holds 64 KB without a reader.
+        # The options take about 8 KB, and a pipe holds 64 KB without a reader.
         os.write(writing, b'\0'.join(option.encode() for option in options) + b'\0')
         os.close(writing)
         argv = ['bwrap', '--args', str(listed), '--', *command]

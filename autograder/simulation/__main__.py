@@ -27,7 +27,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     parser = argparse.ArgumentParser(prog='python -m autograder.simulation')
     parser.add_argument('--files', type=Path, required=True, help='folder of the package')
-    parser.add_argument('--order', type=Path, required=True, help='what to run, as JSON')
+    parser.add_argument(
+        '--order', type=Path, required=True, help='JSON file that says what to run'
+    )
     parser.add_argument('--to', type=Path, required=True, help='file for the recording')
     chosen = parser.parse_args(arguments)
     try:

@@ -35,7 +35,7 @@ class Order:
     :param file: node file
     :param seconds: how long to run, in virtual time from the start of the program [s]
     :param inputs: messages to send; messages with the same time are sent as a burst
-    :param late: full topic name to the time at which an additional subscription joins [s]
+    :param late: time at which an additional subscription joins [s], by full topic name
     :param arguments: arguments of the program, after ``--ros-args``
     """
 
@@ -54,14 +54,14 @@ def order_of(
     arguments: Sequence[str] = (),
 ) -> Order:
     """
-    Return the order for the arguments that a user wrote.
+    Return the order for a user's arguments.
 
     :param file: node file
     :param seconds: how long to run, in virtual time from the start of the program [s]
-    :param inputs: topic to pairs of a time [s] and a message, which may be a dict of its fields
-    :param late: topic to the time at which an additional subscription joins it [s]
+    :param inputs: pairs of a time [s] and a message (or a dict of its fields), by topic
+    :param late: time at which an additional subscription joins [s], by topic
     :param arguments: arguments of the program, after ``--ros-args``
-    :raises UsageError: if an argument has a different form, or a time is invalid
+    :raises UsageError: if an argument has a wrong form, or a time is invalid
     """
     try:
         sent = [
@@ -83,7 +83,7 @@ def order_of(
     times = [(f'inputs of {one.topic}', one.at_s) for one in sent]
     times += [(f'late {topic}', at_s) for topic, at_s in joins.items()]
     for where, at_s in times:
-        if not 0 <= at_s <= order.seconds:  # nor NaN
+        if not 0 <= at_s <= order.seconds:  # also refuses NaN
             raise UsageError(
                 f'{where}: expected a time from 0 to {order.seconds:g} s, got {at_s}.'
             )
@@ -94,7 +94,7 @@ def _input(topic: str, at_s: float, message: Any) -> Input:
     if isinstance(message, Mapping):
         return Input(float(at_s), _full(topic), _plain(message))
     if not hasattr(message, 'get_fields_and_field_types'):
-        raise TypeError(f'{message!r} is neither a message nor a dict of its fields')
+        raise TypeError(f'{message!r} is neither a message nor a dict of fields')
     package, kind = type(message).__module__.split('.')[:2]
     name = f'{package}/{kind}/{type(message).__name__}'
     return Input(float(at_s), _full(topic), _plain(message), name)

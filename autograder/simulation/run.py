@@ -22,11 +22,11 @@ LOOK_S = 2.0
 MAX_RUNS = 3
 """Maximum number of full runs; a run is repeated if the program created a new topic in it."""
 JOIN_NS = 200_000_000
-"""Time that a late subscription needs to connect, in which no input can be sent [ns]."""
+"""Time that a late subscription needs to connect, during which no input can be sent [ns]."""
 MARGIN_NS = 1_000_000
 """Time to listen beyond the end, so that events exactly at the end are recorded [ns]."""
 _looks: dict[str, Recording] = {}
-"""First runs of this process, because several tests often run the same program."""
+"""Recordings of first runs, kept because several tests often run the same program."""
 _MESSAGE = re.compile(r'^\w+/msg/\w+$')
 
 
@@ -34,7 +34,7 @@ def record(order: Order, files: Mapping[str, str], sandbox: Sandbox) -> Recordin
     """
     Run a program in a sandbox on the virtual clock.
 
-    :param files: relative path to text, including the node file
+    :param files: text by relative path, including the node file
     :returns: the recording for :func:`autograder.simulation.result.read_simulation`; if the run
         exceeded a limit, the recording ends at that time
     :raises UsageError: if an input cannot be sent, or a topic is missing
@@ -74,7 +74,7 @@ def planned(order: Order, before: Scenario, seen: Recording) -> Scenario:
 
     :param before: the scenario of the previous run
     :param seen: the recording of the previous run, which shows the program's topics
-    :raises UsageError: if the program does not have a topic of the order
+    :raises UsageError: if the program does not have a topic that the order names
     """
     watch = {**before.watch, **_types(seen, 'publisher')}
     begins = seen.of('graph', when='start')
@@ -101,13 +101,13 @@ def _timed(now_ns: int, moments: Sequence[tuple[int, Feed | Join]], end_ns: int)
     """
     Yield the steps with the waits between them.
 
-    :raises UsageError: if a time is before ``now_ns`` or during the join of a subscription
+    :raises UsageError: if a time is before ``now_ns``, or while a subscription is joining
     """
     for at_ns, step in moments:
         if at_ns < now_ns:
             raise UsageError(
                 f'{step.topic}: expected a time of at least {now_ns / 1e9:g} s, got '
-                f'{at_ns / 1e9:g} s. Earlier, the program or a late subscription is connecting.'
+                f'{at_ns / 1e9:g} s. Until then, the program or a subscription is connecting.'
             )
         if at_ns > now_ns:
             yield Advance((at_ns - now_ns) / 1e9)
@@ -141,11 +141,11 @@ def _join(topic: str, seen: Recording) -> Join:
 
 def _unknown_topic(does: str, topic: str, known: Mapping[str, str]) -> UsageError:
     close = get_close_matches(topic, known, n=1, cutoff=0.6)
-    fix = f'Try: {close[0]}' if close else f'Known: {", ".join(sorted(known)) or "none"}.'
+    fix = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(known)) or "none"}.'
     return UsageError(f'{topic}: the program never {does} this topic.', fix)
 
 
 def _types(recording: Recording, kind: str) -> dict[str, str]:
-    """Return the types of the program's topics by their names, without topics of actions."""
+    """Return the types of the program's topics by name, without the topics of actions."""
     ends = recording.endpoints(kind)
     return {end['topic']: end['type'] for end in ends if _MESSAGE.match(end['type'])}

@@ -56,10 +56,10 @@ def run_program(
 
 def files_of(program: str | os.PathLike[str]) -> tuple[str, dict[str, str]]:
     """
-    Return the name of a program's file, and the texts of all files that it needs.
+    Return the name of a program's file, and the contents of all files that the program needs.
 
-    The program can import the modules next to its file by their names, and as modules of a package
-    with the name of the folder.
+    The program can import the modules next to its file by name, and as modules of a package with
+    the name of the folder.
 
     :param program: a Python file, or an entry point such as ``my_package.my_node:main``
     :raises UsageError: if the file or module does not exist

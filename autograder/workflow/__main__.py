@@ -33,7 +33,7 @@ from autograder.workflow.report import Checked, classroom_result, error_commands
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """
-    Run the checks, print the annotations, and write summary and points for GitHub.
+    Run the checks, print the annotations, and write the summary and the points for GitHub.
 
     :returns: the exit code
     """
@@ -57,7 +57,7 @@ def checked(layout: Layout, lessons: Sequence[str], sandbox: Sandbox) -> Iterato
     """
     Yield the outcome of each exam; an exercise that was not attempted is not run.
 
-    :raises GraderError: for a fault of the grader
+    :raises GraderError: if the grader failed
     """
     for lesson in lessons:
         if exams := catalog.for_assignment(lesson, hidden=False):
@@ -92,7 +92,7 @@ def _of_notebook(
 
 
 def _unwritten(name: str, exam: Exam, sandbox: Sandbox, problems: tuple[str, ...] = ()) -> Checked:
-    """Return an exam without points; nothing is run, because there is no file."""
+    """Return an outcome without a run and without points, because there is no file."""
     result: ExamResult = examine(exam, {}, sandbox=sandbox)
     return Checked(name, '', '', False, result, problems)
 
@@ -102,7 +102,7 @@ def _lines(problems: Sequence[Problem]) -> tuple[str, ...]:
 
 
 def _append(variable: str, text: str) -> None:
-    """Append to the file that GitHub names in a variable; without one, print nothing."""
+    """Append text to the file that GitHub names in a variable; without a file, do nothing."""
     if path := os.environ.get(variable):
         with Path(path).open('a', encoding='utf-8') as file:
             file.write(text)

@@ -1,9 +1,9 @@
 """
-Write results in the forms that GitHub reads.
+Write results in the formats that GitHub reads.
 
 * a workflow command per failed check, which GitHub shows at a file and line;
 * a job summary in Markdown;
-* the result that GitHub Classroom's reporter adds up, as Base64 of JSON.
+* the result that GitHub Classroom's reporter adds up, as Base64-encoded JSON.
 
 Students wrote parts of the text, so it is escaped: a line of their output must not become a
 workflow command, and no text may become markup.
@@ -33,7 +33,7 @@ class Checked:
     :param text: content of the file
     :param source: text of the answer cell, empty if it is missing
     :param attempted: whether the answer was written; otherwise nothing was run
-    :param result: without a run, its checks have no points
+    :param result: the exam's result; without a run, the checks have no points
     :param problems: what is wrong with the cells, one line each
     """
 
@@ -79,7 +79,7 @@ def summary(found: Sequence[Checked]) -> str:
         points = f'{number(one.result.points)} of {number(one.result.max_points)}'
         parts += [f'## {_safe(one.result.exam)}: {points}', '']
         if not one.attempted:
-            parts += [f'Not written yet, in `{one.file}`.', '']
+            parts += [f'The answer in `{one.file}` is not written yet.', '']
             continue
         parts += ['| check | result | points | why |', '|---|---|---:|---|']
         for check in one.result.checks:
@@ -92,7 +92,7 @@ def summary(found: Sequence[Checked]) -> str:
 
 
 def classroom_result(found: Sequence[Checked]) -> str:
-    """Return the result that GitHub Classroom's reporter reads, in one line."""
+    """Return the result that GitHub Classroom's reporter reads, as one line."""
     tests = [
         {
             'name': printable(f'{one.result.exam}: {check.title}'),
@@ -119,7 +119,7 @@ def _points(found: Sequence[Checked]) -> str:
 
 
 def _cell_line(check: CheckResult) -> int:
-    """Return the line of the cell that the cause or the observation names, else 1."""
+    """Return the line of the cell that the cause or the observation names, or 1."""
     match = LINE.search(check.cause) or LINE.search(check.observed)
     return int(match[1]) if match else 1
 
@@ -136,7 +136,7 @@ def _command(one: Checked, line: int, title: str, message: str) -> str:
 
 
 def _data(text: str) -> str:
-    """Return the text of a workflow command in one line."""
+    """Return a string, escaped for a workflow command on one line."""
     text = printable(text).replace('%', '%25')
     return text.replace('\r', '%0D').replace('\n', '%0A')
 
@@ -146,7 +146,7 @@ def _property(text: str) -> str:
 
 
 def _safe(text: str) -> str:
-    """Return a text as one cell of a Markdown table."""
+    """Return a string, escaped for one cell of a Markdown table."""
     plain = html.escape(printable(text), quote=False)
     marked = re.sub(r'([\\`*_{}\[\]()#+!|~@])', r'\\\1', plain)
     return marked.replace('\n', '<br>')

@@ -108,7 +108,7 @@ class TestRefusals:
 
     def test_two_kinds_of_users_are_refused(self):
         """A recording names only one isolation mode."""
-        with pytest.raises(ClusterUnavailable, match='bwrap-root, others with bwrap-user'):
+        with pytest.raises(ClusterUnavailable, match='bwrap-root, other workers use bwrap-user'):
             mode_of_all({'tcp://a': self.said(), 'tcp://b': self.said(mode='bwrap-root')})
 
     def test_a_worker_says_what_it_is(self):

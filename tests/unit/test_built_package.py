@@ -140,7 +140,7 @@ def test_what_a_build_prints_is_not_believed(line):
 def test_a_failed_build_says_what_is_wrong():
     check = first_check(98, 'CMake Error: something odd', {'CMakeLists.txt': ''})
 
-    assert check.expected == 'a package that colcon builds'
+    assert check.expected == 'a package that colcon can build'
     assert check.cause
 
 

@@ -138,7 +138,7 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
     [
         ('Function not implemented', None, True, 'no Landlock (Function not implemented)'),
         ('Operation not supported', None, False, 'no Landlock (Operation not supported)'),
-        ('', 2, False, 'cannot protect files against a program of the same user'),
+        ('', 2, False, 'cannot protect files from a program of the same user'),
         ('', 2, True, ''),
         ('', 3, False, ''),
     ],

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize(
     ('text', 'said'),
     [
-        ('name = ', 'this is not valid TOML: '),
+        ('name = ', 'cannot be read as TOML: '),
         ("nmae = 'x'", "unknown name 'nmae'"),
         ('work = 3', 'expected a string for work, got 3'),
         ("messages = 'x'", "expected a table for messages, got 'x'"),
@@ -74,9 +74,7 @@ class TestHere:
     def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
         """The refusal prevents the grading of a different course."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
-        with pytest.raises(
-            GraderError, match=f'this is not the folder of a course; it has no {FILE}'
-        ):
+        with pytest.raises(GraderError, match=f'this is not a course folder; it has no {FILE}'):
             Layout.here()
 
     def test_it_is_the_one_around_the_folder(self, tmp_path, monkeypatch):
@@ -88,7 +86,7 @@ class TestHere:
         assert Layout.here().root == ROOT
         monkeypatch.setattr(layout, 'PROJECT', tmp_path)
         with pytest.raises(
-            GraderError, match=f'{inside}: this is not the folder of a course; it has no {FILE}'
+            GraderError, match=f'{inside}: this is not a course folder; it has no {FILE}'
         ):
             Layout.here()
         (tmp_path / FILE).touch()

@@ -84,7 +84,7 @@ def test_program_that_ends_at_once_gets_no_inputs():
     [
         (
             {'inputs': {'inn': [(1, {})]}},
-            'the program never subscribes to this topic. Try: /in',
+            'the program never subscribes to this topic. Did you mean /in?',
         ),
         ({'late': {'in': 1}}, '/in: the program never publishes on this topic. Known: /out.'),
         ({'inputs': {'in': [(0.5, {})]}}, 'expected a time of at least 0.63 s, got 0.5 s'),
@@ -163,7 +163,7 @@ def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
     run = recorded()
 
     assert run.times('/out') == []
-    with pytest.raises(KeyError, match=r'/outt: the program has no publisher there.*/out'):
+    with pytest.raises(KeyError, match=r'/outt: the program has no such publisher.*/out'):
         run.times('outt')
 
 

@@ -89,7 +89,7 @@ def test_classroom_adds_up_the_points_of_all_checks():
     assert [one['score'] for one in data['tests']] == [2, 0, 0]
     assert [one['status'] for one in data['tests']] == ['pass', 'fail', 'fail']
     assert len(list(error_commands(found))) == 1
-    assert 'Not written yet, in `notebooks/a.ipynb`.' in summary(found)
+    assert 'The answer in `notebooks/a.ipynb` is not written yet.' in summary(found)
     assert summary(found).startswith('# 2 of 7 points')
 
 

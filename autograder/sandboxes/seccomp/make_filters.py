@@ -1,12 +1,12 @@
 """
 Write the system-call filters that every sandbox loads, one file per processor family.
 
-This is a tool for developers.  It needs libseccomp and ``pip install pyseccomp``; the grader only
-reads the files that it writes.  After a change, run
+This tool for developers needs libseccomp and pyseccomp (``pip install pyseccomp``).  The grader
+only reads the filters.  After a change, run
 ``python autograder/sandboxes/seccomp/make_filters.py`` and commit this file and the filters.
 
 The filter is the last layer, after namespaces, dropped capabilities and resource limits.  It
-blocks the following, which those layers leave open (tested with real rclpy nodes inside):
+blocks the following, which the other layers allow (tested with real rclpy nodes):
 
 * new namespaces and mounts (as root, there is no user namespace that forbids them),
 * socket families that a network namespace does not isolate, such as AF_VSOCK,
