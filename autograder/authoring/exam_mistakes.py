@@ -2,8 +2,8 @@
 Find mistakes in an exam before a class is graded; report each mistake in one line.
 
 An exam validates its own scenario when it is created, for example that each step names a known
-topic.  ``release check`` and ``self-check`` test the rest: checking that message types exist and
-can hold the values needs an installed ROS, and checking the sections to read needs the lessons.
+topic.  ``release check`` and ``self-check`` test the rest: whether message types exist and can
+hold the values (this needs an installed ROS), and whether the sections to read exist.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
-ADVICE = 'Try: correct it, or add the missing package to environment/messages.txt'
+ADVICE = 'Try: correct the exam, or add the missing package to environment/messages.txt'
 _ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
 
@@ -68,7 +68,7 @@ def unsendable(exams: Iterable[Exam]) -> list[str]:
         check=False,
     )
     if done.returncode:
-        said = (done.stderr.splitlines() or ['no reason'])[-1]
+        said = (done.stderr.splitlines() or ['no reason given'])[-1]
         raise GraderError(f'{ros.python}: cannot use ROS: {said}.', 'Try: make doctor')
     return [
         f'{place}: {problem}. {ADVICE}'
@@ -127,8 +127,8 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
     """
     Return what is wrong with a section to read, empty if the section exists.
 
-    :param section: such as ``Part 2: Names``, ``lesson 02, When a timer ticks``, or, without a
-        heading, ``lesson 02, on clocks``
+    :param section: section to read, such as ``Part 2: Names``, ``lesson 02, When a timer ticks``
+        or, without a heading, ``lesson 02, on clocks``
     :param lesson: the lesson to search if the section names no lesson
     """
     heading = section
@@ -147,7 +147,7 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
 
 
 def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
-    """Return the headings of every readable lesson in a folder, by the name of its own folder."""
+    """Return the headings of every readable lesson in a folder, by the lesson's folder name."""
     from autograder.submission.notebook import read_release
 
     found: dict[str, AbstractSet[str]] = {}

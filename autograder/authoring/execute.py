@@ -1,8 +1,8 @@
 """
 Execute the solved lessons: ``python -m autograder.authoring.execute [LESSON ...]``.
 
-A lesson that ends without an error gets the ROS release and the date in its metadata, from where
-the release copies them into the lesson's contents.
+If a lesson ends without an error, the ROS release and the date are stored in its metadata, and the
+course's release copies them into the lesson's contents.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from autograder.submission.outline import FACTS
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 
 CELL_TIMEOUT_S = 400
-"""Longer than a build of messages, which may take 300 s."""
+"""Time limit of a cell, longer than a build of messages, which may take 300 s [s]."""
 
 
 def executed(path: Path, **more: Any) -> NotebookNode:
@@ -44,7 +44,7 @@ def executed(path: Path, **more: Any) -> NotebookNode:
             resources={'metadata': {'path': folder}},
             **more,
         )
-        asyncio.run(client.async_execute())  # execute() leaves the event loop of a thread open
+        asyncio.run(client.async_execute())  # execute() leaves an event loop open
     return notebook
 
 
@@ -59,7 +59,7 @@ def execute(path: Path) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Execute all or the named lessons; return 0 if all of them ended without an error, else 1."""
+    """Execute the named lessons, or all; return 0 if all ended without an error, else 1."""
     parser = argparse.ArgumentParser(
         prog='python -m autograder.authoring.execute', description=__doc__
     )

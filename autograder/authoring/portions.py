@@ -3,7 +3,7 @@ Measure the length of a lesson's cells: words per text cell and lines per code c
 
 Well-known notebooks that learners like have 30 to 50 words per text cell and 1 to 5 lines per code
 cell; notebooks that learners abandon have long texts and code cells of 90 lines.  ``release
-check`` prints the figures of each lesson and rejects lessons outside the range.
+check`` prints the figures of each lesson and rejects lessons outside these ranges.
 """
 
 from collections.abc import Iterator

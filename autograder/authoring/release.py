@@ -1,8 +1,8 @@
 """
 Check and release the course: ``python -m autograder.authoring.release check | release``.
 
-``check`` verifies that the committed files agree; ``release`` generates ``notebooks/``, checks the
-course, and packs the students' copy.
+``check`` verifies that the committed files are consistent; ``release`` generates ``notebooks/``,
+checks the course, and packs the students' copy.
 """
 
 import argparse
@@ -80,7 +80,7 @@ def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:
 
 
 def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterator[str]:
-    """Yield one line for each grade id in ``seen``; add the others, with their notebook."""
+    """Yield one line for each grade id already in ``seen``; add all others with their notebook."""
     for cell in notebook['cells']:
         grade_id = marks_of(cell).get('grade_id')
         if grade_id in seen:
@@ -151,13 +151,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for path in lesson_files(layout.solutions):
                 print(portions(read_release(path)).line(path.parent.name))
             lines = check(layout)
-            print('\n'.join(lines) or 'The notebooks and the exams fit together.')
+            print('\n'.join(lines) or 'The notebooks and the exams agree.')
             return 1 if lines else 0
         if not (assignments := generate(layout, layout.notebooks)):
             raise GraderError(f'{layout.solutions}: expected ASSIGNMENT/NOTEBOOK.ipynb, got none.')
         if lines := check(layout):
             print('\n'.join(lines))
-            said = 'course: nothing was packed. Try: fix this, then make release'
+            said = 'course: not packed. Try: fix these mistakes, then make release'
             print(said, file=sys.stderr)
             return 1
         bundle = layout.work / 'student_bundle.zip'

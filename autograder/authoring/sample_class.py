@@ -32,7 +32,7 @@ from autograder.submission.reading import read_file
 from autograder.submission.submission import rebuild
 
 DAMAGES = ('', 'renamed_cell', 'duplicated_cell', 'truncated', 'not_a_notebook')
-"""Kinds of damage to a whole notebook; ``not_a_notebook`` replaces it by a web page."""
+"""Kinds of damage to a whole notebook; ``not_a_notebook`` replaces it with a web page."""
 NOT_A_NOTEBOOK = (
     b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
 )
@@ -57,7 +57,7 @@ def damaged(notebook: Notebook, damage: str) -> bytes:
             source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
             cells.insert(place + 1, {**cell, 'source': source})
     data = (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
-    # A full disk truncates a file.
+    # Truncate the file as a full disk would.
     return data[: len(data) * 2 // 3] if damage == 'truncated' else data
 
 
@@ -76,7 +76,7 @@ def expected_of(sample: Path) -> dict[str, Any]:
     """Return the content of a sample submission's ``expected.json``."""
     data = json.loads((sample / 'expected.json').read_text(encoding='utf-8'))
     if not isinstance(data, dict):
-        raise GraderError(f'{sample.name}/expected.json: expected an object.')
+        raise GraderError(f'{sample.name}/expected.json: expected a JSON object.')
     return data
 
 
@@ -97,7 +97,7 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
             return Path(folder, assignment, layout.release(assignment).name).read_bytes()
     if damage not in DAMAGES:
         raise GraderError(
-            f'{sample.name}/expected.json: notebook is {damage!r}.',
+            f'{sample.name}/expected.json: unknown value {damage!r} of notebook.',
             f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
         )
     solution = read_release(layout.solutions / assignment / layout.release(assignment).name)

@@ -1,5 +1,5 @@
 """
-Test the grader on this machine: the reference solution must pass, the bare release must fail.
+Test the grader on this machine: the reference solution must pass, the untouched release must fail.
 
 The set-up runs this test as its last step; authors run it after they edit an exam.  The recordings
 are stored, so a later grading can use them.

@@ -97,10 +97,10 @@ def pack(layout: Layout, bundle: Path, answers: bool = False) -> int:
 
 def answer_files(layout: Layout) -> dict[str, bytes]:
     """
-    Return the worked answers of each lesson with exercises, by their name in the copy.
+    Return the worked answers of each lesson with exercises, by file name in the students' copy.
 
-    Only exercises whose visible checks give all points have one: others, such as the questions of
-    lesson 09, pass with wrong answers, and the worked answer would then be a key.
+    An exercise has one only if its visible checks give all points.  Others, such as the questions
+    of lesson 09, pass with wrong answers, and a worked answer would give the right ones away.
     """
     found = {}
     for path in lesson_files(layout.solutions):

@@ -1,7 +1,7 @@
 """
 Store the deliveries that ``collect`` saw in a source, and find students without a submission.
 
-Platforms accept feedback only under the names that they gave to files, which contain the
+Platforms accept feedback only under the file names that they generated, which contain the
 platform's own numbers.  A delivery that could not be collected is stored until a submission of
 that student is collected.  Otherwise a file in the wrong format would appear only in the table of
 one collection, and later reports could not explain why the student is missing.
@@ -51,7 +51,7 @@ class NotCollected:
 
     @property
     def reason(self) -> str:
-        """Return why it was not collected, with the time of delivery."""
+        """Return why the work was not collected, with the time of delivery."""
         if self.why == NOTHING:
             return f'{NOTHING}.'
         when = f' (handed in {self.handed_in} UTC)' if self.handed_in else ''
@@ -59,11 +59,11 @@ class NotCollected:
 
 
 Deliveries = Mapping[tuple[str, str], Delivered]
-"""By assignment and student id."""
+"""Collected notebooks by assignment and student id."""
 
 
 def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
-    """Return the names of the last collected deliveries; nothing if their file is damaged."""
+    """Return the saved deliveries; empty if their file is missing or damaged."""
     try:
         return {
             (str(assignment), str(student)): Delivered(str(one['kind']), str(one['place']))
@@ -76,10 +76,10 @@ def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
 
 def save_delivered(layout: Layout, found: Deliveries, without: str = '') -> None:
     """
-    Save names; a new delivery of a student replaces the old one.
+    Save deliveries; a student's new delivery replaces the old one.
 
-    :param without: a student whose names are removed
-    :raises OSError: if they cannot be written
+    :param without: a student whose deliveries are removed
+    :raises OSError: if the file cannot be written
     """
     known = read_delivered(layout)
     kept = {key: one for key, one in {**known, **found}.items() if key[1] != without}
@@ -92,7 +92,7 @@ def save_delivered(layout: Layout, found: Deliveries, without: str = '') -> None
 
 
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
-    """Return the entries of students whose work has not been collected since."""
+    """Return the saved entries of students whose work has not been collected since then."""
     try:
         kept = [NotCollected(**one) for one in read_json(layout.not_collected) or ()]
         return tuple(one for one in kept if not _has_submission(layout, one))

@@ -21,7 +21,7 @@ class InUseError(GraderError):
 @contextmanager
 def lock_course(layout: Layout, what: str) -> Iterator[None]:
     """
-    Lock the course for this process, and remove files that a killed grading left unfinished.
+    Lock the course for this process, and remove files that a killed command left unfinished.
 
     The kernel releases the lock when the process ends, even if it is killed.  The text in the lock
     file only describes the process.
@@ -36,7 +36,7 @@ def lock_course(layout: Layout, what: str) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            holder = os.pread(lock, 200, 0).decode(errors='replace') or 'another one'
+            holder = os.pread(lock, 200, 0).decode(errors='replace') or 'name unknown'
             raise InUseError(
                 f'{path}: another command is writing to this course: {holder}.',
                 'Try: wait until it ends, or stop it with Ctrl-C in its terminal',

@@ -1,5 +1,5 @@
 """
-Show results: one HTML page per student, two of the class, and a table in the terminal.
+Show results: one HTML page per student, two for the class, and a table in the terminal.
 
 ``index.html`` lists the students; ``class.html`` shows the distribution of marks, failed checks
 and their causes.  Names, messages and log lines come from students.  So the pages escape all text,
@@ -75,7 +75,7 @@ def write_reports(
 
     :param folder: folder that receives ``<assignment>/index.html`` and ``<assignment>/students/``
     :param people: names by student id, for the index; a student's own page shows no name
-    :param missing: the work that could not be collected
+    :param missing: the students without a submission to grade
     :returns: path of the index page
     """
     pages = folder / assignment
@@ -115,7 +115,7 @@ def class_page(
     people: Mapping[str, str] = NOBODY,
     missing: Sequence[NotCollected] = (),
 ) -> str:
-    """Return the page of a class as HTML; ``people`` are names by student id."""
+    """Return the page of a class as HTML; ``people`` maps student ids to names."""
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:
         by_exam.setdefault(check.exam, []).append(check)
@@ -150,7 +150,7 @@ def _common(
 
 
 def _labels(marks: Marks) -> list[tuple[str, int]]:
-    """Return the range of points of each bar, as text, and the number of its submissions."""
+    """Return the range of points of each bar, as text, and its number of submissions."""
     *lower, last = marks.rows()
     rows = [(f'{low} to below {high}', count) for low, high, count in lower]
     return [*rows, (f'{last[0]} to {last[1]}', last[2])]

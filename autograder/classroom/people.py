@@ -3,9 +3,9 @@ Read the class list, the extensions, and the names of students whose id is a num
 
 The first two are CSV files that the instructor writes in the work folder; each is optional.
 ``class_list.csv`` has the columns ``student`` and, optionally, ``name``.  ``extensions.csv`` has
-``student``, ``assignment`` and ``hours``; an empty assignment means all of them.  Other columns
-are ignored, so that downloads of learning platforms need only a renamed column.  ``collect`` saves
-the names that it finds.
+``student``, ``assignment`` and ``hours``; an empty assignment means all assignments.  Other
+columns are ignored, so a download from a learning platform needs only a renamed column.
+``collect`` saves the names that it finds.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -31,7 +31,7 @@ def class_list(layout: Layout) -> dict[str, str]:
     """
     Return the students of the class with their names; empty if there is no list.
 
-    :returns: names by student id, an empty string where there is none
+    :returns: names by student id, empty for a student without a name
     :raises GraderError: if the file cannot be read, or lacks an id or repeats one
     """
     found: dict[str, str] = {}
@@ -49,8 +49,8 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
     Return the extra time of individual students, by student and assignment.
 
-    :returns: None if there is no such file, so that extensions in the gradebook count
-    :raises GraderError: if the file cannot be read, or has an unknown assignment or no hours
+    :returns: None if there is no ``extensions.csv``, so that extensions in the gradebook count
+    :raises GraderError: if the file cannot be read, or has an unknown assignment or invalid hours
     """
     if not layout.extensions.exists():
         return None
@@ -70,7 +70,7 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
 
 
 def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str, str]]]:
-    """Return the rows of a file by the names of its columns, each with its place."""
+    """Return the place of each row in a file, and its cells by column name."""
     if not path.exists():
         return ()
     fix = f'Try: write a CSV file with the columns {", ".join(needed)}'
@@ -94,7 +94,7 @@ def _student(where: str, row: Mapping[str, str]) -> str:
     if not student:
         raise GraderError(
             f'{where}: the student id {row["student"]!r} has no letter or digit.',
-            'Try: the id that collect shows for this student',
+            'Try: use the id that collect shows for this student',
         )
     return student
 
@@ -107,7 +107,7 @@ def _hours(where: str, row: Mapping[str, str]) -> timedelta:
     if not 0 <= hours <= MAX_HOURS:
         raise GraderError(
             f'{where}: expected hours from 0 to {MAX_HOURS}, got {row["hours"]!r}.',
-            'Try: a number, such as 48 for two days',
+            'Try: write a number, such as 48 for two days',
         )
     return timedelta(hours=hours)
 
@@ -119,7 +119,7 @@ def read_people(layout: Layout) -> dict[str, str]:
     """
     Return the known names, by student id: from the class list, else from ``collect``.
 
-    Platforms may shorten names, as Canvas does to ``exampleann``; the class list has full names.
+    Platforms may shorten names, as Canvas does (``exampleann``); the class list has full names.
 
     :raises GraderError: if the class list is wrong
     """
@@ -127,7 +127,7 @@ def read_people(layout: Layout) -> dict[str, str]:
 
 
 def saved_people(layout: Layout) -> dict[str, str]:
-    """Return the names that ``collect`` has saved, by student id; none if they are damaged."""
+    """Return the names that ``collect`` has saved, by student id; empty if the file is damaged."""
     found = read_json(layout.people)
     return _clean(found) if isinstance(found, dict) else {}
 
@@ -146,7 +146,7 @@ def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
     if len(found) > 1:
         raise GraderError(
             f'{name}: {len(found)} students have this name.',
-            f'Try: one of the ids {", ".join(found)}',
+            f'Try: use one of the ids {", ".join(found)}',
         )
     return found[0] if found else ''
 

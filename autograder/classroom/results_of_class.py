@@ -69,7 +69,7 @@ def graded(layout: Layout, name: str | None = None) -> tuple[ClassResults, ...]:
     there = [one for one in wanted if results_file(layout, one).is_file()]
     if not there:
         raise GraderError(
-            f'{layout.reports}: there are no results of {name or "any assignment"}.',
+            f'{layout.reports}: there are no results for {name or "any assignment"}.',
             'Try: make grade',
         )
     return tuple(ClassResults(one, last_results(layout, one)) for one in there)

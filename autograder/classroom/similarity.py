@@ -1,11 +1,11 @@
 """
 List similar submissions for an instructor to compare; similarity is never a verdict.
 
-Python's parser removes comments, docstrings and spacing; names that the file defines and lines of
-the release are ignored.  Rapidfuzz compares the rest twice: token by token in order, and line by
-line in any order.  So neither renaming nor moving code hides a copy.  If a lesson asks for nodes
-of the course's finished package, submissions are also compared with this package.  The score of a
-typical pair shows how similar all answers to the exercise are.  No submitted code runs.
+Comments, docstrings, spacing, names that the file defines and lines of the release are ignored.
+Rapidfuzz compares the rest twice: token by token in order, and line by line in any order.  So
+neither renaming nor moving code hides a copy.  If a lesson asks for nodes of the course's finished
+package, submissions are also compared with this package.  The score of a typical pair shows how
+similar all answers to the exercise are.  No submitted code runs.
 """
 
 import ast
@@ -30,10 +30,10 @@ MOST = 50
 SHORTEST = 40
 """Minimum number of tokens of the student's own code; shorter answers are often equal."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
-"""Prefixes of paths that are not compared, because all correct answers are equal."""
+"""Prefixes of paths that are not compared, because all correct versions are equal."""
 NAME = re.compile(r'\w+')
 TOKEN = re.compile(r"""[bf]?(?P<quote>['"]).*?(?<!\\)(?P=quote)|\w+|[^\w\s]=?""")
-"""A string literal is one token, as for Python's own tokenizer."""
+"""A string literal is one token, as in Python's own tokenizer."""
 STORE = ast.Store()
 BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
 """Fields of syntax nodes that contain nested statements."""
@@ -118,7 +118,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     """
     Compare all submissions of an assignment.
 
-    :param assignment: full name
+    :param assignment: full name of the assignment
     :param submitted: the folder of the class
     :param at_least: minimum score of a listed pair, 0 to 1
     :raises GraderError: if there is no submission, or the folder cannot be read
@@ -129,7 +129,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     except OSError as error:
         raise GraderError(f'{submitted}: the folder cannot be read: {error.strerror}.') from error
     if not there:
-        raise GraderError(f'{submitted}: there are no submissions of {assignment}.')
+        raise GraderError(f'{submitted}: there are no submissions for {assignment}.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
     return compare(
         assignment, own, given_lines(lesson.release), at_least, finished_package(layout, lesson)
@@ -137,7 +137,7 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
 
 
 def finished_package(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
-    """Return the nodes of the course's package that the lesson asks for, and all its modules."""
+    """Return the nodes of the course's package that the lesson asks for, and all modules in it."""
     package = layout.facts.package
     modules = {
         path.name: path.read_text(encoding='utf-8')
@@ -171,7 +171,7 @@ def given_lines(release: Notebook) -> frozenset[tuple[str, ...]]:
 
 
 def lines_of(path: str, text: str) -> list[Line]:
-    """Return the statements of a Python file without docstrings, or the lines of another file."""
+    """Return the statements of a Python file except docstrings, or the lines of any other file."""
     if path.endswith('.py'):
         try:
             return list(_python_lines(path, text))
@@ -214,7 +214,7 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _given_names(node: ast.AST) -> Iterator[str]:
-    """Yield the names that a syntax node assigns or defines, except names of imports."""
+    """Yield the names that a syntax node assigns or defines; of imports, only names after as."""
     if isinstance(node, ast.keyword) or not isinstance(getattr(node, 'ctx', STORE), ast.Store):
         return
     for field in ('asname',) if isinstance(node, ast.alias) else ('id', 'attr', 'name', 'arg'):

@@ -85,18 +85,18 @@ class ClassNumbers:
     The statistics of one assignment.
 
     :param marks: None if nobody has a mark
-    :param review: student, and why there is no score
-    :param missing: student, and why there is no submission to grade
-    :param flagged: student, and what an instructor should look at
-    :param slowest: student, and how long the runs took, whenever they took place [s]
+    :param review: students without a score, each with the reason
+    :param missing: students without a submission to grade, each with the reason
+    :param flagged: flags for the instructor, each after the student
+    :param slowest: the slowest students, each with the duration of the runs as recorded [s]
     :param repeated: students whose runs were repeated, because the first run may have failed for a
         reason outside the program
     :param recorded: number of submissions that needed no run in the last grading
     :param modes: isolation modes
     :param lacks: what these modes do not protect
     :param exams: digests of the scenario (with its inputs) and of the environment, by exam
-    :param versions: versions of the software that made the recordings, by name; several versions
-        of one name are joined in one string
+    :param versions: versions of the software that made the recordings, by name; if there are
+        several, they are joined in one string
     """
 
     assignment: str
@@ -119,7 +119,7 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     """
     Return the statistics of a class.
 
-    :param layout: the course, with its class list and the recordings, whose headers name digests
+    :param layout: the course with its class list and recordings, whose headers contain digests
     :raises GraderError: if the class list is wrong
     """
     results = graded.results
@@ -207,8 +207,8 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
     """
     Return the most frequent causes of a check as text.
 
-    Causes are counted by their stable name, because their text contains line numbers and values of
-    individual students.  For each cause, the most frequent text is returned.
+    Causes are counted by their stable name, because their text contains line numbers and values
+    that differ between students.  For each cause, the most frequent text is returned.
     """
     words: dict[str, Counter[str]] = {}
     for check in failed:
@@ -219,7 +219,7 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
 
 
 def _versions(headers: Sequence[Header]) -> dict[str, str]:
-    """Return the software versions in the headers; this machine may have other versions now."""
+    """Return the software versions in the headers; this machine may have others now."""
     made = [one['made_with'] for one in headers if isinstance(one.get('made_with'), dict)]
     found = {name: _texts(made, name) for name in dict.fromkeys(chain(*made))}
     found['environment'] = _texts(headers, 'environment', DIGEST_CHARS)

@@ -16,11 +16,11 @@ BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
 @dataclass(frozen=True)
 class Table:
     """
-    A CSV file, cell by cell; the first row is the header.
+    The cells of a CSV file; the first row is the header.
 
     :param delimiter: comma, semicolon or tab
-    :param newline: its line ending
-    :param bom: whether it begins with a byte order mark
+    :param newline: line ending of the file
+    :param bom: whether the file begins with a byte order mark
     """
 
     rows: list[list[str]]
@@ -45,7 +45,7 @@ def parse_table(data: bytes) -> Table:
     """
     Return the cells of a CSV file; empty lines are ignored.
 
-    :raises ValueError: with the reason, if it is not a table with equally long rows
+    :raises ValueError: with the reason, if the data is not a table with rows of equal length
     """
     try:
         text = data.decode('utf-8')
@@ -61,7 +61,7 @@ def parse_table(data: bytes) -> Table:
     rows = [row for row in rows if row] or [[]]
     for line, row in enumerate(rows, start=1):
         if len(row) != len(rows[0]):
-            raise ValueError(f'line {line} has {len(row)} fields, the first line {len(rows[0])}')
+            raise ValueError(f'line {line} has {len(row)} fields, line 1 has {len(rows[0])}')
     return Table(rows, delimiter, '\r\n' if '\r\n' in text else '\n', bom)
 
 
@@ -69,9 +69,9 @@ def read_bytes(path: Path, what: str, fix: str) -> bytes:
     """
     Read a file.
 
-    :param what: its name in the message, such as ``the gradebook from Canvas``
-    :param fix: what to try
-    :raises GraderError: if it cannot be read
+    :param what: name of the file in the message, such as ``the gradebook from Canvas``
+    :param fix: advice for the message
+    :raises GraderError: if the file cannot be read
     """
     try:
         return path.read_bytes()

@@ -1,8 +1,8 @@
 """
 The command ``collect``: copy handed-in notebooks to the folder that nbgrader reads.
 
-Files are written atomically, and the source is never changed.  A table lists every entry of the
-source: collected, or why not.  Running the same command again changes nothing.
+Files are written atomically, and the source is never changed.  A table shows for every entry of
+the source whether it was collected, or why not.  Running the same command again changes nothing.
 
 ``source`` lists the files, ``recognise`` finds the platform (``platforms``) and who handed in
 what, ``selection`` selects the notebooks, and ``copy_notebooks`` copies them.  A student's id

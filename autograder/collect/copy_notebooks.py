@@ -1,8 +1,8 @@
 """
-Collect a class: read a source, copy the selected notebooks, and save a list of the others.
+Collect a class's work: read a source, copy the selected notebooks, and list all other work.
 
 Each file is written atomically.  Collecting Monday's zip after Tuesday's changes nothing: if the
-time of both notebooks is known, an older notebook does not replace a newer copy.  If either time
+times of both notebooks are known, an older notebook does not replace a newer copy.  If either time
 is unknown, as with Canvas, Moodle and repositories, the new notebook replaces the copy, and a note
 in the table reports this.
 """
@@ -51,20 +51,20 @@ def collect(
     trust_names: bool = False,
 ) -> list[Row]:
     """
-    Collect a class.
+    Collect the work of a class.
 
     :param source: a folder or a zip file
     :param to: folder that receives ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``
     :param assignment: the only assignment to collect; empty to recognise it from the notebooks
     :param kind: platform of the source; empty to recognise it
     :param write: False to only report what would be done
-    :param prefix: the beginning to remove from the names of students' folders
+    :param prefix: the prefix to remove from the names of students' folders
     :param trust_names: whether to collect deliveries of an exchange that other users own
     :returns: the table
     :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` is wrong
     """
     course = Course(layout)
-    extensions(layout)  # report a wrong file before anything is copied
+    extensions(layout)  # Report a wrong file before anything is copied.
     with opened(source) as tree:
         there = find_deliveries(tree, course, kind, prefix)
         if there.kind == EXCHANGE:
@@ -107,12 +107,12 @@ def _records_to_save(
         (layout.delivered, 'names of files', partial(save_delivered, layout, places)),
         (layout.people, 'names', partial(save_people, layout, people)),
         (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
-        (layout.not_collected, 'the list', partial(save_not_collected, layout, left)),
+        (layout.not_collected, 'list of missing work', partial(save_not_collected, layout, left)),
     ]
 
 
 def _saved(kept: Iterable[Kept]) -> Iterator[Row]:
-    """Write files for later commands; yield a row for each that cannot be written."""
+    """Write files for later commands; yield a row for each file that cannot be written."""
     for path, what, save in kept:
         try:
             save()
@@ -134,7 +134,7 @@ def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected
 
 
 def _refused(tree: Tree) -> Iterator[Row]:
-    """Yield a row about files that were not read, one per folder and reason."""
+    """Yield rows about files that were not read, one per folder and reason."""
     paths = [where.split('/') for where, _ in tree.refused]
     tops = {file.parts[0] for file in tree.files} | {parts[0] for parts in paths}
     depth = 2 if len(tops) == 1 else 1  # A single outer folder contains all students.
@@ -183,7 +183,7 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     texts = ((stamp or b'')[:100].decode('utf-8', 'replace') for stamp in (wanted, time_there))
     new, old = (read_time(text)[0] for text in texts)
     if there is not None and new and old and new < old:
-        said = f'older than the collected one, of {old:%Y-%m-%d %H:%M}'
+        said = f'older than the collected one from {old:%Y-%m-%d %H:%M}'
         return (UNCHANGED, 'handed in again later') if same else (LEFT, said)
     if write:
         if wanted is None and os.path.lexists(time):
@@ -196,4 +196,4 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
             write_atomically(notebook, data)
     if there is None:
         return TAKEN if time_there is None else REPLACED, ''
-    return REPLACED, '' if same or (new and old) else 'it is unknown which one is newer'
+    return REPLACED, '' if same or (new and old) else 'it is unknown which notebook is newer'

@@ -40,7 +40,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
     """
     Return the saved ids and numbers.
 
-    :raises UnusableUploadError: if the file is damaged; without it, two people could share an id
+    :raises UnusableUploadError: if the file is damaged, because two people could then share an id
     """
     path = layout.namesakes
     data, problems = read_file(path, path.name)
@@ -91,9 +91,9 @@ def _doubt(one: Delivery, known: Namesakes, assignment: str) -> str:
         )
     if number and before != number:
         return (
-            f'perhaps another {name!r}: number {number} in Moodle, earlier {before}; add an '
+            f'perhaps a different {name!r}: number {number} in Moodle, earlier {before}; add an '
             f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file'
-            '", or if the same people hand in twice in Moodle, delete _work/namesakes.json'
+            '", or, if Moodle has two assignments for this work, delete _work/namesakes.json'
         )
     return ''
 

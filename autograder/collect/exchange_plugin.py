@@ -54,7 +54,7 @@ class CollectFromOwners(ExchangeCollect):
     def _doubt(self, folder: Path, student: str) -> str:
         inside = [folder, *folder.rglob('*')]
         if self.check_owner and any(path.is_symlink() for path in inside):
-            return f'handed in as {student!r}, but a link in it leads elsewhere'
+            return f'handed in as {student!r}, but it contains a symbolic link'
         uids = {path.lstat().st_uid for path in inside}
         return OwnerRule(self.check_owner, self.owners).doubt(student, uids)
 

@@ -19,7 +19,7 @@ from autograder.errors import GraderError
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout
 
-ADVICE = 'if you copied it there yourself: --trust-names (docs/exchange.md)'
+ADVICE = 'if you copied it there yourself, use --trust-names (docs/exchange.md)'
 
 
 class OwnerRule(NamedTuple):
@@ -43,7 +43,7 @@ class OwnerRule(NamedTuple):
         if not self.check:
             return ''
         if not uids:
-            return f'handed in as {student!r}, but a zip does not say who owned it'
+            return f'handed in as {student!r}, but a zip does not record the owner'
         others = sorted({user_name(uid) for uid in uids} - {self.owners.get(student, student)})
         if not others:
             return ''

@@ -85,7 +85,7 @@ def readings(name: str) -> tuple[Reading, ...]:
             person = name[: mark.start()].split('_')
             if late := person[-1] == 'LATE':
                 person.pop()
-            # Canvas does not write such a name.
+            # Canvas never writes a name with LATE, or with a number between underscores.
             if 'LATE' not in person and not any(map(_NUMBER.fullmatch, person[1:-1])):
                 attachment, file = match['attachment'] or '', match['file'] or match['typed']
                 found.append(Reading('_'.join(person), match['user'], attachment, file, late))
@@ -211,7 +211,7 @@ def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
 
 
 def _metadata(file: File) -> Mapping[Any, Any]:
-    """Parse the metadata with the safe YAML loader, which creates no Python objects."""
+    """Parse the metadata with the safe YAML loader, which cannot create arbitrary objects."""
     try:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
@@ -244,7 +244,7 @@ def _field(facts: object, name: str) -> Any:
 
 INBOUND = 'inbound'
 FOLDERS = frozenset({INBOUND, 'outbound', 'feedback'})
-"""Folders that an exchange has for each course."""
+"""Folders of each course in an exchange."""
 _EXCHANGE = re.compile(
     r'(?P<user>.+?)\+(?P<assignment>[^+]+)\+'
     r'(?P<when>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d(?:\.\d+)?(?: (?:[+-][\d:]+|[^\s+]+))?)(?:\+.*)?/'

@@ -1,9 +1,9 @@
 """
 Recognise the platform that a source comes from, and list the deliveries of each student.
 
-Only the names on one level are used: those in the source itself, or in its single outer folder.
+Only the names at one level are used: those in the source itself, or in its single outer folder.
 Students chose the names further down, and no student may influence how the work of the whole class
-is read.  Each entry on that level that is not a submission is listed with a reason.
+is read.  Each entry at that level that is not a submission is listed with a reason.
 
 Without a platform, there is one folder or one notebook per student.  Notebooks may be anywhere
 below a student's folder.  nbgrader's own layout is ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``, with a
@@ -96,7 +96,7 @@ def find_deliveries(
 
 
 def recognise_platform(tree: Tree) -> tuple[str, Level | None]:
-    """Return the platform that recognises most names, and the level with these names."""
+    """Return the platform that most names fit, and the level with these names."""
     places = _levels(tree)
     for place in places:
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
@@ -117,7 +117,7 @@ def _levels(tree: Tree) -> list[Level]:
     """
     Return the folders whose entries a platform may have named.
 
-    These are the source, its only folder, and last the folder ``inbound`` of an exchange.
+    These are the source, its only folder, and finally the folder ``inbound`` of an exchange.
     """
     outer = level(tree)
     bases = [(name,) if name else () for name in dict.fromkeys(('', only_folder(outer)))]

@@ -3,16 +3,16 @@ Select one notebook per student and assignment.
 
 A *delivery* is everything that one student handed in at one time.  Notebooks with cells of the
 assignment take precedence, then the newest delivery.  Within a delivery, the notebook with the
-most grade ids of the assignment is selected, regardless of its file name.  Ties
-are broken by the file name, and then by the time: the newest attempt is selected.
+most grade ids of the assignment is selected, regardless of its file name.  Ties are broken by the
+file name, and then by the time: the newest attempt wins.
 
 A notebook without any cell of the course is collected only if no other notebook was handed in for
 the assignment: the grader can explain a broken notebook, but private notes must not replace the
 answers.
 
-A learning platform exports one assignment at a time.  Without ``--assignment``, this is assumed to
-be the one for which most students have a notebook.  So a notebook of lesson 6 that was uploaded to
-lesson 7 does not replace a notebook in lesson 6.
+A learning platform exports one assignment at a time.  Without ``--assignment``, ``collect``
+chooses the assignment for which most students have a notebook.  So a notebook of lesson 6 that was
+uploaded for lesson 7 does not replace a notebook that was handed in for lesson 6.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -58,7 +58,7 @@ class NotebookInfo:
 
     @property
     def about(self) -> str:
-        """Return the assignment that the cells, or else the name, suggest; empty if none."""
+        """Return the assignment that the cells, or else the name, suggest; else empty."""
         return self.content or self.named
 
 
@@ -94,7 +94,7 @@ def most_common_assignment(
     among = sorted(multimode(votes))
     if len(among) == 1 or not students:
         return ''.join(among)
-    got = f'as many cells of {among[1]} as of {among[0]}' if among else 'none of this course'
+    got = f'as many from {among[1]} as from {among[0]}' if among else 'none is from this course'
     raise UnusableUploadError(
         f'{name}: the notebooks do not show which assignment this is: {got}.',
         f'Try: --assignment NAME, with one of {", ".join(among or course.assignments)}',
@@ -129,7 +129,7 @@ def choose(
     for (student, assignment), candidates in fitting.items():
         names = {one.delivery.called or one.delivery.student for one in candidates}
         if len(names) > 1:  # Two students map to one id: collect neither and report the clash.
-            why = f'the same student id as {", ".join(map(repr, sorted(names)))}'[:160]
+            why = f'several names give one student id: {", ".join(map(repr, sorted(names)))}'[:160]
             reasons |= dict.fromkeys(candidates, why)
         elif candidates:
             best = _best(candidates, assignment, course)
@@ -157,7 +157,7 @@ def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
 
 
 def read_notebooks(delivery: Delivery, course: Course, wanted: str = '') -> list[NotebookInfo]:
-    """Read the notebooks of a delivery within its limits, the most likely ones first."""
+    """Read the notebooks of a delivery within the limits, the most likely ones first."""
     if _unusable(delivery, course, wanted):
         return []
     files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
@@ -224,7 +224,7 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
     file = best.delivered.file
     beside = [one for one in newest.values() if one.delivery is best.delivery]
     older = [one for one in candidates if one is not best and _is_attempt(one, best)]
-    notes = [f'the newest of {len(older) + 1}'] if older else []
+    notes = [f'the newest of {len(older) + 1} attempts'] if older else []
     if best.shared and not all(one.shared for one in older):
         notes[0] += ' with a cell of the assignment'
     if len(beside) > 1:
@@ -251,9 +251,9 @@ def _is_attempt(one: NotebookInfo, best: NotebookInfo) -> bool:
 def _why_another(one: NotebookInfo, best: NotebookInfo) -> str:
     """Return why a notebook for the same assignment was not selected."""
     if not _is_attempt(one, best):
-        return f'{one.delivered.file.path[:80]}: {best.delivered.file.path} counts'
+        return f'{one.delivered.file.path[:80]}: {best.delivered.file.path} was collected'
     odd = best.shared and not one.shared
-    return 'a different one was collected' if odd else 'a newer one was collected'
+    return 'a different notebook was collected' if odd else 'a newer notebook was collected'
 
 
 def _time(
@@ -322,7 +322,7 @@ def _why_not(one: NotebookInfo, chosen: bool, goal: str) -> str:
     if one.why:
         return f'{path}: {one.why}'
     if one.content:
-        return f'wrong assignment: {path} is {one.content}'
+        return f'wrong assignment: {path} belongs to {one.content}'
     if not about and not chosen:
         return f'{path}: not an assignment of this course; name one with --assignment'
     other = goal and one.named not in ('', goal)

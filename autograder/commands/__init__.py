@@ -1,4 +1,4 @@
-"""Commands of ``python -m autograder``, one module each; exit codes and shared options."""
+"""Commands of ``python -m autograder``; this module has their exit codes and shared options."""
 
 import argparse
 from collections.abc import Callable
@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 OK = 0
-"""The command succeeded; after a grading, every submission has a verdict."""
+"""The command succeeded; after ``grade``, every submission has a verdict."""
 FOR_REVIEW = 1
 """The command finished, but some work is for review, was left out or failed a self-check."""
 USAGE = 2
 """The command failed: wrong arguments, or a fault of the grader."""
 STOPPED = 130
-"""Stopped by Ctrl-C: 128 plus the number of SIGINT."""
+"""The user stopped the command with Ctrl-C: 128 plus the number of SIGINT."""
 UNREAD = 141
 """The reader closed the output early, as in ``... | head``: 128 plus the number of SIGPIPE."""
 
@@ -63,7 +63,7 @@ ASSIGNMENT = option('assignment', 'assignment', metavar='ASSIGNMENT')
 ASSIGNMENT_OR_ALL = option(
     'assignment', 'assignment (default: all graded assignments)', nargs='?', metavar='ASSIGNMENT'
 )
-SUBMITTED = option('--submitted', 'folder of submissions, as for grade', type=Path, metavar='DIR')
+SUBMITTED = option('--submitted', 'folder of submissions (see grade)', type=Path, metavar='DIR')
 TO_SUBMITTED = option(
     '--to', 'folder to write to (default: autograder/_work/submitted)', type=Path, metavar='DIR'
 )
@@ -71,5 +71,5 @@ VISIBLE = flag('--visible', 'run only the visible checks')
 FRESH = flag('--fresh', 'run every program again, even if its recording is stored')
 JSON = flag('--json', 'print the result as JSON')
 YES = flag(
-    '--yes', 'also lower or clear marks in the gradebook; without it, such marks are only listed'
+    '--yes', 'lower or clear marks in the gradebook; without --yes, such marks are only listed'
 )

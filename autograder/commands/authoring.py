@@ -19,7 +19,7 @@ from autograder.layout import Layout
 def new_course_command(chosen: argparse.Namespace) -> int:
     """Create the folder of a course and print the next commands."""
     made = new_course(chosen.folder)
-    print(f'Created a course of {len(made)} files in {chosen.folder}. Next, in that folder:')
+    print(f'Created a course with {len(made)} files in {chosen.folder}. Next, run in that folder:')
     print(f'  {shlex.quote(sys.executable)} -m environment prepare')
     print('  .venv/bin/python -m autograder new-exam NAME --lesson 01_NAME')
     return OK
@@ -34,7 +34,7 @@ def new_exam_command(chosen: argparse.Namespace) -> int:
     course = Layout.here()
     for path in new_exam(course, chosen.name, chosen.lesson):
         print(os.path.relpath(course.root / path))
-    print('Created these files; they already work. Edit them, then:')
+    print('Created these files; they already work. Edit them, then run:')
     print('  .venv/bin/python -m autograder.authoring.release release')
     print('  .venv/bin/python -m autograder self-check')
     return OK
@@ -52,7 +52,7 @@ def sample_class_command(chosen: argparse.Namespace) -> int:
 
 @takes()
 def self_check_command(chosen: argparse.Namespace) -> int:
-    """Check that the reference solution gets full points and the bare release none."""
+    """Check that the reference solution gets full points and the untouched release none."""
     layout = Layout.here()
     code = OK
     for right, line in self_check(layout, grading_engine(layout)):

@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
-    """Run one exam on a package; a visible exam also runs if no isolation works."""
+    """Run one exam on a package; a visible exam runs even without isolation."""
     from autograder.exam import catalog
     from autograder.grading.examine import examine
     from autograder.submission.package import (
@@ -87,7 +87,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _kept_builds(exam: Exam) -> Path | None:
-    """Return the folder of recordings if it spares the next check a build, else None."""
+    """Return the folder of recordings if it can save the next check a build, else None."""
     folder = Layout.here().recordings
     if exam.scenario.program not in ('build', 'package'):
         return None
@@ -108,7 +108,7 @@ def sandbox_for(visible: bool) -> Any:
         if not visible:
             raise
         print(
-            f'There is no sandbox here, so the program runs as a plain process: {error.what}',
+            f'No sandbox works here, so the program runs as a plain process: {error.what}',
             file=sys.stderr,
         )
         return choose.usable('none')
@@ -124,7 +124,7 @@ def refuse(error: Exception, as_json: bool) -> None:
     if as_json:
         fix = (
             fix.removeprefix('Try: ').rstrip('.')
-            or 'run the cell again; if the error remains, type make doctor in a terminal'
+            or 'run the cell again; if the error persists, type make doctor in a terminal'
         )
         where = 'the checker itself, not your code'
         problem = Problem(where, 'a verdict', what.rstrip(' .'), fix)

@@ -33,7 +33,7 @@ from autograder.layout import Layout
     ),
     option(
         '--prefix',
-        "remove this from the front of students' folder names, as in hw1-ANN",
+        "remove this prefix from students' folder names, such as hw1- from hw1-ANN",
         default='',
         metavar='TEXT',
     ),
@@ -52,7 +52,7 @@ def run(chosen: argparse.Namespace) -> int:
     assignment = layout.assignment_named(chosen.assignment) if chosen.assignment else ''
     to = chosen.to or layout.submitted
     write = not chosen.dry_run
-    with lock_course(layout, 'a collection') if write else nullcontext():
+    with lock_course(layout, 'collect') if write else nullcontext():
         rows = collect(
             chosen.source,
             layout,

@@ -81,7 +81,7 @@ def evidence(
 
     :param student: id or display name
     :param check: name of the check, or ``exam/check``
-    :param assignment: with or without its number; needed if several assignments have this check
+    :param assignment: name with or without the number; needed if several assignments have it
     :param submitted: the folder of the class; None for the default folder
     :raises GraderError: if the student or the check is not in the last results
     """
@@ -156,7 +156,7 @@ def _find(
             f'{check}: several checks have this name: {several}.', 'Try: name one of them'
         )
     raise GraderError(
-        f'{check}: {student} has no check of this name.', f'Try: one of {", ".join(there)}'
+        f'{check}: {student} has no check with this name.', f'Try: name one of {", ".join(there)}'
     )
 
 
@@ -182,7 +182,7 @@ def _compare_with_now(
 
 def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
     process = recording.process
-    # Prefer stderr, which usually explains more; it may be empty.
+    # Prefer stderr, which usually explains more, unless it is empty.
     texts = [str(process.get(name, '')) for name in ('stderr', 'stdout')]
     said = next((text for text in texts if text.strip()), '')
     return {
@@ -272,8 +272,8 @@ def _verdict_lines(found: Mapping[str, Any]) -> list[str]:
 def _seen_lines(found: Mapping[str, Any]) -> list[str]:
     if not found.get('seen'):
         return [
-            'No recording: nothing was run, or the recording was deleted. The verdict follows '
-            'from the files.'
+            'No recording: nothing was run, so the files alone gave the verdict, or the recording '
+            'was deleted.'
         ]
     where = found['deviation']
     head = f'First deviation: {where["how"]}.' if where else 'No deviation; the run begins with:'
@@ -302,5 +302,5 @@ def _origin_lines(found: Mapping[str, Any]) -> list[str]:
     lines += [f'flag: {flag}' for flag in found['flags'][:3]]
     return [
         *lines,
-        'This shows inputs of the hidden exam. Do not pass it on to students as it is.',
+        'This output shows inputs of the hidden exam. Do not pass it on to students unedited.',
     ]

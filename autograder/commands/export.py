@@ -81,7 +81,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _marks(layout: Layout, chosen: argparse.Namespace) -> list[Mark]:
-    """Return the marks in the chosen assignments; print the points lost for lateness."""
+    """Return the marks of the chosen assignments; print the points lost for lateness."""
     source = getattr(chosen, 'points', AUTOMATIC)
     found = [
         mark for one in graded(layout, chosen.assignment) for mark in marks(layout, one, source)
@@ -145,7 +145,7 @@ def _canvas(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     ),
     option(
         '--column',
-        'header of the grades in the worksheet (default: %(default)s)',
+        'header of the grade column in the worksheet (default: %(default)s)',
         default=moodle.GRADE,
         metavar='NAME',
     ),
@@ -199,8 +199,8 @@ def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     }
     if absent := sorted({*ready} - pages.keys()):
         said = f'{chosen.assignment}: no feedback page for {", ".join(absent)}.'
-        raise GraderError(printable(said), 'Try: make grade, then the same command again')
-    return feedback_zip(pages, names), _without_mark(given), f'{len(pages)} pages.'
+        raise GraderError(printable(said), 'Try: make grade, then run the same command again')
+    return feedback_zip(pages, names), _without_mark(given), f'Packed {len(pages)} pages.'
 
 
 @takes(
@@ -221,7 +221,7 @@ def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
 )
 def _autograder(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     data = autograder_zip(layout, chosen.assignment, chosen.visibility, chosen.allow_weak)
-    said = 'It contains the hidden exams and the secret of the course: keep it secret.'
+    said = 'The zip contains the hidden exams and the course secret: keep it secret.'
     return data, False, said
 
 
@@ -247,7 +247,7 @@ FORMATS: Mapping[str, tuple[Make, str, str]] = {
         'write JUnit XML for CI servers',
     ),
     'canvas': (_canvas, '.canvas.csv', 'fill one column of a gradebook file exported from Canvas'),
-    'moodle': (_moodle, '.moodle.csv', 'fill the grades in a grading worksheet from Moodle'),
+    'moodle': (_moodle, '.moodle.csv', 'enter the grades in a grading worksheet from Moodle'),
     'lti': (_lti, '', 'send the marks to a learning platform by LTI 1.3'),
     'feedback': (
         _feedback,

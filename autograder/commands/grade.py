@@ -1,8 +1,8 @@
 """
 The command ``grade``: grade a class, fill the gradebook and write the reports.
 
-Each recording is saved as soon as its run ends.  If a grading is interrupted, even by a power
-cut, the same command continues it.
+Each recording is saved as soon as its run ends.  If grading is interrupted, even by a power
+cut, the same command resumes it.
 """
 
 import argparse
@@ -98,7 +98,7 @@ def run(chosen: argparse.Namespace) -> int:
     _refuse_ineffective_options(chosen)
     layout = Layout.here()
     console = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
-    with lock_course(layout, 'a grading'):
+    with lock_course(layout, 'grade'):
         submitted = submitted_folder(layout, chosen.submitted, console)
         assignments = _assignments(layout, chosen.assignment)
         with grading_folder(), _engine(layout, chosen, console) as (engine, jobs):
@@ -148,7 +148,7 @@ def _no_submissions(layout: Layout, submitted: Path, assignments: Sequence[str])
 def _engine(
     layout: Layout, chosen: argparse.Namespace, console: Console
 ) -> Iterator[tuple[Engine, int]]:
-    """Yield the engine that runs exams, local or on a cluster, and the number of parallel runs."""
+    """Yield the engine that runs exams here or on a cluster, and the number of parallel runs."""
     if chosen.cluster:
         from autograder.grading.cluster import cluster_engine
 
@@ -164,7 +164,7 @@ def _engine(
 
 
 def warn_if_weak(engine: Engine, jobs: int, console: Console) -> int:
-    """Warn about weak isolation; return how many runs may be parallel: one if it is weak."""
+    """Return the number of parallel runs; if isolation is weak, print a warning and return 1."""
     mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
     if not not_protected(mode):
         return jobs
@@ -238,7 +238,7 @@ class Grading:
                 refuse_unfit_points(self.layout, lesson)
 
     def all(self, assignments: Sequence[str]) -> tuple[list[SubmissionResult], str]:
-        """Grade each assignment; return all results, and why some were not entered, if any."""
+        """Grade each assignment; return all results, and why some were not entered, else empty."""
         results: list[SubmissionResult] = []
         trouble: list[str] = []
         for assignment in assignments:
@@ -283,12 +283,12 @@ class Grading:
         return results, ' '.join(dict.fromkeys(filter(None, (refused, unwritten))))
 
     def _about_marks(self, lowered: Sequence[str], not_entered: int) -> Iterator[str]:
-        """Yield sentences about marks in the gradebook that are unchanged or lower."""
+        """Yield sentences about marks in the gradebook that are unchanged or lowered."""
         kept = not_entered - (0 if self.guard.yes else len(lowered))
         if self.enters and kept:
-            yield f'{kept} were already in the gradebook.'
+            yield f'Already in the gradebook: {kept}.'
         if lowered:
-            said = 'Fewer points than before' if self.guard.yes else 'Unchanged in the gradebook'
+            said = 'Fewer points than before' if self.guard.yes else 'Not lowered in the gradebook'
             yield f'{said}: {first_of(lowered, MAX_NAMED)}.'
 
     def _about_others(
@@ -336,7 +336,7 @@ class Grading:
 
 
 def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: float) -> str:
-    """Return a sentence with the duration, the isolation modes and the number for review."""
+    """Return a sentence with the duration, isolation modes and number of reviews."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
     slowest = slowest_text({one.student: ran_s(one) for one in results})

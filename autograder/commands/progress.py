@@ -1,8 +1,8 @@
 """
-Show the progress of a grading: one changing line on a terminal, repeated lines in a log.
+Show the progress of a grading run: one changing line on a terminal, periodic lines in a log.
 
 Progress is counted in runs, one per submission and exam.  The remaining time is estimated from the
-runs so far, which is too optimistic if many of them were already recorded.
+runs so far; the estimate is too low if many of them were already recorded.
 """
 
 from collections import Counter, defaultdict
@@ -67,7 +67,7 @@ def kind_of(outcome: Outcome) -> str:
 
 
 def is_alive(console: Any) -> bool:
-    """Return whether the console is a terminal that can rewrite a line, and not in CI."""
+    """Return whether the console is a terminal that can rewrite lines; False in CI."""
     return console.is_terminal and os.environ.get('CI', '') in ('', '0', 'false')
 
 
@@ -137,7 +137,7 @@ def slowest_text(seconds: Mapping[str, float]) -> str:
 
 
 def line_of(counts: Counter[str], total: int, took_s: float) -> str:
-    """Return the progress of a grading as a line for a log."""
+    """Return the progress of the grading run as one log line."""
     count = counts.total()
     words = [f'{count} of {total} runs']
     if count:

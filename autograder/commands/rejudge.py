@@ -1,9 +1,9 @@
 """
-Judge stored recordings again after an exam was edited; run no program.
+Judge stored recordings again after an edit to an exam, without running any program.
 
 The last results (``results.json`` in the reports) name the recordings.  A recording is used only
 if its header has the digests of the current files and scenario; otherwise the student is listed
-and keeps the old points.  As in a grading, ``--write`` enters only changed results in the
+and keeps the old points.  Like ``grade``, ``--write`` enters only changed results in the
 gradebook.
 """
 
@@ -68,11 +68,11 @@ Account = dict[str, Any]
 """
 The outcome of judging one assignment again, in JSON types.
 
-``seconds`` is the wall time of the judging, ``written`` a sentence about what ``--write`` did,
-``refused`` why some results were not entered in the gradebook, ``lowered`` the marks in the
+``seconds`` is the wall time of the judging, ``written`` says what ``--write`` did, ``refused``
+says why some results were not entered in the gradebook, and ``lowered`` lists the marks in the
 gradebook that are, or would be, lowered or cleared.  In each of the ``submissions``, ``changed``
 lists the checks whose verdict, points or maximum have changed, and ``kept`` says why the old
-points are kept, empty if all exams were judged again.
+points are kept; it is empty if all exams were judged again.
 """
 Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
 """Outcomes of :func:`judge_again`, by exam, digest of the files, recording and isolation mode."""
@@ -90,8 +90,8 @@ def rejudge_command(
         written even if the gradebook refuses some results
     :param yes: whether marks in the gradebook may be lowered or cleared; if not, and some would
         be, nothing is written
-    :raises GraderError: if the assignment is unknown or nothing was graded yet; with ``write``,
-        also if check cells and exams give different points
+    :raises GraderError: if the assignment is unknown, nothing has been graded yet or, with
+        ``write``, if check cells and exams give different points
     """
     there = [(load_lesson(layout, one.assignment), one) for one in graded(layout, assignment)]
     if write:
@@ -117,7 +117,7 @@ def rejudge(
     Judge the recordings of all students with results.
 
     :param submitted: the folder of the class
-    :returns: the account, the results of all students, and those for the gradebook
+    :returns: the account, the results of all students, and those to enter in the gradebook
     """
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
@@ -205,7 +205,7 @@ def _why(before: CheckResult | None, after: CheckResult | None) -> str:
     if before.max_points != after.max_points and before.verdict == after.verdict:
         most = f'{number(before.max_points)} -> {number(after.max_points)}'
         return f'the points of the check have changed: {most}'
-    return f'before: {before.observed or before.expected or before.verdict.value}'
+    return f'previous result: {before.observed or before.expected or before.verdict.value}'
 
 
 def account_text(account: Account) -> str:
@@ -260,6 +260,6 @@ def _write(
     write_all_reports(layout, lesson.assignment, results, summary)
     in_gradebook = f'{entered} were entered in the gradebook, {count - entered} were unchanged'
     if refused:
-        in_gradebook = f'the gradebook did not accept all of the {entered} that changed'
+        in_gradebook = f'the gradebook did not accept all of the {entered} changed results'
     said = f'The reports show the new points of {count} submissions; {in_gradebook}.'
     return {'written': said, 'refused': refused, 'lowered': lowered}

@@ -215,7 +215,7 @@ def run_tasks(
 
 
 def summary(results: Sequence[ExamResult], visible: bool) -> str:
-    """Return the total of all exams as one line, the last of the output."""
+    """Return the total of all exams as text, which is the last line of the output."""
     points = number(sum(one.points for one in results))
     most = number(sum(one.max_points for one in results))
     modes = ', '.join(sorted({one.mode for one in results if one.mode})) or 'nothing was run'

@@ -71,7 +71,7 @@ def _marks_lines(numbers: ClassNumbers) -> list[str]:
     if marks is None:
         return ['  no student has a mark']
     lines = [
-        f'  points of {number(marks.max_points)}: mean {number(marks.mean)}, median '
+        f'  points out of {number(marks.max_points)}: mean {number(marks.mean)}, median '
         f'{number(marks.median)}, quartiles {number(marks.lower_quartile)} and '
         f'{number(marks.upper_quartile)}, from {number(marks.lowest)} to '
         f'{number(marks.highest)}; {marks.full} of {marks.count} have full marks'

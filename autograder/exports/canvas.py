@@ -29,7 +29,7 @@ ID_COLUMNS = ('SIS Login ID', 'SIS User ID', 'ID')
 ASSIGNMENT = re.compile(r'^(?P<title>.*\S) \((?P<id>\d+)\)$')
 READ_ONLY = re.compile(r'read\s+only')
 KEPT = {'EX': 'is excused in Canvas', 'N/A': 'does not have this assignment in Canvas'}
-"""Cells that say why there is no score; they are kept."""
+"""Cell values that say why there is no score; such cells are kept."""
 SHOWN = 12
 FIX = 'Try: in Canvas choose Grades, Export, Export Entire Gradebook'
 
@@ -70,10 +70,10 @@ def _read(data: bytes, where: str) -> tuple[Table, int]:
         table = parse_table(data)
         header = table.header
         if not header or header[0] not in ('Student', 'LastName') or 'ID' not in header:
-            raise ValueError(f'a first line {",".join(header)[:60]!r}')
+            raise ValueError(f'the first line is {",".join(header)[:60]!r}')
         possible = [row for row, cells in enumerate(table.rows) if 'Points Possible' in cells[0]]
         if not possible:
-            raise ValueError('no line "Points Possible"')
+            raise ValueError('there is no line "Points Possible"')
     except ValueError as error:
         raise GraderError(
             f'{where}: this is not a gradebook exported from Canvas: {error}.',

@@ -4,7 +4,8 @@ Pack feedback pages under the file names that Canvas and Moodle expect in an upl
 Canvas (``infer_comment_context_from_filename`` of an assignment) reads the first two numbers of
 a name: the user's and the attachment's.  It ignores names whose last part begins with ``link``.
 Moodle (``mod/assign/feedback/file/importziplib.php``) reads the participant's number and the type
-of the submission.  Both are in the names of the downloads.  Both ignore any other file in the zip.
+of the submission.  The names of downloaded submissions contain these facts.  Both platforms
+ignore all other files in the zip.
 """
 
 from collections.abc import Mapping
@@ -19,7 +20,7 @@ MOODLE = re.compile(r'.+?_\d+_assignsubmission_file')
 
 
 def name_in_zip(student: str, delivered: Delivered | None) -> str:
-    """Return the name of a page for its platform, else in a folder with the student's id."""
+    """Return a page's name for its platform, else its path in a folder with the student's id."""
     if delivered and delivered.kind == 'canvas':
         return f'{PurePath(delivered.place).stem}_{PAGE}'
     if delivered and delivered.kind == 'moodle' and (match := MOODLE.match(delivered.place)):

@@ -1,4 +1,4 @@
-"""Enter marks in a column of a file that a learning platform exported and imports again."""
+"""Enter marks in a column of a file exported from a learning platform, for re-import."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,8 +20,8 @@ class Filled:
     :param row: the word for a row in messages
     :param kept: values of cells that are kept, each with the reason
     :param replaced: student, old value and new value of each changed cell
-    :param left_out: student, and why nothing was entered
-    :param untouched: rows of students without a submission
+    :param left_out: students without an entry, each with the reason
+    :param untouched: number of rows without a submission
     """
 
     platform: str
@@ -73,7 +73,7 @@ def matched(
     Return the marks by row; leave out students with no row or with several.
 
     :param lines: the rows with each id
-    :param columns: words for the columns with ids, for messages
+    :param columns: names of the id columns, for messages
     """
     found: dict[int, list[Mark]] = {}
     for mark in marks:
@@ -99,7 +99,7 @@ def factor_for(
     """
     Return the factor for points: 1 unless scaling is requested.
 
-    :param possible: the maximum on the platform, None if the file does not say
+    :param possible: the maximum on the platform, None if the file does not contain it
     :raises GraderError: if the two maxima differ and ``scale`` is not set
     """
     most = max((mark.max_points for mark in marks), default=0.0)
@@ -115,7 +115,7 @@ def factor_for(
         return possible / most
     raise GraderError(
         f'{got}.',
-        'Try: change the points of the assignment on the platform, or --scale to multiply by '
+        'Try: change the points of the assignment on the platform, or use --scale to multiply by '
         f'{number(possible / most)}',
     )
 

@@ -4,8 +4,8 @@ Pack the course as an autograder for Gradescope, and write ``results.json`` in i
 ``setup.sh`` and ``run_autograder`` are at the root of the zip; the rest is the course without its
 submissions.  The zip includes the course secret, so that hidden inputs are the same on Gradescope.
 It must therefore be kept as secret as the hidden exams.  The README in the zip describes what the
-container must allow: without user namespaces only weaker isolation works, and it is used only if
-``--allow-weak`` names it.
+container must allow: without user namespaces only weaker isolation works, and the grader uses it
+only if ``--allow-weak`` names it.
 
 ``results.json`` has a score for each test, and their sum.  Text from students is always shown as
 plain text, never as HTML.  Only instructors see the standard output of the grader.  By default,
@@ -62,7 +62,7 @@ def autograder_zip(
         )
     if not (layout.exams / 'hidden').is_dir():
         raise GraderError(
-            'The copy of the course for students has no hidden exams.',
+            "The students' copy of the course has no hidden exams.",
             "Try: run this in the instructors' copy",
         )
     settings = {'assignment': assignment, 'visibility': visibility, 'allow_weak': allow_weak}
@@ -161,9 +161,9 @@ def _output(check: CheckResult) -> str:
 
 def main(arguments: Sequence[str]) -> int:
     """
-    Grade ``ROOT/submission`` and write ``ROOT/results/results.json``, unless it is for review.
+    Grade ``ROOT/submission`` and write ``ROOT/results/results.json``, except for a review.
 
-    Without this file, Gradescope reports a failed autograder instead of giving a zero.
+    Without ``results.json``, Gradescope reports a failed autograder instead of giving a zero.
 
     :param arguments: one argument, the folder ROOT: ``/autograder`` in the container
     :returns: the exit code: 1 if there is no verdict
@@ -186,7 +186,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> SubmissionResult:
     """
-    Use the full exams to grade the notebook in a folder.
+    Grade the notebook in a folder with the full exams.
 
     :param folder: folder with the student's upload
     :raises GraderError: if no isolation mode that may run hidden exams works here

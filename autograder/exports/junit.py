@@ -1,11 +1,11 @@
 """
 Write JUnit XML for CI servers: one suite per exam and submission, one case per check.
 
-There is no standard; this module writes what the schema of Jenkins' xUnit plugin (junit-10.xsd)
-and the readers of Jenkins and GitLab have in common. A failed check is a ``failure``, a check that
-waits for another check is ``skipped``, and a submission for review is an ``error``: it has no
-verdict. A student without a submission is ``skipped``. XML 1.0 has no control characters, not
-even escaped, so they are replaced.
+JUnit XML has no standard; this module writes what the schema of Jenkins' xUnit plugin
+(junit-10.xsd) and the readers of Jenkins and GitLab have in common. A failed check is a
+``failure``, a check that waits for another check is ``skipped``, and a submission for review is an
+``error``: it has no verdict. A student without a submission is ``skipped``. XML 1.0 forbids most
+control characters, even escaped ones, so they are replaced.
 """
 
 from collections.abc import Iterable

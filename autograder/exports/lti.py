@@ -20,7 +20,7 @@ from autograder.layout import read_toml
 INSTALL = 'Try: .venv/bin/python -m pip install --no-deps -r environment/requirements-lti.txt'
 SCORE = 'https://purl.imsglobal.org/spec/lti-ags/scope/score'
 IDS = ('lis_person_sourcedid', 'ext_user_username', 'email', 'user_id')
-"""Facts about a member of a platform that can be a student id."""
+"""Fields of a platform's member that may contain the student id."""
 LOOPBACK = ('localhost', '127.0.0.1', '::1')
 TIMEOUT_S = 30.0
 
@@ -31,9 +31,9 @@ class Platform:
     A learning platform on which this grader is registered as a tool.
 
     :param client_id: the tool's id on the platform
-    :param token_url: where the tool gets access tokens
+    :param token_url: URL from which the tool gets access tokens
     :param key: file with the tool's private RSA key (PEM), relative to the settings
-    :param members_url: the course's list of members
+    :param members_url: URL of the course's list of members
     :param line_items: URL of the column of the platform's gradebook, by assignment
     :param audience: audience of requests for tokens, if it is not ``token_url``
     :param key_id: the ``kid`` of the key, if the platform needs it
@@ -56,7 +56,7 @@ def read_platform(path: Path) -> Platform:
     :raises GraderError: if the file or its key cannot be read, a value is missing or wrong, or a
         URL would send marks unencrypted
     """
-    fix = 'Try: write the file as docs/exports.md says'
+    fix = 'Try: write the file as docs/exports.md describes'
     try:
         found = read_toml(path)
         key = (path.parent / str(found.get('key', ''))).read_text(encoding='ascii')
@@ -78,11 +78,11 @@ def read_platform(path: Path) -> Platform:
 
 def line_item(platform: Platform, where: Path, assignment: str) -> str:
     """
-    Return the line item's URL of an assignment.
+    Return the URL of an assignment's line item.
 
     The settings may leave out the number: ``topics`` for ``03_topics``.
 
-    :raises GraderError: if the settings have none
+    :raises GraderError: if the settings contain no such URL
     """
     for name in (assignment, assignment.partition('_')[2]):
         if name in platform.line_items:
@@ -98,7 +98,7 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
 
     :param url: see :func:`line_item`
     :param dry_run: find the students on the platform, but send nothing
-    :returns: what was sent, and who was left out for which reason
+    :returns: the number of sent marks, and the students left out, each with the reason
     :raises GraderError: if PyLTI1p3 is not installed, or the platform refuses or cannot be
         reached; the platform keeps the marks that were already sent
     """
@@ -120,8 +120,8 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
             done.filled += 1
     except (LtiServiceException, requests.RequestException, ValueError) as error:
         raise GraderError(
-            f'Sending the marks failed: {error} ({done.filled} were sent before).',
-            'Try: run the same command again; it sends all marks; the platform keeps the newest',
+            f'Sending the marks failed: {error} ({done.filled} had already been sent).',
+            'Try: run the same command again; it sends all marks, and these replace the old ones',
         ) from error
     return done
 
@@ -177,7 +177,7 @@ def _by_member(
 
 
 def _score(grade: Any, user_id: str, mark: Mark) -> Any:
-    """Fill a score; the platform converts it to its own maximum."""
+    """Fill in a score; the platform converts it to its own maximum."""
     now = datetime.now(timezone.utc).isoformat(timespec='microseconds')
     grade.set_score_given(mark.points).set_score_maximum(mark.max_points)
     grade.set_activity_progress('Completed').set_grading_progress('FullyGraded')

@@ -36,7 +36,7 @@ class Mark:
     The mark of a student in an assignment.
 
     :param points: None if there is no mark yet, which is not the same as zero
-    :param status: one of the strings above; says why if there is no mark
+    :param status: one of the strings above; without a mark, it gives the reason
     :param late_points: points that nbgrader's late policy has already subtracted from ``points``
     :param result: the last result; None for a student without a submission
     """

@@ -1,10 +1,10 @@
 """
-Fill the grades in a grading worksheet from Moodle.
+Enter the grades in a grading worksheet from Moodle.
 
 Moodle exports and imports this format (``mod/assign/gradingtable.php`` and
 ``feedback/offline/importgradeslib.php``): a header in the user's language, the column
 ``Identifier`` first with ``Participant 4711``, the grade, the maximum grade right after it, and
-the time of the last change, which Moodle compares.  The names of downloaded submissions contain
+the time of the last change, which Moodle checks.  The names of downloaded submissions contain
 the same number, so ``collect`` knows it.  Moodle reads a decimal point in every language.
 """
 
@@ -17,7 +17,7 @@ from autograder.exports.filling import add_names, factor_for, Filled, matched, t
 from autograder.exports.marks import Mark
 
 GRADE = 'Grade'
-"""The header of the grades in English."""
+"""The English header of the grade column."""
 PARTICIPANT = re.compile(r'\D*(\d+)')
 FIX = (
     'Try: in Moodle turn on "Offline grading worksheet" in the settings of the assignment, then '
@@ -39,7 +39,7 @@ def fill(
     :param data: the file from Moodle
     :param where: name of the file in messages
     :param numbers: participants' numbers by student id, if ``collect`` has seen them
-    :param column: header of the grades, in the language of the worksheet
+    :param column: header of the grade column, in the language of the worksheet
     :param scale: whether to convert the points if Moodle has a different maximum
     :raises GraderError: if the data is not a grading worksheet, the column is missing, or the
         maxima differ and ``scale`` is False

@@ -36,7 +36,7 @@ Cell = str | float | None
 
 
 def marks_csv(marks: Iterable[Mark], people: Mapping[str, str]) -> bytes:
-    """Return one row per student; ``people`` are the known names by student id."""
+    """Return a CSV table with one row per student; ``people`` maps student ids to names."""
     rows = [
         (
             mark.assignment,
@@ -55,7 +55,7 @@ def marks_csv(marks: Iterable[Mark], people: Mapping[str, str]) -> bytes:
 
 
 def checks_csv(marks: Iterable[Mark]) -> bytes:
-    """Return a CSV table with one row per submission and check; without a mark, no points."""
+    """Return a CSV table with one row per submission and check; no points without a mark."""
     rows = [
         (
             mark.assignment,

@@ -1,1 +1,1 @@
-"""Plug-ins for nbgrader, and the only code of the grader that writes nbgrader's gradebook."""
+"""Plug-ins for nbgrader, and the only code of the grader that writes to its gradebook."""

@@ -2,7 +2,7 @@
 Run nbgrader's commands in this process, with the course's ``nbgrader_config.py``.
 
 Each start of nbgrader's command line spends two seconds on imports; this module enters a whole
-class in about that time.
+class in about the same time.
 """
 
 from __future__ import annotations
@@ -163,7 +163,7 @@ def _share_engine() -> Iterator[None]:
 
     nbgrader opens the gradebook seven times per submission, each time with a new engine.  Each
     engine compiles every query again and checks whether each of twenty tables exists.  This took
-    half of the time to enter a submission.
+    half of the time needed to enter a submission.
     """
     make, tables = api.create_engine, api.Base.metadata
     api.create_engine = cache(make)
@@ -211,7 +211,7 @@ class _Generator(_StopOnDatabaseError, GenerateAssignment):
 
 
 class _StudentsCommand(_StopOnDatabaseError):
-    """A command of nbgrader for exactly some students."""
+    """An nbgrader command for exactly the given students."""
 
     students: Collection[str]
 
@@ -224,7 +224,7 @@ class _StudentsCommand(_StopOnDatabaseError):
 
 
 class _FeedbackWriter(_StudentsCommand, GenerateFeedback):
-    """nbgrader's GenerateFeedback for exactly these students."""
+    """nbgrader's GenerateFeedback for exactly the given students."""
 
 
 class _Recorder(_StudentsCommand, Autograde):

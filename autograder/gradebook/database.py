@@ -83,7 +83,7 @@ def has_gradebook(layout: Layout) -> bool:
 
 def database_failure(error: BaseException) -> SQLAlchemyError | None:
     """
-    Return the database error that caused an error of nbgrader, or None.
+    Return the database error that caused an nbgrader error, or None.
 
     An invalid value in one row is not a failure of the database.
     """
@@ -205,7 +205,7 @@ def save_copy(layout: Layout) -> Path | None:
     if there and there[-1].stat().st_mtime_ns == changed_ns:
         return there[-1]
     copy = copies_folder(layout) / time.strftime(_NAME, time.gmtime())
-    unfinished = copy.with_name('unfinished')  # A fixed name is safe: only one grading runs.
+    unfinished = copy.with_name('unfinished')  # A fixed name is safe: the course is locked.
     try:
         if not _copy(path, unfinished):
             return None
@@ -278,7 +278,7 @@ def refuse_damaged(layout: Layout) -> None:
         was_filled = any(journal.read_bytes().strip() for journal in journals)
         if not empty or not (was_filled or (nothing and copies(layout))):
             return
-        got = 'an empty file' if nothing else 'it no longer has any submissions'
+        got = 'the file is empty' if nothing else 'it no longer has any submissions'
     raise _damaged(layout, path, got)
 
 
@@ -308,6 +308,6 @@ def dump_instructions(layout: Layout) -> str:
     url = make_url(address(layout))
     plain = url.set(drivername=url.get_backend_name(), password=None).render_as_string()
     return (
-        'The gradebook is on a server and not copied here. Before --yes, run: pg_dump '
+        'The gradebook is on a server and not copied here. Before you use --yes, run: pg_dump '
         f'--format=custom --file=gradebook.dump {shlex.quote(plain)}'
     )

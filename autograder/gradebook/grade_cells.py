@@ -46,7 +46,7 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
 
 
 def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
-    """Return the score of a check cell of the release, or None if it is for review."""
+    """Return the score of a check cell of the release, or None if the cell is for review."""
     maximum = float(cell.metadata.nbgrader['points'])
     for exam in () if result.review else result.exams:
         if exam.exam == _exam_name(cell) and 0 <= exam.points <= maximum + 1e-6:

@@ -5,7 +5,7 @@ nbgrader needs about 30 ms to enter a submission, three times as long as a rerun
 journal appends one line per entry to a file; incomplete lines are ignored.  A submission is
 skipped only if it has not changed *and* the gradebook still shows the same values: a gradebook
 that was deleted, restored or edited is filled again.  Manual grades are not compared, because
-nbgrader always keeps them.  But a late penalty may be a share of them, so late work is entered
+nbgrader always keeps them.  But a late penalty may be a share of these, so late work is entered
 again after each manual grade.
 """
 
@@ -59,7 +59,7 @@ def make_gradebook(layout: Layout) -> None:
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
-    unfinished = Path(f'{path}.unfinished')  # A fixed name is safe: only one grading runs.
+    unfinished = Path(f'{path}.unfinished')  # A fixed name is safe: the course is locked.
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)

@@ -1,8 +1,8 @@
 """
-Enter finished submissions in the gradebook while others still run, and protect its marks.
+Enter finished submissions in the gradebook while others are running, and protect its marks.
 
 nbgrader takes about 30 ms per submission, and seconds to import.  The coordinating process does
-this while it would otherwise only wait for runs.  To find marks that would fall, this module
+this work while it would otherwise only wait for runs.  To find marks that would fall, this module
 compares the current mark with the mark after the entry, both with manual grades and late
 penalties.
 """
@@ -65,7 +65,7 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> d
 def _lowered(
     layout: Layout, graded: Graded, submission: SubmittedAssignment, checks: Sequence[NotebookNode]
 ) -> str:
-    """Return how the mark of one submission would be lowered or cleared; empty if it is not."""
+    """Return how the mark of one submission would be lowered or cleared, else empty."""
     from autograder.gradebook.grade_cells import score_of
 
     new = {cell.metadata.nbgrader['grade_id']: score_of(cell, graded.result) for cell in checks}
@@ -163,7 +163,7 @@ class LiveEntry:
     """
     Enter results while other submissions run.
 
-    If an entry fails, it is repeated after all runs; only a second failure is reported.
+    If an entry fails, it is retried after all runs; only a second failure is reported.
     """
 
     def __init__(self, layout: Layout, lesson: Lesson, guard: Guard) -> None:
@@ -218,7 +218,7 @@ def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
     """Prepare the gradebook for entries; the first call imports nbgrader, which takes seconds."""
     journal.gradebook_values(
         layout, assignment
-    )  # Reports a failed database more clearly than nbgrader.
+    )  # This reports a database failure more clearly than nbgrader does.
     journal.refuse_incomplete(layout)
     _ = guard.copy
     journal.make_gradebook(layout)

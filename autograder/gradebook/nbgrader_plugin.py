@@ -45,7 +45,7 @@ from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 
 NO_RESPONSE = 'No response.'  # nbgrader's own text for an untouched answer
-LOST = 'Your answer here was not found in the submitted file; a note below says why.'
+LOST = 'Your answer here was not found in the submitted file; a note below explains why.'
 _STUBS = {
     'node': f'# {UNSOLVED}\nraise NotImplementedError()',
     'rosmsg': f'# {UNSOLVED}',
@@ -84,7 +84,7 @@ Step = tuple[NotebookNode, Resources]
 
 def safe_html(html: object, **allowed: Any) -> str:
     """
-    Return HTML without scripts, event handlers and pictures from other sites.
+    Return HTML without scripts, event handlers or pictures from other sites.
 
     nbconvert's own ``clean_html`` also rejects paragraphs, headings and parts of tables: it shows
     their tags as text.
@@ -169,7 +169,7 @@ class GradesToShow(GetGrades):
     _lost: frozenset[str] = frozenset()
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
-        """Add the scores and comments in the gradebook to a notebook."""
+        """Add the scores and comments from the gradebook to a notebook."""
         self._lost = from_node(nb).missing
         return super().preprocess(nb, resources)
 

@@ -2,9 +2,9 @@
 Enter assignments and results in nbgrader's gradebook, and remove students from it.
 
 nbgrader's own Autograde enters the results, one student after another.  So formgrader, feedback
-and export work as usual, and manual grades are kept.  nbgrader reads the maximum of a cell from
-the notebook and the score from the exam.  If they differ, the score is wrong, and nbgrader
-discards a score above the maximum; so such a lesson is refused.
+and export work as usual, and manual grades are kept.  The maximum of a cell comes from the
+notebook, but its score from the exam.  If the two give different points, scores are wrong, and
+nbgrader discards scores above the maximum; so the grader refuses such a lesson.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -44,7 +44,7 @@ def enter_assignment(layout: Layout, assignment: str) -> None:
         except GraderError as error:
             raise GraderError(
                 error.what,
-                'If the cells of the assignment changed since it was last graded: restore them, '
+                'If cells of the assignment have changed since the last grading: restore them, '
                 'or export the marks, which include manual grades, and begin a new gradebook '
                 '(see docs/gradebook.md).',
             ) from error

@@ -206,5 +206,5 @@ def test_formgrader_follows_no_link_to_the_solutions(nbgrader, exchange, course)
 
     answer = nbgrader.collect(ASSIGNMENT)
 
-    assert f"handed in as '{ME}', but a link in it leads elsewhere" in answer['log']
+    assert f"handed in as '{ME}', but it contains a symbolic link" in answer['log']
     assert collected(course) == {}

@@ -186,7 +186,7 @@ def test_a_dry_run_sends_nothing(platform, settings):
 def test_a_refusal_says_what_was_sent_before(platform, settings):
     """The same command again is safe: the platform keeps the newest score."""
     platform.refused = 'u2'
-    with pytest.raises(GraderError, match=r'422.*1 were sent before') as refused:
+    with pytest.raises(GraderError, match=r'422.*1 had already been sent') as refused:
         _sent(settings, Mark('ada', 1.0, 6.5), Mark('Bob@uni.example', 2.0, 6.5))
     assert 'again' in refused.value.fix
 
@@ -194,7 +194,7 @@ def test_a_refusal_says_what_was_sent_before(platform, settings):
 def test_a_key_that_the_platform_does_not_know_is_refused(platform, settings):
     """No token, no members, no scores."""
     (settings.parent / 'key.pem').write_bytes(_keys()[0])
-    with pytest.raises(GraderError, match=r'401.*0 were sent before'):
+    with pytest.raises(GraderError, match=r'401.*0 had already been sent'):
         _sent(settings, Mark('ada', 1.0, 6.5))
     assert platform.scores == []
 
@@ -202,7 +202,7 @@ def test_a_key_that_the_platform_does_not_know_is_refused(platform, settings):
 def test_a_platform_that_is_not_there(settings):
     text = settings.read_text(encoding='utf-8').replace('/token', ':1/token')
     settings.write_text(text, encoding='utf-8')
-    with pytest.raises(GraderError, match='0 were sent before'):
+    with pytest.raises(GraderError, match='0 had already been sent'):
         _sent(settings, Mark('ada', 1.0, 6.5))
 
 

@@ -130,7 +130,7 @@ class TestLoweredMarks:
         assert grade() == command.USAGE
         said = capsys.readouterr()
         out = ' '.join(said.out.split())
-        assert 'Unchanged in the gradebook: ann 50 to 40.' in out
+        assert 'Not lowered in the gradebook: ann 50 to 40.' in out
         assert said.err.startswith(f'autograder: gradebook: 1 mark of {ASSIGNMENT} would be ')
         assert 'Try: look at the list, then run the same command with --yes' in said.err
         assert scores(here, 'ann')[CHECK] == scores(here, 'bob')[CHECK] == 15
@@ -258,7 +258,7 @@ class TestCopies:
             said = capsys.readouterr()
             assert said.out == ''
             assert said.err == (
-                f'autograder: {path}: the gradebook is damaged: an empty file. Try: '
+                f'autograder: {path}: the gradebook is damaged: the file is empty. Try: '
                 f'cp {copy} {path}. To begin a new gradebook instead, remove the file. Nothing '
                 'was written.\n'
             )

@@ -298,8 +298,8 @@ class TestExplain:
                 'names_the_unit',
                 'Students with results: fail__crashes_in_mid_run, fail__stamps',
             ),
-            ('pass__reference', 'nothing', 'Try: one of temperature_publisher/starts_its_node'),
-            ('pass__reference', 'other/names_the_unit', 'has no check of this name'),
+            ('pass__reference', 'nothing', 'Try: name one of temperature_publisher/starts'),
+            ('pass__reference', 'other/names_the_unit', 'has no check with this name'),
         ],
     )
     def test_who_or_what_is_not_there_is_answered_with_what_is(
@@ -366,7 +366,7 @@ class TestCommands:
 
         assert command.main(['rejudge', '--write']) == command.USAGE
         said = capsys.readouterr()
-        assert 'the gradebook did not accept all of the 4 that changed.' in said.out
+        assert 'the gradebook did not accept all of the 4 changed results.' in said.out
         assert said.err == 'autograder: nbgrader failed while recording: no disk.\n'
         points = {one.student: one.points for one in last_results(layout, ASSIGNMENT)}
         assert points['pass__reference'] == 7 * len(exam.checks)

@@ -100,7 +100,7 @@ def test_following_it_literally_works(course):
     assert 'was_open = message.data' not in json.dumps(stub)
 
     done = follow(course, check)
-    assert done.stdout.splitlines()[-1] == 'The notebooks and the exams fit together.', done.stdout
+    assert done.stdout.splitlines()[-1] == 'The notebooks and the exams agree.', done.stdout
 
     done = follow(course, proof)
     assert done.stdout.splitlines() == [

@@ -141,7 +141,7 @@ class TestGrading:
     def test_it_fits_together_and_the_grader_proves_itself(self, course):
         """The exam sends a geometry_msgs message and receives one of the course's own types."""
         said = run(course, 'autograder.authoring.release', 'check').stdout.splitlines()
-        assert said[-1] == 'The notebooks and the exams fit together.'
+        assert said[-1] == 'The notebooks and the exams agree.'
         assert run(course, 'autograder', 'self-check').stdout.splitlines() == [
             '01_points: the reference solution has 6 of 6, as expected.',
             '01_points: the untouched release has 0 of 6, as expected.',

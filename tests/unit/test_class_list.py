@@ -108,7 +108,7 @@ def test_reports_and_statistics_name_who_is_missing(listed):
         ('name\nann\n', 'there is no column student'),
         ('student\nann\nann\n', 'row 3: ann is in the list twice'),
         ('student\n-\n', "row 2: the student id '-' has no letter or digit"),
-        ('student,name\nann\n', 'line 2 has 1 fields, the first line 2'),
+        ('student,name\nann\n', 'line 2 has 1 fields, line 1 has 2'),
         ('student\nJ\xf6rg\n', 'not UTF-8'),
     ],
 )

@@ -103,7 +103,7 @@ def test_two_names_that_become_one_are_both_left(tmp_path, layout):
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, prefix='hw-')
 
     assert [row.done for row in rows] == [LEFT, LEFT]
-    assert all("the same student id as 'ann', 'hw-ann'" in row.notes[0] for row in rows)
+    assert all("names give one student id: 'ann', 'hw-ann'" in row.notes[0] for row in rows)
 
 
 class TestStudentIds:

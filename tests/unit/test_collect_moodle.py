@@ -100,7 +100,7 @@ class TestMoodle:
 
         assert row.done == LEFT
         assert row.notes[0].startswith(
-            "perhaps another 'Li Wei': number 314 in Moodle, earlier 313"
+            "perhaps a different 'Li Wei': number 314 in Moodle, earlier 313"
         )
         assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
 

@@ -52,8 +52,8 @@ def test_work_of_another_user_is_refused_with_both_names(tmp_path, layout):
 
     assert row.done == LEFT
     assert row.notes[0] == (
-        f"handed in as 'ann', but owned by '{ME}'; if you copied it there yourself: --trust-names "
-        '(docs/exchange.md)'
+        f"handed in as 'ann', but owned by '{ME}'; if you copied it there yourself, use "
+        '--trust-names (docs/exchange.md)'
     )
     assert taken(layout) == {}
 
@@ -63,7 +63,7 @@ def test_zip_of_an_exchange_is_refused_as_it_names_no_owner(tmp_path, layout):
     rows = collect(packed(tmp_path / 'e.zip', EXCHANGE), layout, layout.submitted)
 
     assert {row.done for row in rows} == {LEFT}
-    assert 'a zip does not say who owned it' in rows[0].notes[0]
+    assert 'a zip does not record the owner' in rows[0].notes[0]
 
 
 def test_recorded_owner_is_accepted(tmp_path, layout):

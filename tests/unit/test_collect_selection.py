@@ -94,13 +94,13 @@ class TestOneAssignmentASource:
         assert [row.done for row in rows].count(TAKEN) == 3
         assert {row.assignment for row in rows} == {TALK}
         (left,) = [row for row in rows if row.done == LEFT]
-        assert left.notes[0] == f'wrong assignment: listen.ipynb is {LISTEN}'
+        assert left.notes[0] == f'wrong assignment: listen.ipynb belongs to {LISTEN}'
 
     @pytest.mark.parametrize(
         ('one', 'two', 'said'),
         [
-            (GOOD, OTHER, f'as many cells of {LISTEN} as of {TALK}. Try: --assignment'),
-            (OWN, OWN, 'none of this course'),
+            (GOOD, OTHER, f'as many from {LISTEN} as from {TALK}. Try: --assignment'),
+            (OWN, OWN, 'none is from this course'),
         ],
     )
     def test_what_is_not_sure_is_refused(self, one, two, said, tmp_path, layout):
@@ -201,7 +201,7 @@ class TestTheRightOne:
         ('others', 'why'),
         [
             ({'b.ipynb': OWN}, 'it is not the only notebook'),
-            ({f'{LISTEN}/listen.ipynb': OTHER}, f'listen.ipynb is {LISTEN}'),
+            ({f'{LISTEN}/listen.ipynb': OTHER}, f'listen.ipynb belongs to {LISTEN}'),
         ],
     )
     def test_one_of_several_without_a_cell_is_not_guessed(self, others, why, tmp_path, layout):
@@ -234,9 +234,9 @@ class TestTheRightOne:
         assert taken(layout)[f'ann/{TALK}/talk.ipynb'] == GOOD
         assert [row.done for row in rows] == [LEFT, TAKEN, LEFT]
         assert [row.notes[0] for row in rows] == [
-            'a newer one was collected',
-            'the newest of 3 with a cell of the assignment',
-            'a different one was collected',
+            'a newer notebook was collected',
+            'the newest of 3 attempts with a cell of the assignment',
+            'a different notebook was collected',
         ]
 
 

@@ -45,10 +45,10 @@ class TestCanvas:
         said = notes(rows)
         assert said['berg_LATE_1002_55002_talk.ipynb'] == (LATE,)
         assert said['chang_1003_55003_listen.ipynb'] == (
-            f'wrong assignment: listen.ipynb is {LISTEN}',
+            f'wrong assignment: listen.ipynb belongs to {LISTEN}',
         )
-        assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2',)
-        assert said['exampleann_1001_55001_talk.ipynb'] == ('a newer one was collected',)
+        assert said['exampleann_1001_55077_talk-1.ipynb'] == ('the newest of 2 attempts',)
+        assert said['exampleann_1001_55001_talk.ipynb'] == ('a newer notebook was collected',)
         assert said['diaz_1004_55004_essay.pdf'] == ('no notebook, only essay.pdf',)
         assert said['evans_1005_55005_My work (2).ipynb'] == (
             "the file was called 'My work (2).ipynb'",

@@ -88,17 +88,17 @@ class TestReading:
     @pytest.mark.parametrize(
         ('text', 'note'),
         [
-            ('2026-03-01 12:00:00.1 CET', 'time zone CET not understood: no time'),
+            ('2026-03-01 12:00:00.1 CET', 'time zone CET not understood, ignored'),
             (
                 '2026-03-01 12:00:00 Europe/Berlin',
-                'time zone Europe/Berlin not understood: no time',
+                'time zone Europe/Berlin not understood, ignored',
             ),
-            ('2026-02-30 12:00:00 UTC', "time '2026-02-30 12:00:00 UTC' not understood: no time"),
+            ('2026-02-30 12:00:00 UTC', "time '2026-02-30 12:00:00 UTC' not understood, ignored"),
             (
                 '0001-01-01 00:00:00 +1400',
-                "time '0001-01-01 00:00:00 +1400' not understood: no time",
+                "time '0001-01-01 00:00:00 +1400' not understood, ignored",
             ),
-            ('soon', "time 'soon' not understood: no time"),
+            ('soon', "time 'soon' not understood, ignored"),
             ('', ''),
             (None, ''),
         ],
@@ -150,7 +150,7 @@ class TestStampBesideANotebook:
 
         assert [row.handed_in for row in rows] == ['2026-03-01 12:34', '', '']
         assert rows[0].notes == (f'time from {TALK}/timestamp.txt',)
-        assert rows[2].notes == ('time zone MEZ not understood: no time',)
+        assert rows[2].notes == ('time zone MEZ not understood, ignored',)
         stamp = taken(layout)[f'ann/{TALK}/timestamp.txt']
         assert stamp == b'2026-03-01 12:34:56 UTC\n'
         assert [name for name in taken(layout) if name.endswith('.txt')] == [
@@ -208,7 +208,7 @@ class TestOlderWork:
             (row,) = collect(monday, layout, layout.submitted, write=write)
             assert (row.done, row.notes[0]) == (
                 LEFT,
-                'older than the collected one, of 2026-03-03 12:00',
+                'older than the collected one from 2026-03-03 12:00',
             )
         assert taken(layout) == before
 
@@ -242,7 +242,7 @@ class TestOlderWork:
 
         (row,) = collect(laid(tmp_path / 'm', inbound(self.MONDAY)), layout, layout.submitted)
 
-        assert (row.done, row.notes) == (REPLACED, ('it is unknown which one is newer',))
+        assert (row.done, row.notes) == (REPLACED, ('it is unknown which notebook is newer',))
         assert b'2026-03-02' in taken(layout)[f'ann/{TALK}/timestamp.txt']
 
 
@@ -263,7 +263,7 @@ class TestStaleTime:
         rows = collect(newer, layout, layout.submitted)
 
         assert [row.done for row in dry] == [row.done for row in rows] == [REPLACED]
-        assert rows[0].notes == dry[0].notes == ('it is unknown which one is newer',)
+        assert rows[0].notes == dry[0].notes == ('it is unknown which notebook is newer',)
         assert taken(layout) == {f'ann/{TALK}/talk.ipynb': GOOD}
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 

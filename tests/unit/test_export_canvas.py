@@ -184,10 +184,10 @@ def test_first_and_last_name_may_have_columns_of_their_own():
 @pytest.mark.parametrize(
     ('data', 'got'),
     [
-        (b'', 'a first line'),
-        (b'Name,Mark\nada,1\n', "a first line 'Name,Mark'"),
-        (HEADER.encode() + b'\n' + ADA.encode() + b'\n', 'no line "Points Possible"'),
-        (book() + b'short,1\n', 'line 8 has 2 fields, the first line 9'),
+        (b'', 'the first line'),
+        (b'Name,Mark\nada,1\n', "the first line is 'Name,Mark'"),
+        (HEADER.encode() + b'\n' + ADA.encode() + b'\n', 'there is no line "Points Possible"'),
+        (book() + b'short,1\n', 'line 8 has 2 fields, line 1 has 9'),
         ('Schüler'.encode('utf-16'), 'not UTF-8'),
         (book() + b'"open,', 'not valid CSV'),
     ],

@@ -209,5 +209,5 @@ class TestZip:
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
         """A students' copy is refused, because it has no hidden exams."""
-        with pytest.raises(GraderError, match='copy of the course for students'):
+        with pytest.raises(GraderError, match='copy of the course has no hidden'):
             autograder_zip(Layout(tmp_path), ASSIGNMENT)

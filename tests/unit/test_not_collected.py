@@ -42,7 +42,7 @@ def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
     assert kept(layout) == [
-        ('1003', TALK, f'wrong assignment: listen.ipynb is {LISTEN}'),
+        ('1003', TALK, f'wrong assignment: listen.ipynb belongs to {LISTEN}'),
         ('1004', TALK, PDF),
         ('1006', TALK, 'the student submitted text instead of a file'),
     ]
@@ -65,7 +65,7 @@ def test_later_delivery_that_cannot_be_taken_either_replaces_the_reason(tmp_path
     collect(packed(tmp_path / 'a.zip', first), layout, layout.submitted, TALK)
     collect(packed(tmp_path / 'b.zip', again), layout, layout.submitted, TALK)
 
-    assert kept(layout) == [('1004', TALK, f'wrong assignment: listen.ipynb is {LISTEN}')]
+    assert kept(layout) == [('1004', TALK, f'wrong assignment: listen.ipynb belongs to {LISTEN}')]
 
 
 @pytest.mark.parametrize('write', [False, True])

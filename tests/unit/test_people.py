@@ -121,7 +121,7 @@ def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layo
     students = {'1001', '1002', '1003'}
 
     with pytest.raises(
-        GraderError, match=r'2 students have this name\. Try: one of the ids 1001, 1002'
+        GraderError, match=r'2 students have this name\. Try: use one of the ids 1001, 1002'
     ):
         student_named(layout, 'Ann Lee', students)
     assert [student_named(layout, name, students) for name in ('Zoe', '', 'Gone')] == [''] * 3

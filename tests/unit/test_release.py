@@ -107,7 +107,7 @@ class TestRelease:
 
         captured = capsys.readouterr()
         assert captured.out == 'x.ipynb: 4 points\n'
-        assert captured.err == 'course: nothing was packed. Try: fix this, then make release\n'
+        assert captured.err == 'course: not packed. Try: fix these mistakes, then make release\n'
 
     def test_a_course_that_fits_together_is_packed(self, layout, monkeypatch, capsys):
         monkeypatch.setattr(course, 'check', lambda layout: [])

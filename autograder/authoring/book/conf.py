@@ -1,5 +1,5 @@
 """
-Settings of Sphinx for the book.
+Sphinx settings for the book.
 
 Pages load nothing from other hosts: the theme includes its scripts, and the scripts of widgets,
 which would be loaded from another host, are off.

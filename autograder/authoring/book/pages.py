@@ -35,7 +35,7 @@ YOURS = (
     'correct answer.*'
 )
 ABOUT = """\
-# The lessons, to read
+# Reading the lessons
 
 You can read these pages without running anything. Their outputs come from real ROS 2 nodes.
 To write nodes of your own, open the lessons in JupyterLab: `make lab`.

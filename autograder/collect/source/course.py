@@ -16,7 +16,7 @@ _NUMBER = re.compile(r'^\d+[_-]')
 
 
 def _plain(text: str) -> str:
-    """Return a name in lower case, with hyphens for underscores, for comparisons."""
+    """Return a name in lower case, with hyphens instead of underscores, for comparisons."""
     return text.replace('_', '-').lower()
 
 
@@ -33,7 +33,7 @@ class Course:
 
     @cached_property
     def file_names(self) -> Mapping[str, str]:
-        """Return the file name of the notebook of every assignment."""
+        """Return the file name of each assignment's notebook."""
         return {name: self.layout.release(name).name for name in self.assignments}
 
     @cached_property
@@ -63,8 +63,8 @@ class Course:
         """
         Return the assignment at the beginning of a repository's name, ``ASSIGNMENT-STUDENT``.
 
-        :returns: the prefix as written in the name, with the separator; empty if the name begins
-            with no assignment
+        :returns: the prefix as written in the name, with the separator; empty if the name does
+            not begin with an assignment
         """
         forms = (form for one in self.assignments for form in (one, _NUMBER.sub('', one)))
         fitting = (one for one in forms if _plain(name).startswith(_plain(f'{one}-')))

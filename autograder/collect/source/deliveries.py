@@ -1,7 +1,7 @@
 """
 Open the source of a class; define entries and deliveries, the data types of all platforms.
 
-The platform chose the names of the entries on one :data:`Level` of a source.  Students chose all
+The platform chose the names of the entries at one :data:`Level` of a source.  Students chose all
 names below that level, so these names never show who handed in a file.
 """
 
@@ -44,7 +44,7 @@ def _is_noise(parts: Parts, marked: Collection[Parts]) -> bool:
 
 BOUNDS = Bounds(
     'the submissions of a class',
-    'a folder with submissions only, one assignment at a time, or part of the class',
+    'collect a folder with submissions only, one assignment, or part of the class',
     _is_noise,
     entries=50_000,
     listed=500_000,
@@ -61,8 +61,8 @@ def opened(source: Path) -> AbstractContextManager[Tree]:
     Files that programs generate next to the work are neither listed nor counted.  Otherwise the
     built workspace of one student could exceed the limits for the whole class.
 
-    :raises UnusableUploadError: if the source is neither a folder nor a zip, is damaged or too
-        large
+    :raises UnusableUploadError: if the source is neither a folder nor a zip, or is damaged or
+        too large
     """
     return trees.opened(source, BOUNDS)
 
@@ -151,7 +151,7 @@ class Entry(NamedTuple):
         return f'{self.name}/' if self.folder else self.name
 
     def delivered_files(self, name: str = '', turn: int = 0) -> tuple[DeliveredFile, ...]:
-        """Return the delivered files; for a file, under the name that the student chose."""
+        """Return the delivered files; ``name`` is the name that the student gave a single file."""
         files = (File((name,), self.files[0].read),) if name else self.files
         return tuple(DeliveredFile(file, self.name, turn) for file in files)
 

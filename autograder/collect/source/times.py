@@ -25,7 +25,7 @@ def read_time(value: object) -> tuple[datetime | None, str]:
     Offsets and UTC are accepted, but no other names of time zones: CST alone has four meanings.
 
     :param value: a string, a datetime from YAML, or None; without a time zone it is in UTC
-    :returns: the time in UTC, None if there is none; and a note if it was not understood
+    :returns: the time in UTC or None, and a note if the value was not understood
     """
     try:
         if isinstance(value, datetime):
@@ -34,16 +34,16 @@ def read_time(value: object) -> tuple[datetime | None, str]:
         text = value.strip() if isinstance(value, str) else ''
         match = _TIME.fullmatch(text)
         if match is None:
-            return None, f'time {text[:40]!r} not understood: no time' if text else ''
+            return None, f'time {text[:40]!r} not understood, ignored' if text else ''
         day, minute, second, name = match.groups()
         zone = _ZONE.fullmatch(name or 'UTC')
         if zone is None:
-            return None, f'time zone {name[:20]} not understood: no time'
+            return None, f'time zone {name[:20]} not understood, ignored'
         offset = f'{zone[1] or "+00"}:{zone[2] or "00"}'
         found = datetime.fromisoformat(f'{day} {minute}{second or ":00"}{offset}')
         return found.astimezone(timezone.utc), ''
-    except (ValueError, OverflowError):  # The day does not exist, or is before the year 1.
-        return None, f'time {str(value)[:40]!r} not understood: no time'
+    except (ValueError, OverflowError):  # The date does not exist, or is before the year 1.
+        return None, f'time {str(value)[:40]!r} not understood, ignored'
 
 
 def late_notes(late: str, when: datetime | None, due: datetime | None) -> tuple[str, ...]:
