@@ -25,7 +25,7 @@ from autograder.submission.outline import FACTS
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 
 CELL_TIMEOUT_S = 400
-"""Time limit of a cell, longer than a build of messages, which may take 300 s [s]."""
+"""Time limit of a cell [s]; a build of messages may take 300 s."""
 
 
 def executed(path: Path, **more: Any) -> NotebookNode:

@@ -97,7 +97,7 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
             return Path(folder, assignment, layout.release(assignment).name).read_bytes()
     if damage not in DAMAGES:
         raise GraderError(
-            f'{sample.name}/expected.json: unknown value {damage!r} of notebook.',
+            f'{sample.name}/expected.json: unknown value {damage!r} for "notebook".',
             f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
         )
     solution = read_release(layout.solutions / assignment / layout.release(assignment).name)

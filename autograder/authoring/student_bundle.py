@@ -99,8 +99,8 @@ def answer_files(layout: Layout) -> dict[str, bytes]:
     """
     Return the worked answers of each lesson with exercises, by file name in the students' copy.
 
-    An exercise has one only if its visible checks give all points.  Others, such as the questions
-    of lesson 09, pass with wrong answers, and a worked answer would give the right ones away.
+    An exercise has a worked answer only if its visible checks give all points.  Other exercises,
+    such as the questions of lesson 09, pass with wrong answers: a worked answer would be a key.
     """
     found = {}
     for path in lesson_files(layout.solutions):

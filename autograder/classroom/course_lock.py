@@ -11,7 +11,7 @@ from autograder.errors import GraderError
 from autograder.layout import Layout
 
 UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
-"""Name of a file that :func:`autograder.files.write_atomically` has not finished."""
+"""Name of a file that :func:`autograder.files.write_atomically` has not finished writing."""
 
 
 class InUseError(GraderError):

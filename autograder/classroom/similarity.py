@@ -46,7 +46,7 @@ WARNING = (
 @dataclass(frozen=True)
 class Line:
     """
-    One statement without those nested in it, or one line of a file that is not Python.
+    One statement without its nested statements, or one line of a file that is not Python.
 
     :param number: number of its first line in the file, from 1
     :param raw: its tokens
@@ -214,7 +214,7 @@ def _statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 
 def _given_names(node: ast.AST) -> Iterator[str]:
-    """Yield the names that a syntax node assigns or defines; of imports, only names after as."""
+    """Yield the names that a syntax node assigns or defines; for imports, only names after as."""
     if isinstance(node, ast.keyword) or not isinstance(getattr(node, 'ctx', STORE), ast.Store):
         return
     for field in ('asname',) if isinstance(node, ast.alias) else ('id', 'attr', 'name', 'arg'):

@@ -87,7 +87,7 @@ class ClassNumbers:
     :param marks: None if nobody has a mark
     :param review: students without a score, each with the reason
     :param missing: students without a submission to grade, each with the reason
-    :param flagged: flags for the instructor, each after the student
+    :param flagged: pairs of a student and a flag for the instructor
     :param slowest: the slowest students, each with the duration of the runs as recorded [s]
     :param repeated: students whose runs were repeated, because the first run may have failed for a
         reason outside the program
@@ -95,8 +95,8 @@ class ClassNumbers:
     :param modes: isolation modes
     :param lacks: what these modes do not protect
     :param exams: digests of the scenario (with its inputs) and of the environment, by exam
-    :param versions: versions of the software that made the recordings, by name; if there are
-        several, they are joined in one string
+    :param versions: versions of the software that made the recordings, by name; several
+        versions of one program are joined in one string
     """
 
     assignment: str
@@ -219,7 +219,7 @@ def _causes(failed: Sequence[CheckResult]) -> tuple[tuple[str, int], ...]:
 
 
 def _versions(headers: Sequence[Header]) -> dict[str, str]:
-    """Return the software versions in the headers; this machine may have others now."""
+    """Return the software versions in the headers; this machine may now have others."""
     made = [one['made_with'] for one in headers if isinstance(one.get('made_with'), dict)]
     found = {name: _texts(made, name) for name in dict.fromkeys(chain(*made))}
     found['environment'] = _texts(headers, 'environment', DIGEST_CHARS)

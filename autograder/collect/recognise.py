@@ -5,7 +5,7 @@ Only the names at one level are used: those in the source itself, or in its sing
 Students chose the names further down, and no student may influence how the work of the whole class
 is read.  Each entry at that level that is not a submission is listed with a reason.
 
-Without a platform, there is one folder or one notebook per student.  Notebooks may be anywhere
+If no platform fits, there is one folder or one notebook per student.  Notebooks may be anywhere
 below a student's folder.  nbgrader's own layout is ``STUDENT/ASSIGNMENT/NOTEBOOK.ipynb``, with a
 ``timestamp.txt`` next to the notebook.  The student id is the name of the folder.  If the name of
 a cloned repository begins with an assignment, as in ``talk-ann``, that prefix is removed.  A

@@ -77,11 +77,11 @@ def evidence(
     submitted: Path | None = None,
 ) -> dict[str, Any]:
     """
-    Return the evidence behind one verdict, in JSON types.
+    Return the evidence behind one verdict as JSON data.
 
     :param student: id or display name
     :param check: name of the check, or ``exam/check``
-    :param assignment: name with or without the number; needed if several assignments have it
+    :param assignment: with or without its number; needed if several assignments have the check
     :param submitted: the folder of the class; None for the default folder
     :raises GraderError: if the student or the check is not in the last results
     """

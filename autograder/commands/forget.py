@@ -159,7 +159,7 @@ def _forgotten(layout: Layout) -> Path:
 
 
 def _folders(above: Path) -> set[str]:
-    """Return the names of the folders in a folder, without links; empty if it is missing."""
+    """Return the names of the subfolders of a folder, without links; empty if it is missing."""
     if not above.is_dir():
         return set()
     return {one.name for one in above.iterdir() if one.is_dir() and not one.is_symlink()}

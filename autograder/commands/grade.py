@@ -203,7 +203,7 @@ def _assignments(layout: Layout, chosen: str | None) -> tuple[str, ...]:
 @dataclass
 class Grading:
     """
-    Grade the assignments of one class, enter the results, write the reports, print the tables.
+    Grade the assignments of one class, enter the results, write the reports and print tables.
 
     :param submitted: the folder of the class
     :param jobs: number of parallel runs
@@ -336,7 +336,7 @@ class Grading:
 
 
 def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: float) -> str:
-    """Return a sentence with the duration, isolation modes and number of reviews."""
+    """Return a sentence with duration, isolation modes and number of submissions for review."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
     slowest = slowest_text({one.student: ran_s(one) for one in results})

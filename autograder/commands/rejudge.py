@@ -66,7 +66,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 Account = dict[str, Any]
 """
-The outcome of judging one assignment again, in JSON types.
+The outcome of judging one assignment again, as JSON data.
 
 ``seconds`` is the wall time of the judging, ``written`` says what ``--write`` did, ``refused``
 says why some results were not entered in the gradebook, and ``lowered`` lists the marks in the

@@ -4,7 +4,7 @@ Pack feedback pages under the file names that Canvas and Moodle expect in an upl
 Canvas (``infer_comment_context_from_filename`` of an assignment) reads the first two numbers of
 a name: the user's and the attachment's.  It ignores names whose last part begins with ``link``.
 Moodle (``mod/assign/feedback/file/importziplib.php``) reads the participant's number and the type
-of the submission.  The names of downloaded submissions contain these facts.  Both platforms
+of the submission.  The names of downloaded submissions contain these values.  Both platforms
 ignore all other files in the zip.
 """
 

@@ -161,7 +161,7 @@ def _output(check: CheckResult) -> str:
 
 def main(arguments: Sequence[str]) -> int:
     """
-    Grade ``ROOT/submission`` and write ``ROOT/results/results.json``, except for a review.
+    Grade ``ROOT/submission`` and, unless it is for review, write ``ROOT/results/results.json``.
 
     Without ``results.json``, Gradescope reports a failed autograder instead of giving a zero.
 

@@ -43,9 +43,9 @@ def generate(layout: Layout, assignment: str, release: Path, database: bool) -> 
     Write the student version of an assignment, as ``nbgrader generate_assignment`` does.
 
     :param release: folder that receives ``<assignment>/``
-    :param database: whether to enter the assignment in the gradebook; without this, the output is
+    :param database: whether to enter the assignment in the gradebook; if not, the output is
         deterministic
-    :raises GraderError: with nbgrader's message
+    :raises GraderError: with nbgrader's message if nbgrader fails
     """
     config = load_config(layout)
     config.CourseDirectory.release_directory = str(release)
@@ -87,7 +87,7 @@ def feedback(layout: Layout, assignment: str, students: Collection[str]) -> dict
     Return the feedback page of each student, with the current marks of the gradebook.
 
     :returns: HTML by student; a student whose work nbgrader has not entered has none
-    :raises GraderError: with nbgrader's message
+    :raises GraderError: with nbgrader's message if nbgrader fails
     """
     config = load_config(layout)
     there = layout.work / 'autograded'

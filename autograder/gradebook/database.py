@@ -128,7 +128,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     """
     Yield a connection to the gradebook, or None if the file does not exist yet.
 
-    This never creates a gradebook.
+    This function never creates a gradebook.
 
     :raises GraderError: if the gradebook cannot be reached or read; the error shows its address
         without the password

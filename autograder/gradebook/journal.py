@@ -5,8 +5,8 @@ nbgrader needs about 30 ms to enter a submission, three times as long as a rerun
 journal appends one line per entry to a file; incomplete lines are ignored.  A submission is
 skipped only if it has not changed *and* the gradebook still shows the same values: a gradebook
 that was deleted, restored or edited is filled again.  Manual grades are not compared, because
-nbgrader always keeps them.  But a late penalty may be a share of these, so late work is entered
-again after each manual grade.
+nbgrader always keeps them.  But a late penalty may be a share of the manual grades, so late work
+is entered again after each manual grade.
 """
 
 from collections.abc import Collection, Mapping, Sequence

@@ -56,7 +56,7 @@ BOUNDS = Bounds(
 
 def opened(source: Path) -> AbstractContextManager[Tree]:
     """
-    Open a source in a context, in which its files can be read.
+    Return a context manager that opens a source for reading.
 
     Files that programs generate next to the work are neither listed nor counted.  Otherwise the
     built workspace of one student could exceed the limits for the whole class.
