@@ -33,7 +33,7 @@ AS_ROOT = $(if $(filter 0,$(shell id -u)),--allow-root)
 include $(wildcard instructors.mk)
 
 .DEFAULT:
-	@echo 'make $@: expected a goal of this copy of the course. Try: make help' >&2; exit 2
+	@echo 'make $@: this copy of the course has no such goal. Try: make help' >&2; exit 2
 
 help:
 	@sed -n 's/^#|//p' $(MAKEFILE_LIST)

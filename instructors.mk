@@ -3,16 +3,16 @@
 #|  make grade                grade everything in submitted/ (ARGS='--jobs 2' passes options)
 #|  make release              generate notebooks/ from solutions/, check the course, pack the
 #|                            students' copy (ARGS=--answers adds worked answers)
-#|  make execute              execute the solved lessons and note the date in those that ran
-#|                            (ARGS=03_topics chooses some)
+#|  make execute              execute the solved lessons and write the date into those that ran
+#|                            without an error (ARGS=03_topics chooses some)
 #|  make book                 execute the lessons and write them as web pages,
 #|                            into autograder/_work/book/html
 #|  make quick                check style and types and run the quick unit tests: under a minute
 #|  make test                 run all tests except browser, cluster, LTI, PostgreSQL and benchmarks
 #|  make test-browser         test JupyterLab and formgrader in headless Chromium; also
 #|                            test-cluster (Dask), test-lti (a learning platform on loopback) and
-#|                            test-postgres (a real server), and test-routes (files of containers,
-#|                            Binder and workflows, each read by its own tool)
+#|                            test-postgres (a real server), and test-routes (container, Binder
+#|                            and workflow files, each read by its own tool)
 #|  make hub                  run a JupyterHub for a class on this machine, as root (docs/hub.md);
 #|                            make test-hub tests it in headless Chromium
 #|  make check                check style, types, words, and that generated files are up to date
@@ -38,7 +38,7 @@ quick: prepare
 	@exec $(WITH_ROS) python -m pytest -q -n 2 --dist loadfile -m 'not ros and not slow' tests/unit $(ARGS)
 
 # Run more test files in parallel than there are processors, because most tests wait. The tests of
-# a file run in order. ARGS='-n 0' runs one file after the other.
+# a file run in order. ARGS='-n 0' runs one file after another.
 test: prepare
 	@exec $(WITH_ROS) python -m pytest -n 6 --dist loadfile $(ARGS)
 
@@ -55,8 +55,8 @@ test-browser test-hub: test-%: prepare
 	  -r environment/requirements-browser.txt
 	@exec $(WITH_ROS) python -m pytest -m $* $(ARGS)
 
-# Beyond one machine: a scheduler and two workers, a learning platform, a real PostgreSQL server, and
-# the tools that read the files of containers and workflows.
+# These tests use other programs: a scheduler with two workers, a learning platform, a PostgreSQL
+# server, and the tools that read container and workflow files.
 test-cluster test-lti test-postgres test-routes: test-%: prepare
 	@$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	  -r environment/requirements-$*.txt
@@ -104,6 +104,6 @@ bench: prepare
 	$(PY) -m benchmarks.stock_nbgrader
 	$(PY) -m benchmarks.same_recordings
 
-# ARGS='--minutes 30' ends it sooner.
+# ARGS='--minutes 30' ends the run sooner.
 soak: prepare
 	@exec $(PY) -m benchmarks.soak $(ARGS)

@@ -1,5 +1,5 @@
 """
-nbgrader's settings for this course; read by every nbgrader command and by formgrader.
+nbgrader's settings for this course, which every nbgrader command and formgrader read.
 
 Student code never runs in nbgrader's process: see autograder/gradebook/nbgrader_plugin.py.
 """
@@ -13,7 +13,7 @@ import warnings
 from autograder.layout import Layout
 from environment.exchange import exchange_root, protect
 
-c = get_config()  # nbgrader puts it here
+c = get_config()  # defined by nbgrader
 
 root = Path(__file__).resolve().parent
 course = Layout(root)
@@ -34,7 +34,7 @@ c.CourseDirectory.ignore = ['.ipynb_checkpoints', '*.pyc', '__pycache__', 'feedb
 
 # nbgrader creates a new gradebook with the command alembic, which is next to this Python.
 folders, beside = os.environ.get('PATH', '').split(os.pathsep), str(Path(sys.prefix) / 'bin')
-if folders[0] != beside:  # this file is read often
+if folders[0] != beside:  # nbgrader may read this file more than once
     os.environ['PATH'] = os.pathsep.join([beside, *folders])
 
 # SQLite and the exchange need their folders. COURSE_EXCHANGE names a different exchange, for
@@ -76,7 +76,7 @@ c.SaveGrades.root = str(root)
 # SQLAlchemy warns about nbgrader's own queries, whose results are correct.
 warnings.filterwarnings('ignore', message='Object of type .* not in session')
 
-# Students' Markdown is shown to instructors by feedback and formgrader.
+# Feedback and formgrader show students' Markdown to instructors.
 c.HTMLExporter.sanitize_html = True
 c.HTMLExporter.filters = {
     'markdown2html': 'autograder.gradebook.nbgrader_plugin.safe_markdown',

@@ -38,7 +38,7 @@ NOBODY = 65534
 SYSTEM = {'PATH': '/usr/sbin:/usr/bin:/sbin:/bin', 'HOME': '/root', 'LANG': 'C.UTF-8'}
 SYSTEM['DEBIAN_FRONTEND'] = 'noninteractive'
 WIDE = {'COLUMNS': '200'}
-"""Keeps each line of a report on one line."""
+"""A terminal width at which no line of a report wraps."""
 
 
 HUB_SCRIPT = """\
@@ -51,8 +51,8 @@ wait $! || echo "make has ended with code $?"
 read -r _ <&3
 """
 """
-Bubblewrap covers parts of ``/proc``, so its users could not start a sandbox of their own.  The job
-of the last command is a process group, which Ctrl-C reaches as a whole.
+Bubblewrap covers parts of ``/proc``, so without a new mount, the hub's users could not start a
+sandbox.  With ``set -m``, the last command is a process group, so Ctrl-C reaches all of it.
 """
 OPENED = r'^Open (\S+) and log in as (\w+), (\w+)'
 ENDED = 'make has ended with code'
@@ -60,7 +60,7 @@ STOPPED_S = 90.0
 
 
 class RouteFailed(Exception):
-    """Report that a route did not lead to the expected result."""
+    """Raised when a route does not lead to the expected result."""
 
 
 def run(
@@ -98,7 +98,7 @@ def make_grade(folder: Path, *before: str | Path, **more: Any) -> str:
     """
     Grade the sample class and return the result; parameters are those of :func:`run`.
 
-    One sample submission is unreadable, so the grader ends with 1, and make with 2.
+    One sample submission is unreadable, so the grader exits with code 1, and make with code 2.
     """
     return sample_class_result(run(folder, *before, 'make', 'grade', code=2, **more))
 
@@ -141,10 +141,10 @@ def plain_user(folder: Path) -> str:
 
 def new_system(suite: str, areas: str = 'main') -> Callable[[Path], str]:
     """
-    Return a route that grades the sample class on a new system with nothing but make.
+    Return a route that grades the sample class on a new system where only make is installed.
 
-    :param suite: name of the release, which debootstrap knows
-    :param areas: parts of its archive, separated by commas
+    :param suite: name of the release for debootstrap
+    :param areas: components of its archive, separated by commas
     """
 
     def execute(folder: Path) -> str:
@@ -156,7 +156,7 @@ def new_system(suite: str, areas: str = 'main') -> Callable[[Path], str]:
 
 
 def inside(root: Path, cwd: str) -> list[str]:
-    """Return the words before a command that runs in a new system, on this machine's network."""
+    """Return the command prefix that runs a command in a new system on this machine's network."""
     environ, names = {**SYSTEM, **WIDE}, ('/etc/resolv.conf', '/etc/hosts')
     binds = dict(zip(names, names, strict=True))
     # Behind a proxy, pip and npm need the proxy's certificate authority.
@@ -164,7 +164,7 @@ def inside(root: Path, cwd: str) -> list[str]:
         binds[authority] = '/run/authority'
         environ |= dict.fromkeys(('PIP_CERT', 'NODE_EXTRA_CA_CERTS'), '/run/authority')
     words = ['bwrap', '--bind', str(root), '/', '--proc', '/proc', '--dev', '/dev']
-    words += ['--perms', '1777', '--tmpfs', '/dev/shm']  # as on a system that boots
+    words += ['--perms', '1777', '--tmpfs', '/dev/shm']  # as on a booted system
     words += ['--cap-add', 'ALL', '--unshare-pid', '--die-with-parent', '--chdir', cwd]
     words += [word for pair in binds.items() for word in ('--ro-bind', *pair)]
     words += ['--clearenv']
@@ -207,10 +207,10 @@ def hub(folder: Path) -> str:
 
 def new_hub(suite: str, areas: str = 'main') -> Callable[[Path], str]:
     """
-    Return a route that types the commands of ``docs/hub.md`` on a new system and teaches a lesson.
+    Return a route that runs the commands in ``docs/hub.md`` on a new system and teaches a lesson.
 
-    :param suite: name of the release, which debootstrap knows
-    :param areas: parts of its archive, separated by commas
+    :param suite: name of the release for debootstrap
+    :param areas: components of its archive, separated by commas
     """
 
     def execute(folder: Path) -> str:
@@ -230,7 +230,7 @@ def new_hub(suite: str, areas: str = 'main') -> Callable[[Path], str]:
                 points = teach(address, instructor, student)
                 stop_hub(folder, system)
             finally:
-                system.kill()  # with it, all processes of the new system
+                system.kill()  # this also ends all processes in the new system
         return f'feedback returned: {points}'
 
     return execute
@@ -343,7 +343,7 @@ def write(name: str = '', **changes: str) -> None:
 
 def execute(name: str) -> dict[str, str]:
     """
-    Execute a route, and return date and result for its row.
+    Execute a route, and return the date and the result for its row.
 
     :raises RouteFailed: if it does not work; the folder with the log is then kept
     """

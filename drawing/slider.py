@@ -1,4 +1,4 @@
-"""A slider through the moments of a picture, for mouse and keyboard, without a kernel."""
+"""A slider through the moments of a picture, for mouse and keyboard; it needs no kernel."""
 
 from collections.abc import Sequence
 import json
@@ -31,7 +31,7 @@ _KEY = (
 
 
 def cursor(x: float, top: float, bottom: float) -> str:
-    """Return the line that a slider moves; it begins at x."""
+    """Return the line that a slider moves, at its initial position x."""
     drawn = svg.line(0, top, 0, bottom, colour=svg.ORANGE, width=2)
     return f'<g data-cursor="" transform="translate({x:.1f})">{drawn}</g>'
 
@@ -40,10 +40,10 @@ def slider(
     title: str, moments: Sequence[tuple[float, str]], axis: tuple[float, float], width: float
 ) -> str:
     """
-    Return a slider to put below a picture, which begins at the last moment.
+    Return a slider, set to the last moment, to put below a picture.
 
     :param title: title of the picture, which has a :func:`cursor` at the last moment
-    :param moments: in order: the position of the cursor, and the state in words
+    :param moments: the position of the cursor and a description of the state, in order
     :param axis: positions of both ends of the picture's axis, which the slider shares
     :param width: width of the picture, in the same unit
     """
@@ -51,7 +51,7 @@ def slider(
     shown = [(round(x, 1), words) for x, words in reversed(moments[::-1][::step])]
     (x, words), (left, right) = shown[-1], axis
     return (
-        # JupyterLab would otherwise take the arrow keys to move between cells.
+        # JupyterLab would otherwise use the arrow keys to move between cells.
         '<input type="range" data-lm-suppress-shortcuts="true" style="display: block; '
         f'box-sizing: border-box; margin: 0 0 0 calc({left / width:.2%} - {_HALF_A_THUMB_PX}px); '
         f'width: calc({(right - left) / width:.2%} + {2 * _HALF_A_THUMB_PX}px)" '

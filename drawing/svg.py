@@ -2,7 +2,7 @@
 Provide the elements of the SVG pictures, which are also described in words for screen readers.
 
 Lines and letters take the colour of the surrounding text, and areas have a transparent tint, so
-pictures are readable on a light and a dark page.  Colour is never the only sign of a difference.
+pictures are readable on light and dark pages.  Colour is never the only sign of a difference.
 """
 
 from collections.abc import Iterable, Sequence
@@ -73,7 +73,7 @@ def picture(
 
 
 def data_table(title: str, table: Table) -> str:
-    """Return the data of a picture as HTML: a line that opens a table."""
+    """Return the data of a picture as HTML: a heading that opens a table when clicked."""
     head, *rows = ([escape(cell) for cell in row] for row in table)
     cell = 'style="text-align: left; padding: 2px 12px 2px 0"'
     names = ''.join(f'<th scope="col" {cell}>{name}</th>' for name in head)
@@ -167,7 +167,7 @@ def shape(kind: str, x: float, y: float, radius: float, colour: str) -> str:
 
 
 def text_width(words: str, size: float = 12) -> float:
-    """Estimate the width of a text, with a margin because fonts differ between machines."""
+    """Estimate the width of a string, with a margin because fonts differ between machines."""
     wide = sum(
         1.45 if letter in 'mwMW@' else 0.62 if letter in 'iljft/.:,|() ' else 1.0
         for letter in words

@@ -1,5 +1,5 @@
 """
-Command line of the set-up, run in the folder of a course by any Python from 3.10 on.
+Command line of the set-up, run in the folder of a course by any Python 3.10 or newer.
 
     python3 -m environment prepare   prepare everything (what make does first)
     python3 -m environment ready     end with code 0 if there is nothing to prepare

@@ -16,8 +16,7 @@ SYSTEM_PATH = ('/usr/local/sbin', '/usr/local/bin', '/usr/sbin', '/usr/bin', '/s
 
 # Variables for every process of the course, wherever ROS comes from.
 COMMON = {
-    # Raise an error when a string is assigned to a number field, instead of a crash at publish
-    # time.
+    # Raise an error when a string is assigned to a number field, instead of crashing in publish().
     'ROS_PYTHON_CHECK_FIELDS': '1',
     # nbgrader gives 0 points to a grade cell with output on stderr, and JupyterLab shows it in
     # red.
@@ -44,7 +43,7 @@ SOURCED_NAMES = (
 
 
 def join_paths(*parts: str | Path | Iterable[str | Path]) -> str:
-    """Join the parts to one search path, in order, without empty and repeated entries."""
+    """Join the parts into one search path, in order, without empty or repeated entries."""
     flat: list[str] = []
     for part in parts:
         flat += (

@@ -1,7 +1,7 @@
 """
 Implement `make doctor`: one line per requirement, with its state and fix, without network access.
 
-If a requirement is `missing`, the course does not work; if one is `weak`, a part of it does not.
+If a requirement is `missing`, the course does not work; if one is `weak`, part of it does not.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -139,7 +139,7 @@ def check_venv(places: Places, python: Interpreter | None) -> Finding:
 
 
 def check_programs(places: Places, environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Check the compiler by compiling a file, make and cmake by starting them."""
+    """Check the compiler by compiling a file, and make and cmake by starting them."""
     fix = system.command_to_type([tool for tool in system.TOOLS if tool.required])
     compiles = ('-x', 'c++', '-fsyntax-only', '-')
     starts = ('--version',)

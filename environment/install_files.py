@@ -59,9 +59,9 @@ def write_jupyter_settings(places: Places) -> None:
     """
     Adapt JupyterLab to the course.
 
-    The question about news is switched off: it uses the network and distracts learners.  Messages
-    between the server and its kernels are encrypted: other users of the machine cannot read them,
-    and no kernel prints a warning about that to the learner's terminal.  Terminals start
+    JupyterLab's question about news is switched off: it uses the network and distracts learners.
+    Messages between the server and its kernels are encrypted: other users of the machine cannot
+    read them, and no kernel warns about plain messages in the learner's terminal.  Terminals start
     with the course's PATH.  Students' copies omit the parts of nbgrader that instructors use.
     Unless the user chooses otherwise, notebooks are saved every few seconds: ``check`` compares
     the saved notebook with the file that it judges, to notice a cell that was edited but not run.
@@ -117,7 +117,7 @@ def write_terminal(places: Places) -> None:
     make = shlex.quote(shutil.which('make') or 'make')
     texts = {
         'shell': (
-            # Set by the `make lab` that may have started the server; its ARGS must not apply here.
+            # `make lab` may have started the server and set these; its ARGS must not apply here.
             'unset ARGS MAKEFLAGS MAKELEVEL MAKEOVERRIDES MFLAGS\n'
             f'PATH={own}/bin:{venv}:$PATH\nexport PATH\n'
             'case "${SHELL##*/}" in\n'
@@ -126,7 +126,7 @@ def write_terminal(places: Places) -> None:
         ),
         'bashrc': f'[ -r ~/.bashrc ] && . ~/.bashrc\nPATH={own}/bin:{venv}:$PATH\n',
         'bin/make': (
-            "# Without a Makefile here or an option that names one, the goals are the course's.\n"
+            "# Without a Makefile here or an option that names one, use the course's Makefile.\n"
             'case " $* " in *" -"[Cf]* | *" --directory"* | *" --file"* | *" --makefile"*) ;;\n'
             '  *) [ -e GNUmakefile ] || [ -e makefile ] || [ -e Makefile ] ||\n'
             f'    set -- --no-print-directory -C {shlex.quote(str(places.project))} "$@" ;;\n'
@@ -143,7 +143,7 @@ def write_ros2_command(places: Places, ros: RosEnvironment) -> None:
     """Install the course's ``ros2`` only if the ROS installation has none."""
     script = places.venv / 'bin' / 'ros2'
     if installed_ros2(ros) is None:
-        # Without site and the variables of Python, it starts quickly.
+        # Without site and Python's environment variables, the command starts quickly.
         program = PROJECT / 'environment' / 'ros2_command.py'
         command = shlex.join(map(str, (places.python, '-S', '-E', program, places.venv)))
         text = f'#!/bin/sh\n# Written by the set-up: {ROS2_MARK}.\nexec {command} "$@"\n'
@@ -160,7 +160,7 @@ def write_description(places: Places, ros: RosEnvironment) -> None:
 
 def install_files(places: Places, ros: RosEnvironment) -> None:
     """Write the path file, kernel, ``ros2`` command, Jupyter settings and description."""
-    # The grader and the course are on the venv's module path.
+    # Put the grader and the course on the venv's module path.
     lines = ''.join(f'{folder}\n' for folder in dict.fromkeys((places.project, PROJECT)))
     write_atomically(places.site_packages() / 'ros2_course.pth', lines)
     write_kernel(places, ros)

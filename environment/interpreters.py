@@ -8,7 +8,7 @@ from pathlib import Path
 import shutil
 import subprocess
 
-# Most preferred first: 3.12 is the version of Ubuntu 24.04 and thus of Jazzy; 3.11 is tested, too.
+# Most preferred first: 3.12 is the version of Ubuntu 24.04 and thus of Jazzy; 3.11 is also tested.
 PREFERRED = ('3.12', '3.11', '3.13', '3.10')
 TESTED = PREFERRED[:2]
 # Distributions build Python with profile-guided optimisation: grading takes a fifth less CPU time
@@ -72,7 +72,7 @@ class Interpreter:
 
     @property
     def preference(self) -> tuple[bool, bool, bool, int]:
-        """Sort key, best first: complete, tested, of the distribution, of a preferred version."""
+        """Sort key, best first: complete, tested, from the distribution, preferred version."""
         return (
             not self.complete,
             self.version not in TESTED,
@@ -82,7 +82,7 @@ class Interpreter:
 
     @property
     def complete(self) -> bool:
-        """Return whether nothing else has to be installed for it."""
+        """Return whether it has everything that the set-up needs."""
         return self.has_venv and self.has_headers
 
     def lacking(self) -> str:
@@ -151,7 +151,7 @@ def find(environ: Mapping[str, str], request: str = '') -> Interpreter | None:
     Find the interpreter for the virtual environment.
 
     :param environ: the environment of the shell
-    :param request: what the user typed as PYTHON=...; then no other is considered
+    :param request: what the user typed as PYTHON=...; no other Python is then considered
     """
     if request:
         asked = probe(shutil.which(request, path=environ.get('PATH')) or request, environ)

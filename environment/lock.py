@@ -3,7 +3,7 @@ Write requirements.lock: `python -m environment lock`, for developers, with netw
 
 Every supported Python that is found resolves requirements.in separately; versions that differ get
 an environment marker. Each line has the digests of its files, but no address or path: any mirror
-can serve the lock, and pip installs only files with these digests.
+can serve the files, and pip installs only files with these digests.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -108,7 +108,7 @@ def write_lock(environ: Mapping[str, str]) -> int:
     chosen = oldest_of_each([item for item in found if item.supported and item.complete])
     missing = set(interpreters.PREFERRED) - {item.version for item in chosen}
     if missing:
-        print(f'lock: no Python {", ".join(sorted(missing))} found', file=sys.stderr)
+        print(f'lock: needs Python {", ".join(sorted(missing))}. Try: install it', file=sys.stderr)
         return 1
     pins, digests = {}, []
     for item in chosen:

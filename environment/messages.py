@@ -1,5 +1,5 @@
 """
-Install the message packages that ``environment/messages.txt`` lists beyond those of the lock.
+Install the message packages in ``environment/messages.txt``, in addition to those in the lock.
 
 They have a separate step and stamp, so that adding one installs one wheel and rebuilds nothing.  A
 note in the venv lists the installed packages (:func:`environment.ros.further_messages`): only runs

@@ -17,12 +17,12 @@ FILE = 'course.toml'
 UNSTATED = {'exams': 'exams', 'package': '', 'work': 'autograder/_work'}
 """Defaults for settings that ``course.toml`` does not contain."""
 NO_PACKAGE = '-'
-"""Stands for the package's name in the prefix if the course has none; no package can have it."""
+"""Replaces the package's name in the prefix if the course has none; no package can have it."""
 
 
 def stated(project: Path, name: str) -> str:
     """
-    Return a setting of ``course.toml``: the text in the line ``name = '...'``.
+    Return a setting of ``course.toml``: the string in the line ``name = '...'``.
 
     :param project: the folder of a course
     :param name: one of :data:`UNSTATED`
@@ -45,14 +45,14 @@ class Below:
     A property that returns a path below another path of the same object.
 
     :param base: the attribute of the object with the other path
-    :param names: names of folders and file
+    :param names: names of the folders and the file below it
     """
 
     def __init__(self, base: str, *names: str) -> None:
         self.base, self.names = base, names
 
     def __get__(self, owner: object, _: type) -> Path:
-        """Return the path; for a class, return the property itself, as Python's own ones do."""
+        """Return the path; for a class, return the property itself, as ``property`` does."""
         if owner is None:
             return self  # type: ignore[return-value]
         return Path(getattr(owner, self.base), *self.names)

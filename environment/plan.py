@@ -1,4 +1,4 @@
-"""Decide what to prepare: with which ROS 2, with which Python, in which folder."""
+"""Decide what to prepare: with which ROS 2 and Python, and in which folder."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -126,7 +126,7 @@ def _sourced_environ(places: Places, environ: Mapping[str, str]) -> dict[str, st
 
 
 def _sourced_pythons(places: Places, environ: Mapping[str, str]) -> list[str]:
-    """Return the Pythons to try: of the venv, of conda, of the system, and the first on PATH."""
+    """Return the Pythons to try: those of the venv, conda and the system, and those on PATH."""
     names = [str(places.python)] if places.python.exists() else []
     if environ.get('CONDA_PREFIX'):
         names.append(str(Path(environ['CONDA_PREFIX'], 'bin', 'python3')))

@@ -144,12 +144,12 @@ def steps_of(plan: Plan) -> list[Step]:
         ),
         Step(
             'self-check',
-            'Grader: the reference solution through its exams',
+            'Grader: run the exams on the reference solutions',
             # This copy has the hidden exams, and this machine has a sandbox.
             lambda: not plan.places.for_students and not system.missing_tools(),
             partial(try_grader, plan),
             about='ten to twenty seconds',
-            try_this='lessons work; before you grade: .venv/bin/python -m autograder self-check',
+            try_this='lessons work; before grading, run .venv/bin/python -m autograder self-check',
             optional=True,
         ),
     ]
@@ -264,7 +264,7 @@ def build_package(plan: Plan, job: Job) -> None:
     env = {
         **plan.clean_environ(),
         **plan.description().base_variables,
-        # Ignore the user's own defaults, which may choose another layout.
+        # Ignore the user's own defaults, which may choose a different layout.
         'COLCON_HOME': str(places.workspace / 'colcon'),
     }
     job.run(
@@ -327,7 +327,7 @@ def try_imports(plan: Plan, job: Job) -> None:
 
 def try_grader(plan: Plan, job: Job) -> None:
     """
-    Grade the reference solutions as a self-check; later gradings reuse the recordings.
+    Grade the reference solutions as a self-check; later grading runs reuse the recordings.
 
     Lessons work without a grader, so a machine without a working sandbox is still prepared.
     """

@@ -2,8 +2,8 @@
 Provide the description of the ROS 2 installation to all other modules.
 
 `environment prepare` writes its findings to `<venv>/ros_environment.json`. Everything else reads
-them through :func:`ros_environment`, and so works equally with the wheels from PyPI and with a
-sourced installation. This module does not import ROS.
+them through :func:`ros_environment`, and so works with both the wheels from PyPI and a sourced
+installation. This module does not import ROS.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """
 Start the course's small ``ros2`` command with the ROS environment, for ``<venv>/bin/ros2``.
 
-It runs in any terminal, sourced or not, and in cells of a notebook.  Existing search paths stay in
-front, so a workspace that was built in a notebook or sourced in a terminal is found.  If the ROS
-installation has a ``ros2`` command, that command is started instead.
+It runs in any terminal, sourced or not, and in notebook cells.  Existing search paths stay in
+front, so it finds a workspace that was built in a notebook or sourced in a terminal.  If the ROS
+installation has a ``ros2`` command, it starts that command instead.
 """
 
 import signal
@@ -19,7 +19,7 @@ import shutil
 import sys
 
 if not __package__:
-    # Runs as a file with -S and -E, which starts faster; then sys.path contains only this folder.
+    # This file runs with -S and -E, to start faster, so sys.path contains only this folder.
     sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
 from environment.places import PROJECT
@@ -53,7 +53,7 @@ def discovery_variables(ros: RosEnvironment) -> dict[str, str]:
 
 def overlaid(environ: Mapping[str, str], ros: RosEnvironment) -> dict[str, str]:
     """
-    Return the variables of a shell, completed by the variables that ROS needs.
+    Return the variables of a shell, plus the variables that ROS needs.
 
     Existing values are kept; search paths are joined, with the shell's in front.
     """
@@ -80,7 +80,7 @@ def main(arguments: list[str], environ: Mapping[str, str]) -> int:
         print(f'ros2: starting {real}, which belongs to the ROS 2 installation', file=sys.stderr)
         os.execve(real, [real, *rest], variables)
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
-        # Ctrl-C waits until Python has started again; the program then unblocks it.
+        # Block Ctrl-C until Python has started again; the program then unblocks it.
         signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     os.execve(ros.python, [ros.python, str(PROGRAM), *rest], variables)
 

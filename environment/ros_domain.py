@@ -1,9 +1,9 @@
 """
-Claim ROS domains, so that no two programs of this machine choose the same one.
+Claim ROS domains, so that no two programs on this machine choose the same one.
 
 A claim is an abstract Unix socket named after the domain.  It is not a file, all users of a
-machine share the names, and the system frees a name when its process ends in any way.  This module
-does not import ROS.
+machine share the names, and the system frees a name however its process ends.  This module does
+not import ROS.
 """
 
 from collections.abc import Iterable

@@ -100,7 +100,7 @@ def ros_request(environ: Mapping[str, str]) -> str:
 
 def stamp_of(notes: Path, step: str) -> Path:
     """
-    Return the file with the digest with which a step last succeeded.
+    Return the file that stores the digest from the last success of a step.
 
     :param notes: :attr:`Places.notes`
     """
@@ -119,7 +119,7 @@ def write_ready(
     places: Places, environ: Mapping[str, str], python_version: str, digest: str
 ) -> None:
     """
-    Store that everything is prepared, and for which requested ROS 2 and Python.
+    Record that everything is prepared, and for which requested ROS 2 and Python.
 
     :param digest: :func:`whole_digest` of the inputs of the prepared environment
     """

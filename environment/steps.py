@@ -207,7 +207,7 @@ def locked(path: Path, screen: Screen) -> Iterator[int]:
     """
     Hold the lock of the set-up; if another set-up holds it, print a line and wait.
 
-    The kernel frees the lock when the process ends in any way.
+    The kernel frees the lock however the process ends.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)

@@ -48,7 +48,7 @@ def refuse_closed_shared_memory() -> None:
     """
     Fail if this user cannot create shared memory, which ROS 2 and the set-up need.
 
-    :raises StepError: with the command that opens it
+    :raises StepError: with the command that makes the folder writable
     """
     if SHARED_MEMORY.is_dir() and not os.access(SHARED_MEMORY, os.W_OK | os.X_OK):
         command = f'mount -o remount,rw {SHARED_MEMORY} && chmod 1777 {SHARED_MEMORY}'

@@ -59,7 +59,7 @@ def main(arguments: Sequence[str]) -> int:
 @contextmanager
 def _lock_hub(settings: Settings) -> Iterator[None]:
     """
-    Hold the lock of a running hub: a second one would end the proxy of the first.
+    Hold the lock of a running hub: a second hub would end the proxy of the first.
 
     :raises HubError: if a hub in the same folder is already running
     """
@@ -77,7 +77,7 @@ def forget_ended_proxy(pid_file: Path) -> None:
     """
     Remove the pid file of a proxy that no longer runs, for example after a power failure.
 
-    JupyterHub ends the process with this number, even if it is a different program by now.
+    JupyterHub would end the process with this pid, even if it is a different program by now.
     """
     with suppress(OSError):
         command = Path('/proc', pid_file.read_text().strip(), 'cmdline').read_bytes()
@@ -105,7 +105,7 @@ def _run(settings: Settings, path: Path) -> int:
             env=environ,
             stdout=file,
             stderr=subprocess.STDOUT,
-            start_new_session=True,  # keep Ctrl-C from the hub: _stop() ends it
+            start_new_session=True,  # Ctrl-C must not reach the hub: _stop() ends it
         )
     try:
         address = f'http://127.0.0.1:{settings.port}/'

@@ -1,4 +1,4 @@
-"""Take a lesson from its release to the returned feedback, with the requests that buttons send."""
+"""Take a lesson from release to returned feedback, with the requests that the buttons send."""
 
 import re
 from typing import Any
@@ -14,16 +14,16 @@ CHECK = f"print('{PASSED}' if check('{EXERCISE}') else 'failed')"
 
 
 class LessonFailed(Exception):
-    """Report that a step did not do what its button promises."""
+    """Raised when a step does not do what its button promises."""
 
 
 def teach(hub: str, instructor: str, student: str) -> str:
     """
     Release a lesson, solve one exercise as a student, grade it and return the feedback.
 
-    The users have not logged in yet, or use the password of :mod:`deploy.hub.user`.
+    The users must be new to the hub, or have the password in :mod:`deploy.hub.user`.
 
-    :param hub: address of the hub, with a slash at its end
+    :param hub: address of the hub, with a trailing slash
     :returns: the points on the student's feedback page
     :raises LessonFailed: if a step fails
     :raises requests.RequestException: if a server refuses a request
@@ -55,7 +55,7 @@ def press(teacher: User, kind: str, action: str) -> None:
 
 
 def choose(learner: User, action: str, status: str) -> dict[str, Any]:
-    """Press a button in the student's list of assignments; return the lesson's row afterwards."""
+    """Press a button in the student's assignment list, and return the lesson's new row."""
     course = Layout(PROJECT).facts.name
     answer = learner.ask('POST', f'assignments/{action}', course_id=course, assignment_id=LESSON)
     for row in answer['value'] if answer['success'] else ():

@@ -1,9 +1,9 @@
 """
 The settings of each user's server under the hub.
 
-For Jupyter, whatever a kernel sends and an open page asks for is activity.  In this course a node
-keeps logging, a live picture keeps drawing, and a page stays open, after the user has gone home.
-So only cells, terminals and requests that change files or grades count.
+By default, Jupyter counts all messages from kernels and requests from open pages as activity.  But
+nodes keep logging, live pictures keep changing and pages stay open after the user has gone home.
+So here only cells, terminals and requests that change files or grades count.
 """
 
 from datetime import datetime, timezone
@@ -18,7 +18,7 @@ LAYOUT = '/lab/api/workspaces/'
 
 
 class KernelsIdleAfterTheirCells(AsyncMappingKernelManager):
-    """A manager of kernels for which only the start and the end of a request are activity."""
+    """A kernel manager that counts only the start and the end of a request as activity."""
 
     def start_watching_activity(self, kernel_id: str) -> None:
         """Record when a kernel becomes busy or idle, and nothing else that it sends."""
@@ -44,7 +44,7 @@ def log_and_count(handler: JupyterHandler) -> None:
     """
     Log a request, and count it as activity if it changes something.
 
-    An open page keeps asking, and keeps saving the layout of its windows, without its user.
+    Even without its user, an open page keeps sending requests and saving its window layout.
     """
     log_request(handler)
     by_page = handler.request.method in ('GET', 'HEAD') or LAYOUT in handler.request.path
@@ -52,7 +52,7 @@ def log_and_count(handler: JupyterHandler) -> None:
         handler.settings['request_last_activity'] = datetime.now(timezone.utc)
 
 
-APIHandler._track_activity = False  # log_and_count() also sees the buttons of nbgrader
+APIHandler._track_activity = False  # log_and_count() also counts clicks on nbgrader's buttons
 
 c = get_config()  # defined by Jupyter
 c.ServerApp.kernel_manager_class = KernelsIdleAfterTheirCells

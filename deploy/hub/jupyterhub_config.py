@@ -1,7 +1,7 @@
 """
 Configure JupyterHub for the course; ``jupyterhub`` reads this file when ``deploy.hub`` starts it.
 
-Students use the environment of the shared students' copy, the instructor that of a clone.
+Students use the environment of the shared students' copy; the instructor uses that of a clone.
 """
 
 import os
@@ -21,7 +21,7 @@ c = get_config()  # defined by JupyterHub
 settings = read(Path(os.environ[SETTING]))
 idle_s = int(60 * settings.idle_minutes)
 look_s = min(60, idle_s // 4)
-"""How often servers report activity, and how often idle kernels and servers are looked for [s]."""
+"""Time between a server's activity reports, and between checks for idle kernels or servers [s]."""
 
 
 class CourseSpawner(LocalProcessSpawner):
@@ -91,13 +91,13 @@ c.Spawner.start_timeout = 120
 c.Spawner.http_timeout = 120  # 30 s, the default, is too short for ten starts at once
 c.Spawner.args = [
     '--MultiKernelManager.default_kernel_name=ros2_jazzy',
-    # jupyter_server_config.py says what counts as activity.
+    # jupyter_server_config.py defines what counts as activity.
     f'--MappingKernelManager.cull_idle_timeout={idle_s}',
     f'--MappingKernelManager.cull_interval={look_s}',
     '--MappingKernelManager.cull_connected=True',
 ]
 
-# The proxy would count every answer, and an open page keeps asking.
+# The proxy would count every response as activity, and an open page keeps sending requests.
 c.JupyterHub.last_activity_interval = 0
 c.JupyterHub.load_roles = [
     {
@@ -111,7 +111,7 @@ c.JupyterHub.services = [
         'name': 'culler',
         'command': [
             *(sys.executable, '-m', 'jupyterhub_idle_culler'),
-            # The hub may hear of a user's last activity this much later.
+            # The hub may learn of a user's last activity up to two intervals late.
             *(f'--timeout={idle_s + 2 * look_s}', f'--cull-every={look_s}'),
         ],
     }

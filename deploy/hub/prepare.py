@@ -22,8 +22,8 @@ from environment.stamps import digest_of, digest_of_files, files_below
 COPY = 'students-'
 PASSED_ON = ('PIP_', 'NODE_EXTRA_CA_CERTS', 'SUDO_UID')
 """
-Beginnings of the variables that set up pip and npm, such as the certificates of a proxy, and name
-the user who typed sudo, whose clone git then reads for root.
+Prefixes of the environment variables to pass on: settings of pip and npm, such as a proxy's
+certificates, and the user who ran sudo, so that git run by root accepts this user's clone.
 """
 SERVER_SETTINGS = 'jupyter_server_config.py'
 COURSE_SETTINGS = """\
@@ -109,7 +109,7 @@ def _require_system() -> None:
     if sys.version_info < (3, 11):
         raise HubError('JupyterHub needs Python 3.11 to 3.13. Try: make PYTHON=python3.11 hub')
     if os.geteuid() != 0:
-        raise HubError('A hub starts servers of several users. Try: sudo make hub')
+        raise HubError('A hub starts servers for several users and needs root. Try: sudo make hub')
     needed = {'npm': 'npm', 'runuser': 'util-linux', 'useradd': 'passwd', 'pgrep': 'procps'}
     needed |= {'unshare': 'util-linux', 'ip': 'iproute2', 'git': 'git'}
     lacking = sorted({package for name, package in needed.items() if not shutil.which(name)})
@@ -146,13 +146,13 @@ def _hub(settings: Settings) -> None:
 
 def _students_copy(settings: Settings) -> None:
     """
-    Unpack the bundle, prepare it, and make it the copy of all servers that start afterwards.
+    Unpack the bundle, prepare it, and make it the copy that servers use from their next start on.
 
     Running kernels are not disturbed: if an input of the set-up has changed, the environment is
     prepared in a new folder; otherwise each file is replaced atomically.
     """
     if settings.copy.is_dir() and not settings.copy.is_symlink():
-        raise HubError(f'{settings.copy}: from an earlier version. Try: stop its hub, remove it')
+        raise HubError(f'{settings.copy} is from an earlier version. Try: stop its hub, remove it')
     layout = Layout(PROJECT)
     with tempfile.TemporaryDirectory(dir=settings.folder) as scratch:
         bundle = Path(scratch) / 'bundle.zip'
@@ -219,10 +219,10 @@ def _pull_from_origin(clone: Path) -> None:
 
 
 def _add_server(venv: Path, user: str = '') -> None:
-    """Add the packages and settings of a server under a hub; change no installed version."""
+    """Add the packages and settings that a hub's server needs; change no installed version."""
     pip = (venv / 'bin' / 'python', '-m', 'pip', 'install', '--quiet', '--no-deps')
     lines = (HERE / 'requirements-server.txt').read_text(encoding='utf-8').splitlines()
-    # Pass no file: the user may not be able to read this folder, if it is in the home of root.
+    # Do not pass the file: if this folder is in root's home, the user may not be able to read it.
     run(*pip, *(line for line in lines if not line.startswith('#')), user=user)
     shutil.copyfile(HERE / SERVER_SETTINGS, venv / 'etc' / 'jupyter' / SERVER_SETTINGS)
 

@@ -26,7 +26,7 @@ class Settings:
     """
     The settings of one hub.
 
-    :param folder: absolute path of the whole installation, readable for all users
+    :param folder: absolute path of the whole installation, readable by all users
     :param port: on 127.0.0.1, 1024 to 65533; the next two ports are for the hub and the proxy
     :param instructor: system account of the instructor
     :param students: system accounts of the students

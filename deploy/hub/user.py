@@ -16,9 +16,9 @@ LIMIT_S = 900.0
 @dataclass
 class User:
     """
-    One user of the hub, who has not logged in before or uses the password of this module.
+    One user of the hub, who has never logged in or has the password in this module.
 
-    :param hub: address of the hub, with a slash at its end
+    :param hub: address of the hub, with a trailing slash
     :param name: account on the system
     """
 

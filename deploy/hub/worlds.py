@@ -36,13 +36,13 @@ def namespace_refusal(user: str) -> str:
 
 def install(venv: Path, *, separate: bool) -> None:
     """
-    Make an environment start each kernel in a separate network namespace, or no longer.
+    Make an environment start each kernel in a separate network namespace, or undo this.
 
     The server reaches such a kernel over Unix sockets, because no network address leads into the
     namespace.
 
     :param venv: a prepared environment of the course
-    :param separate: whether this system allows it; an earlier start of the hub may differ
+    :param separate: whether this system allows it, which may have changed since the last start
     """
     for source, name in ((SCRIPT, SCRIPT), ('join_world.sh', JOIN)):
         shutil.copyfile(HERE / source, venv / 'bin' / name)
