@@ -19,7 +19,7 @@ def run(make_node: Callable[[], Node], name: str, args: list[str] | None = None)
     Run a node until SIGINT (Ctrl-C), SIGTERM or a shutdown by another part of the program.
 
     ``rclpy.spin(node)`` with ``except (KeyboardInterrupt, ExternalShutdownException)`` is the
-    short form of this function and almost always sufficient. This function also closes two gaps of
+    short form of this function and almost always sufficient. This function also closes two gaps in
     rclpy 7.1 for a signal that arrives while the node starts or between two waits: spin() may
     continue to sleep after the shutdown of ROS, or a call may fail because of the shutdown.
 

@@ -62,7 +62,7 @@ class TemperaturePublisher(Node):
         super().__init__(NODE_NAME, **node_options)
         self._settings = self._declare_settings()
         seed = declare.fixed_integer(
-            self, 'seed', -1, 'Seed of the random numbers; -1: new ones each time.', -1, 2**31 - 1
+            self, 'seed', -1, 'Seed of the random numbers; -1 for a random seed.', -1, 2**31 - 1
         )
         problem = self._settings.problem()
         if problem:
@@ -110,7 +110,7 @@ class TemperaturePublisher(Node):
             self._timer = self._create_timer()
 
     def _create_timer(self) -> Any:
-        # create_timer uses the node's clock, so use_sim_time also slows and stops the readings.
+        # create_timer uses the node's clock: with use_sim_time, readings slow and stop with it.
         return self.create_timer(1.0 / self._settings.rate_hz, self._publish_reading)
 
     def _publish_reading(self) -> None:

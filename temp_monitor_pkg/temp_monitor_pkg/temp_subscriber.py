@@ -36,8 +36,7 @@ class TemperatureSubscriber(Node):
             f'Received {reading.temperature_value:.2f} {reading.unit} '
             f'from {reading.sensor_id} at {stamp.sec}.{stamp.nanosec:09d}'
         )
-        # Read the parameter for each reading, so that a new threshold applies from the next one
-        # on.
+        # Read the parameter every time, so that a new threshold applies from the next reading on.
         threshold_c = self.get_parameter('threshold_c').value
         judgement = judge(reading.temperature_value, reading.unit, threshold_c)
         if judgement.finding is Finding.TOO_HOT:

@@ -52,7 +52,7 @@ def start(domain_id: int) -> Iterator[Start]:
 
 
 def wait_for_line(process: subprocess.Popen, text: str) -> str:
-    """Return the first line of output that contains the text; the guard ends a hopeless wait."""
+    """Return the first line of output that contains the text; the guard limits the wait."""
     seen = []
     for line in process.stdout:
         seen.append(line)

@@ -86,7 +86,7 @@ def test_heating_is_above_30_within_a_minute_and_comes_back() -> None:
     ],
 )
 def test_heating_impossible_cycle_is_named(heating: Heating, name: str) -> None:
-    """The problem of an impossible cycle names the wrong value."""
+    """The error message for an impossible cycle names the wrong value."""
     assert name in heating.problem()
     assert Heating().problem() == ''
 

@@ -45,7 +45,7 @@ class SimulatedTime:
                 lambda wanted=wanted: self._node.get_clock().now().nanoseconds >= wanted,
                 'the node follows /clock',
             )
-            # The timer is due now: let it and its subscribers run.
+            # The timer is due now: let it and the subscriptions run.
             for _ in range(5):
                 self._world.executor.spin_once(timeout_sec=0)
 
@@ -54,7 +54,7 @@ class TestPublisher:
     """The node temperature_publisher."""
 
     def test_reading_has_all_fields(self, world) -> None:
-        """A reading contains value, unit, sensor and the node's current time."""
+        """A reading contains the value, the unit, the sensor and the node's current time."""
         readings = world.listen('temperature_topic', Temperature)
         node = world.start(TemperaturePublisher, rate_hz=50.0)
         before = node.get_clock().now().nanoseconds
@@ -139,7 +139,7 @@ class TestPublisher:
         assert node.get_parameter(name).value == before
 
     def test_values_that_fit_together_are_set_together(self, world) -> None:
-        """Two limits that would each be invalid alone can be set in one request."""
+        """Two limits can be set in one request even if one of them would be invalid alone."""
         node = world.start(TemperaturePublisher)
         bounds = [Parameter('coolest_c', value=50.0), Parameter('warmest_c', value=60.0)]
 
@@ -161,7 +161,7 @@ class TestSubscriber:
 
     @staticmethod
     def send(world, *readings: tuple[float, str]) -> list[Log]:
-        """Publish readings; return the node's log lines after a final extra one has arrived."""
+        """Publish readings and an extra one; return the log lines once the node has logged it."""
         publisher = world.probe.create_publisher(Temperature, 'temperature_topic', 10)
         for value, unit in [*readings, (0.0, 'Celsius')]:
             message = Temperature(temperature_value=value, unit=unit, sensor_id='lab')
@@ -191,7 +191,7 @@ class TestSubscriber:
     def test_reading_is_logged_and_judged(
         self, world, value: float, unit: str, levels: list[int]
     ) -> None:
-        """Each reading gives an INFO line, a high one also a warning, an invalid one an error."""
+        """Each reading gives an INFO line, a high one also a WARN, an invalid one an ERROR too."""
         world.start(TemperatureSubscriber)
         logs = self.send(world, (value, unit))
 
@@ -199,7 +199,7 @@ class TestSubscriber:
         assert f'{value:.2f} {unit} from lab at 1.005000000' in logs[0].msg
 
     def test_burst_gives_one_warning_for_each_hot_reading(self, world) -> None:
-        """Each high reading gives its own warning."""
+        """Each high reading gives a separate warning."""
         world.start(TemperatureSubscriber)
         logs = self.send(world, *[(value, 'Celsius') for value in (31.0, 29.0, 31.0, 31.0)])
 
@@ -219,7 +219,7 @@ class TestSubscriber:
 
     @pytest.mark.parametrize('value', [math.nan, math.inf, -300.0, 31])
     def test_bad_threshold_is_refused(self, world, value: float) -> None:
-        """A threshold that cannot be compared with anything is rejected."""
+        """A threshold that is not finite, out of range or an integer is refused with a reason."""
         node = world.start(TemperatureSubscriber)
         answer = set_one(node, 'threshold_c', value)
 
@@ -253,7 +253,7 @@ class TestVirtualTime:
         assert first != other
 
     def test_cycle_of_the_publisher_warns_once_for_each_hot_reading(self, virtual_time) -> None:
-        """The subscriber gets each reading at the same time and warns once per high one."""
+        """The subscriber gets each reading when it is published, and warns once per high one."""
         readings = virtual_time(temp_publisher.__file__, seconds=90)['temperature_topic']
         sent = list(zip(readings.times, readings.messages))
         run = virtual_time(temp_subscriber.__file__, 91, inputs={'temperature_topic': sent})
