@@ -19,7 +19,7 @@ _LANE, _MIDDLE = 20.0, 23.0
 
 
 class Callbacks(Watch):
-    """A record of callbacks: a picture as the last line of a cell, a table with ``str()``."""
+    """A record of callbacks, shown as a picture in a notebook and as a table by ``str()``."""
 
     def __repr__(self) -> str:
         return text_table(self._table())
@@ -39,7 +39,7 @@ class Callbacks(Watch):
         return draw_lanes(lanes, (begin, end), title, described, self._table(), _LEGEND)
 
     def _table(self) -> list[tuple[str, ...]]:
-        """Return one row per callback in the order of their times."""
+        """Return one row per callback in chronological order."""
         events = sorted(self.events, key=lambda call: (call.came or call.began or 0, call.lost))
         rows = [_cells(call) for call in events[: svg.MAX_ROWS]]
         if len(events) > len(rows):
@@ -90,7 +90,7 @@ def _levels(calls: list[Call], end: float) -> list[int]:
 
 
 def _amount(calls: list[Call]) -> str:
-    """Return the numbers of callbacks, and of events without one, as text."""
+    """Return the numbers of callbacks and of events without a callback, as text."""
     lost = sum(call.lost for call in calls)
     pending = sum(call.began is None for call in calls) - lost
     words = [f'{len(calls) - lost - pending} called']
@@ -124,7 +124,7 @@ def watch_callbacks(*nodes: Node | str) -> Callbacks:
     """
     Record the callbacks that executors of this notebook run until the end of a ``with`` block.
 
-    The record shows a picture as the last line of a cell, and a plain-text table with ``str()``.
+    As the last line of a cell, the record shows a picture; ``str()`` returns a plain-text table.
     It shows lost messages only for publishers in this notebook, and late or skipped ticks only for
     timers on a real clock.
 

@@ -1,9 +1,9 @@
 """
-Watch what executors of this process do: when each callback was due, began and ended.
+Watch what the executors in this process do: when each callback was due, began and ended.
 
-While it lasts, the watch replaces two functions of rclpy: the one that makes an executor's handler
-for a ready entity, and the one that publishes.  It works with every executor of this process,
-including executors created earlier.
+While it lasts, the watch replaces two functions of rclpy: the one that creates an executor's
+handler for a ready entity, and the one that publishes.  The watch works with every executor in
+this process, including executors created earlier.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Source(NamedTuple):
 
 class Call(NamedTuple):
     """
-    One callback, or an event without one; times are measured from the start of the watch [s].
+    One callback, or an event without a callback; times count from the start of the watch [s].
 
     :param source: what the callback belongs to
     :param came: when its message arrived, or when its timer was due; None if unknown
@@ -117,7 +117,7 @@ class Watch:
 
     @property
     def events(self) -> list[Call]:
-        """All recorded callbacks, then the events without one."""
+        """All recorded callbacks, then the events without a callback."""
         return sorted(self._found.values(), key=lambda call: (call.began is None, call.began or 0))
 
     def __enter__(self) -> Self:
@@ -249,7 +249,7 @@ def _name(entity: Any) -> str:
 
 
 def _take_message(entity: Subscription) -> tuple[Callable[[], Any] | None, dict[str, int]]:
-    """Take a message as rclpy does; return what calls the callback, and the message's times."""
+    """Take a message as rclpy does; return a function that calls the callback, and the times."""
     try:
         with entity.handle:
             taken = entity.handle.take_message(entity.msg_type, entity.raw)
@@ -281,7 +281,7 @@ def _take_timer(
 
 
 def _due_ticks(timer: Timer, end_ns: int) -> range:
-    """Return when the ticks of a timer were due that still wait at the end of a watch [ns]."""
+    """Return the due times of the ticks that are still waiting at the end of a watch [ns]."""
     try:
         due = _next_ns(timer) if _is_real(timer) else None
     except rclpy_implementation.InvalidHandle:

@@ -107,7 +107,7 @@ def _with_cells(result: ExamResult, missing: Sequence[str], folder: str) -> Exam
 
 def _addresses(assignment: str) -> dict[str, str]:
     """
-    Return the addresses of all lessons, relative to one of them, by their numbers.
+    Return the addresses of all lessons by number, relative to the given lesson.
 
     :raises FileNotFoundError: if the notebook of this lesson is missing
     """

@@ -30,7 +30,7 @@ _SECTIONS = (
 
 class Shorten(NamedTuple):
     """
-    How to shorten values; the defaults are those of ``ros2 topic echo``.
+    Settings for shortening values; the defaults are those of ``ros2 topic echo``.
 
     :param truncate: longest string or array to write in full, None for no limit
     :param no_arr: write only the type and length of arrays

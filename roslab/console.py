@@ -83,7 +83,7 @@ class ConsoleLines:
         """Number of times that :data:`MARK` was read."""
 
     def feed(self, text: str) -> str:
-        """Return the part of a piece that should be shown."""
+        """Add a piece of text, and return the text that should be shown now."""
         shown, self._rest = [], self._rest + text
         while self._rest:
             plain, begin, framed = self._rest.partition(_BEGIN)

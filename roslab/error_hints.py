@@ -57,7 +57,7 @@ _WRITTEN_WRONGLY = (SyntaxError, UsageError)
 _failed: set[int] = set()
 """Numbers of executions that failed, except for those of unwritten exercises."""
 _executed: dict[int, str] = {}
-"""Ids of executed cells, by execution number: the text may differ from the saved file."""
+"""Ids of executed cells by execution number; a cell's text may differ from the saved file."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class NotebookCell:
 
     @property
     def names(self) -> frozenset[str]:
-        """The names that it defines in the notebook."""
+        """The names that the cell defines in the notebook."""
         if self.file is None:
             return defined_names(self.source)
         names = defined_names(self.file.body) if self.module else frozenset()
@@ -102,7 +102,7 @@ class NotebookCell:
 
 
 def load_ipython_extension(shell: Any) -> None:
-    """Install the handler that shows a sentence instead of a traceback if that helps more."""
+    """Install the handler that shows a sentence instead of a traceback where that helps more."""
     if _show not in getattr(shell, '_course_guides', ()):
         shell._course_guides = (_show,)
         shell.set_custom_exc((Exception, KeyboardInterrupt), _show)
@@ -138,7 +138,7 @@ def advice(error: BaseException, shell: Any) -> str | None:
 
 
 def _find_defining_cell(error: Any, shell: Any) -> str | None:
-    """Return which cell defines a missing name or module, None if no cell does."""
+    """Return a hint at the cell that defines a missing name or module, None if no cell does."""
     missing, is_module = error.name, isinstance(error, ModuleNotFoundError)
     if not missing:
         return None
@@ -181,7 +181,7 @@ def read_cells(path: Path | None = None) -> list[NotebookCell]:
     """
     Return the code cells of a notebook as last saved, empty if they cannot be read.
 
-    :param path: the notebook, None for the one that runs
+    :param path: the notebook, None for the running one
     """
     path = path or notebook_path()
     if path is None:
@@ -210,7 +210,7 @@ def texts_now(shell: Any) -> list[str]:
 
 
 def defined_names(source: str) -> frozenset[str]:
-    """Return the names that a cell binds at the top level; it may contain magics."""
+    """Return the names that a cell binds at the top level; the cell may contain magics."""
     first, _, below = source.partition('\n')
     captured = re.match(r'%%capture\s+([A-Za-z_]\w*)', first)
     names = {captured[1]} if captured else set()
@@ -247,7 +247,7 @@ def _show(shell: Any, kind: Any, error: BaseException, trace: Any, tb_offset: An
         return
     # Store the error as IPython does, so that explain() can find it.
     sys.last_type, sys.last_value, sys.last_traceback = kind, error, trace
-    with suppress(AttributeError):  # errors with __slots__ accept no attributes
+    with suppress(AttributeError):  # some errors, such as frozen dataclasses, refuse attributes
         error._course_advice = said  # type: ignore[attr-defined]
     lines: list[str] = []
     if own_words is not None:

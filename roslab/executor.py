@@ -236,7 +236,7 @@ class _Request:
     """
     An action that is either run by the executor or withdrawn by the requester, never both.
 
-    Queues instead of a future: :class:`CallbackStopped` could leave the lock of a future held.
+    It uses queues, not a future, whose lock could remain held after a :class:`CallbackStopped`.
     """
 
     def __init__(self, action: Callable[[], object]) -> None:

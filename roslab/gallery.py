@@ -86,7 +86,7 @@ def explain(error: str | BaseException | None = None) -> None:
     Print what an error means, how to fix it, and where lesson 08 shows it.
 
     :param error: an error message or an exception; by default the last error of this notebook
-    :raises RoslabError: if there was no error, or the argument is empty or of a wrong type
+    :raises RoslabError: if there was no error, or the argument is empty or has the wrong type
     """
     if error is None:
         error = getattr(sys, 'last_value', None)
@@ -155,14 +155,14 @@ def _raised_by_ros(error: str | BaseException | None) -> bool:
 def _text(error: str | BaseException | None) -> str:
     if error is None:
         raise RoslabError(
-            'explain() looks at the last red error of this notebook, but there was none. '
-            "Try: explain('No executable found')."
+            "explain() without an argument explains this notebook's last error, but there was no "
+            "error. Try: explain('No executable found')."
         )
     if isinstance(error, BaseException):
         return f'{type(error).__name__}: {error}'.removesuffix(': ')
     if not isinstance(error, str) or not error.strip():
         raise RoslabError(
-            f'explain() expected the text of an error or an exception, got {error!r}. Try: '
+            f'explain() expected an error message or an exception, got {error!r}. Try: '
             "explain('No executable found')."
         )
     return error

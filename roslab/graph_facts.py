@@ -237,8 +237,8 @@ def read_graph(node: Node, everything: bool = False) -> Facts:
     """
     Return the current graph as seen by one node.
 
-    It has the topics of ``ros2 topic list``, so a hidden node is included if no other node has an
-    endpoint on its topic: the listener of a notebook may be the one that misspells the name.
+    The graph has the topics of ``ros2 topic list``, so it includes a hidden node if no other node
+    has an endpoint on the same topic: a notebook's listener may have misspelt the topic's name.
 
     :param node: any node; it sees what its process has discovered
     :param everything: include hidden nodes and topics, ``/rosout`` and ``/parameter_events``

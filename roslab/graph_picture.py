@@ -23,7 +23,7 @@ _MOST_PORTS = 3
 
 
 class Graph:
-    """The nodes and topics at one moment: a picture in a notebook, lines of text elsewhere."""
+    """The nodes and topics at one moment, shown as a picture in a notebook, otherwise as text."""
 
     def __init__(self, facts: Facts) -> None:
         self.facts = facts
@@ -47,7 +47,7 @@ class Graph:
 
 def graph(topic: str | None = None, *, all: bool = False) -> Graph:
     """
-    Return the nodes and topics of the current graph: a picture, or lines of text with ``str()``.
+    Return the current graph's nodes and topics as a picture, or as text with ``str()``.
 
     Nodes of this notebook appear at once, those of other programs after discovery.
 

@@ -42,7 +42,7 @@ class HeldInterrupts:
     Delays SIGINT during a short step of bounded length, and delivers it afterwards.
 
     A nested step passes its interrupt on, so that only the end of the outer step delivers it.
-    Python delivers signals only in the main thread; in other threads this does nothing.
+    Python delivers signals only in the main thread; in other threads, this class does nothing.
     """
 
     def __init__(self) -> None:
@@ -206,7 +206,7 @@ def _ends_cell_on_interrupt(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _deliver(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, later if it would be lost now, and never after the cell."""
+    """Raise KeyboardInterrupt now, or later if it would be lost now, but never after the cell."""
     moment = _moment(frame)
     if moment == 'now':
         _state.interrupted = True

@@ -50,7 +50,7 @@ def echo(
     """
     Print messages as they arrive, as ``ros2 topic echo`` does.
 
-    :param topic: its name; the graph gives its type
+    :param topic: name of a topic, whose type is looked up in the graph
     :param count: how many messages to print
     :param timeout: how long to wait for all of them [s]
     :param qos: profile of the subscription, instead of one that is compatible with all publishers
@@ -73,7 +73,7 @@ def hz(topic: str, count: int = 5, timeout: float = 10.0) -> None:
     """
     Print how often messages arrive, as ``ros2 topic hz`` does.
 
-    :param topic: its name; the graph gives its type
+    :param topic: name of a topic, whose type is looked up in the graph
     :param count: how many messages to measure, at least two
     :param timeout: how long to wait for them [s]
     :raises TimeoutError: if too few messages arrive; the message lists possible reasons
@@ -105,7 +105,7 @@ def info(name: str) -> None:
 
 
 def topics(types: bool = True) -> None:
-    """Print all topics, as ``ros2 topic list -t`` does, or only their names without ``types``."""
+    """Print all topics, with their types as ``ros2 topic list -t`` does, unless types is False."""
     say(topic_list_text(topics_of(session().helper).items(), types))
 
 

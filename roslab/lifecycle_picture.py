@@ -45,7 +45,7 @@ _PATIENCE_S = 3.0
 
 class LifecyclePicture:
     """
-    A state machine at one moment: a picture as the last line of a cell, text with ``str()``.
+    A state machine at one moment, shown as a picture in a notebook and as text by ``str()``.
 
     :param name: full name of the node
     :param state: label of the current state, which may be a transition state

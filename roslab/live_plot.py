@@ -119,7 +119,7 @@ def plot(
     """
     Plot a numeric field of a topic against time; the picture in this cell stays up to date.
 
-    :param topic: its name (the graph gives its type), or the messages of a simulation, as in
+    :param topic: name of a topic in the graph, or the messages of a simulation, as in
         ``plot(run['temperature_topic'], 'temperature_value')``
     :param field: path of the field, such as ``temperature``, ``header.stamp.sec`` or ``data[0]``
     :param seconds: length of the time axis [s]; None for 20 s, or for a whole simulation

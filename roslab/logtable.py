@@ -47,7 +47,7 @@ class LogTable(tuple[LogLine, ...]):
 
     @property
     def messages(self) -> list[str]:
-        """The texts of the lines, without levels and logger names."""
+        """The messages of the lines, without levels and logger names."""
         return [line.message for line in self]
 
     def at_level(self, level: str) -> LogTable:
@@ -93,7 +93,7 @@ class _Recorder:
         line = LogLine(time.time(), level, str(name), message)
         self.on_line(line)
         self._write(severity, name, message, *place)
-        self.lines.append(line)  # last: a cell that waits for the line must show it
+        self.lines.append(line)  # last, so that a waiting cell finds only lines already shown
 
 
 _recorder: _Recorder | None = None

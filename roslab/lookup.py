@@ -2,7 +2,7 @@
 Look up names in the live ROS graph, and explain why a name or messages are missing.
 
 Nodes of this kernel are visible at once, nodes of other processes only after discovery.  So the
-functions look for a missing name for some seconds before they call it unknown.
+functions look for a missing name for some seconds before they report it as unknown.
 """
 
 from collections.abc import Iterable
@@ -81,7 +81,7 @@ def message_class(type_name: str) -> Any:
     except LookupError:
         raise NotHereError(
             f'The message type {type_name} is not known in this kernel. Build its package here '
-            'with build_messages(), or restart the kernel after it was built elsewhere.'
+            'with build_messages(); if it was built elsewhere, restart the kernel.'
         ) from None
 
 
@@ -112,7 +112,7 @@ def why_silent(node: Node, topic: str, msg_type: type, qos: QoSProfile) -> str:
 
 
 def no_publisher(node: Node, topic: str) -> str:
-    """Return one sentence about a topic without publishers, and a similar name or all others."""
+    """Return a message that nobody publishes on a topic, with a similar name or all others."""
     known = [name for name, _ in node.get_topic_names_and_types() if name not in QUIET_TOPICS]
     published = [name for name in known if node.count_publishers(name)]
     near = get_close_matches(node.resolve_topic_name(topic), published, n=1, cutoff=0.75)

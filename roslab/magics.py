@@ -136,8 +136,8 @@ def _refuse_known_module(file: CellFile, package: LearnerPackage) -> None:
     )
     if not ours:
         raise NameRefusedError(
-            f'%%node {file.name}: there is a Python module of that name already, and importing '
-            'it would no longer work. Choose another name, as in %%node temp_publisher.'
+            f'%%node {file.name}: a Python module with that name already exists, and importing '
+            'it would no longer work. Choose a different name, as in %%node temp_publisher.'
         )
 
 
@@ -181,8 +181,8 @@ def _without_main_call(tree: ast.Module) -> ast.Module:
     for statement in tree.body:
         if isinstance(statement, ast.Expr) and ast.unparse(statement).startswith('main('):
             say(
-                f'Line {statement.lineno} of the cell calls main() whenever the file is read; the '
-                'call was skipped, or this cell would never end. Write the call below: '
+                f'Line {statement.lineno} of the cell calls main() whenever the file is read. The '
+                'call was skipped, because this cell would never end. Write the call below: '
                 "if __name__ == '__main__':"
             )
             tree.body = [other for other in tree.body if other is not statement]

@@ -3,7 +3,7 @@ Build the learner's messages from a notebook, with colcon and ROS's message gene
 
 An unchanged package is not built again.  The built package becomes importable in the running
 kernel.  It replaces the course's own package of the same name, unless that package was already
-imported, because a process cannot load two versions of one message library.
+imported: a process cannot load two versions of the same message library.
 """
 
 import ctypes
@@ -79,7 +79,7 @@ class BuildReport:
     def __str__(self) -> str:
         if self.diagnosis is not None:
             place = f'{self.diagnosis.where}: ' if self.diagnosis.where else ''
-            log = f'\n  Everything it printed: {self.log}' if self.log else ''
+            log = f'\n  Complete output: {self.log}' if self.log else ''
             return (
                 f'{self.package} was not built.\n  {place}{self.diagnosis.error}\n'
                 f'  Try: {self.diagnosis.advice}{log}'
@@ -263,7 +263,7 @@ def _make_importable(package: LearnerPackage, interfaces: str) -> bool:
     """
     Let this process import the built package.
 
-    :returns: False if this process has already loaded another version
+    :returns: False if this process has already loaded a different version
     """
     name = package.name
     if name in _loaded:
@@ -308,7 +308,7 @@ def _site_packages(package: LearnerPackage) -> Path:
 
 def _digest(package: LearnerPackage, variables: dict[str, str]) -> dict[str, str]:
     """Return digests of all inputs of the build, and of the inputs that affect messages."""
-    # Include the generator: CMake refuses a build folder created by another generator.
+    # Include the generator: CMake refuses a build folder created by a different generator.
     base = f'{sys.version} {variables.get("AMENT_PREFIX_PATH", "")} {_generator(variables)}'
     texts = sorted(package.files().items())
     interfaces = [one for one in texts if not one[0].endswith('.py')]

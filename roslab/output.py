@@ -1,5 +1,5 @@
 """
-Print text and tables to the correct place.
+Print text and tables in the correct place.
 
 A notebook frontend gets a table as HTML.  A notebook that is executed without a frontend
 (nbclient, nbgrader) gets the same facts as plain text on stdout.  Nothing is written to stderr:
@@ -69,7 +69,7 @@ def say(text: str) -> None:
 
 
 def counted(things: Sized, word: str) -> str:
-    """Return a number of things with their name, such as ``1 node`` or ``2 nodes``."""
+    """Return the number of things with their name, such as ``1 node`` or ``2 nodes``."""
     return f'{len(things)} {word}{"s" * (len(things) != 1)}'
 
 
@@ -104,7 +104,7 @@ def _with_links(page: str) -> str:
     """
     Return HTML whose links to sections of notebooks work in the frontend of the running cell.
 
-    JupyterLab finds a section that it has not drawn yet only if the link says that it names a
+    JupyterLab finds a section that it has not drawn yet only if the link marks its target as a
     heading.  VS Code opens a link to a section as a second copy of the notebook, without a
     kernel: there, a link leads to the heading if it is in the same notebook, otherwise to the
     whole notebook.

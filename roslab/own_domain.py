@@ -19,9 +19,9 @@ from roslab.output import say
 
 VARIABLE = 'ROS_DOMAIN_ID'
 
-_DOMAIN_0 = 'This notebook is in domain 0 and receives messages of every program without a domain.'
+_DOMAIN_0 = 'This notebook is in domain 0 and receives messages from all programs in that domain.'
 _ALL_CLAIMED = (
-    f'Note: the {len(DOMAINS)} ROS domains of this machine are all in use. {_DOMAIN_0} Shut down '
+    f'Note: all {len(DOMAINS)} ROS domains on this machine are in use. {_DOMAIN_0} Shut down '
     'notebooks in the list of running kernels, at the left edge of JupyterLab, then restart this '
     'kernel.'
 )
@@ -65,7 +65,7 @@ def _in_order() -> Iterator[int]:
 
 
 def _say_in_first_cell(shell: Any, text: str) -> None:
-    """Print a text when the first cell runs."""
+    """Print a message when the first cell runs."""
 
     def tell(_: Any) -> None:
         shell.events.unregister('pre_run_cell', tell)

@@ -8,7 +8,7 @@ from roslab.errors import RoslabError
 
 
 class WrongKernelError(RoslabError):
-    """Raised when a notebook runs in a different kernel than the one of the course."""
+    """Raised when a notebook runs in a kernel other than the course's."""
 
 
 def require_variables(environ: Mapping[str, str]) -> None:
@@ -27,6 +27,6 @@ def require_variables(environ: Mapping[str, str]) -> None:
         return
     if lacking := sorted(needed.keys() - environ.keys()):
         raise WrongKernelError(
-            f'this kernel lacks variables that ROS needs, such as {lacking[0]}. Try: choose the '
-            f'kernel {KERNEL_TITLE} (in VS Code, it is in the list Jupyter Kernel...)'
+            f'this kernel lacks environment variables that ROS needs, such as {lacking[0]}. Try: '
+            f'choose the kernel {KERNEL_TITLE} (in VS Code, it is in the list Jupyter Kernel...)'
         )

@@ -91,7 +91,7 @@ class LearnerPackage:
         return found
 
 
-_name = ''  # empty until a package is chosen: the course's own package is used
+_name = ''  # empty until a package is chosen; until then, the course's own package is used
 
 
 def package(name: str | None = None) -> str:

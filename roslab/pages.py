@@ -132,7 +132,7 @@ class Pages:
         return len(text)
 
     def _written(self, text: Any) -> int | None:
-        """Write Python's output so that no line of C code interrupts it."""
+        """Write Python's output so that no output from C code interrupts a line."""
         open_line = isinstance(text, str) and text != '' and not text.endswith('\n')
         if open_line:
             self._whole.clear()

@@ -16,5 +16,5 @@ class PictureWidget(anywidget.AnyWidget):
 
     def __init__(self, place: str) -> None:
         super().__init__(place=place)
-        # To receive a synchronised trait would hold back `picture`, which another thread sets.
+        # Receiving a synchronised trait would delay `picture`, which another thread sets.
         self.on_msg(lambda *_: setattr(self, 'is_shown', True))

@@ -1,5 +1,5 @@
 """
-Store the last results of ``check(...)`` and ``quiz(...)``, count tries, show results by lesson.
+Store the last results of ``check(...)`` and ``quiz(...)``, count tries, and show the results.
 
 One JSON file in the course's work folder holds the results. It is never sent anywhere, and the
 grader never reads it: it is for the learner and is not evidence.
@@ -44,7 +44,7 @@ def progress(forget: bool = False) -> None:
     Show your progress: points, right answers to quizzes, and the Part that comes next.
 
     :param forget: delete all stored results instead
-    :raises RoslabError: if the file of the results has invalid contents
+    :raises RoslabError: if the results file has invalid contents
     """
     layout = Layout.here()
     path = layout.work / FILE
@@ -126,7 +126,7 @@ def _outlines(paths: Iterable[Path]) -> Iterable[Outline]:
 
 
 def _in_visible_checks(part: Part) -> Part:
-    """Return a part with the points that ``check(...)`` gives, which can be fewer in the end."""
+    """Return a part whose maximum points are those of the visible checks, not the hidden exams."""
     if not part.checks:
         return part  # a course without exercises has no exams
     known = part.checks.keys() & set(catalog.names(hidden=False))

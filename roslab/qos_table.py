@@ -94,7 +94,7 @@ class Cell:
     :param refused_for: incompatible policies that the events of both sides name
     :param check: verdict of ``qos_check_compatible``: OK, WARNING or ERROR
     :param reason: the reason that ``qos_check_compatible`` gives
-    :param documented: the prediction of the documented rule; None if it makes none
+    :param documented: the prediction of the documented rule; None if the rule makes none
     :param became: the values that the middleware chose for publisher and subscription
     """
 
@@ -346,7 +346,7 @@ def documented(policy: str, offered: str, requested: str) -> bool | None:
     Return whether an offer is at least as strong as a request, as the documented rule requires.
 
     :param policy: name of the table
-    :returns: None if the middleware or the situation decides
+    :returns: None if the rule makes no prediction
     """
     if policy in _NEVER_MATTERS:
         return True

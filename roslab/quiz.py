@@ -110,7 +110,7 @@ def load(path: Path) -> list[Question]:
     """
     Read all questions of one file.
 
-    :raises QuizError: if the file does not have this form
+    :raises QuizError: if the file is not a list of questions as described above
     """
     __tracebackhide__ = True
     try:

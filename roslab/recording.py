@@ -62,7 +62,7 @@ def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
     :param file: an MCAP file, or the folder that ``ros2 bag record`` has written
     :param topics: only these topics
     :param rate: speed relative to the recording, 2.0 for twice as fast
-    :raises RoslabError: if the file is damaged or not a bag, or a type has changed since then
+    :raises RoslabError: if the file is damaged or not a bag, or a type has since changed
     """
     from roslab.bags.player import CONNECT_S, Player
     from roslab.bags.reader import open_bag
@@ -71,7 +71,7 @@ def replay(file: str | Path, *topics: str, rate: float = 1.0) -> None:
     current = session()
     if current.executor.is_this_thread:
         raise RoslabError(
-            'A callback cannot replay, because no other callback runs before it ends.'
+            'A callback cannot call replay(), because no other callback runs until it ends.'
         )
     bag = open_bag(Path(file))
     names = [resolved(current.helper, topic) for topic in topics]

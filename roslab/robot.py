@@ -115,7 +115,7 @@ class Robot(LivePicture):
 
 class RobotNode(Node):
     """
-    The node of a robot: receives commands, and publishes its pose on ``odom`` ten times a second.
+    A robot's node, which receives commands and publishes its pose on ``odom`` ten times a second.
 
     :param topic: topic of the commands, of type ``geometry_msgs/msg/Twist``
     :param qos: profile of the subscription; with a deadline, silence stops the robot

@@ -74,7 +74,7 @@ class Track:
         """
         Change the motion.
 
-        :param time_s: time of the change, not before that of an earlier call [s]
+        :param time_s: time of the change, not earlier than in previous calls [s]
         :param speed: [m/s]
         :param turn: [rad/s]; if one of the two is not finite, the robot stops
         :param what: the cause, see :class:`Happened`

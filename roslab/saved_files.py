@@ -17,7 +17,7 @@ from roslab.output import shell
 _MOST_NAMED = 3
 
 _saves: dict[Path, tuple[int, int]] = {}
-"""Execution number that saved each file, and the file's modification time after it [ns]."""
+"""Execution number that saved each file, and the file's modification time afterwards [ns]."""
 
 
 class SavedFile(NamedTuple):
@@ -51,12 +51,12 @@ def note_save(path: Path) -> None:
 
 
 def look_up(paths: Iterable[Path]) -> list[SavedFile]:
-    """Return when and by which cell files were saved, the latest save last."""
+    """Return when and by which cells files were saved, in the order of saving."""
     found = []
     for path in paths:
         status = path.stat()
         number, saved_ns = _saves.get(path, (None, 0))
-        # A different time means that another program has written the file since.
+        # A different time means that another program has since written the file.
         execution = number if saved_ns == status.st_mtime_ns else None
         found.append(SavedFile(path, execution, status.st_mtime))
     return sorted(found, key=lambda file: file.modified_s)
@@ -73,8 +73,8 @@ def edited_since(files: Collection[SavedFile]) -> list[str]:
     """
     Return the names of the files whose cell was edited after it had saved the file.
 
-    The number of the cell in the saved notebook must be that of the run that saved the file.  In a
-    notebook that was saved before, or while the cell ran, the text may be older than the file.
+    The number of the cell in the saved notebook must be that of the run that saved the file.  If
+    the notebook was saved before that run ended, its text may be older than the file.
     """
     bodies: dict[tuple[str, int | None], set[str]] = {}
     for cell in read_cells():

@@ -259,8 +259,8 @@ class Session:
         """
         Print the exception of a callback and stop its node; runs in the executor's thread.
 
-        The reason is stored and printed before the node is removed, so it is available
-        immediately.
+        The reason is stored and printed before the node is removed, so that no other code sees
+        the node missing without a reason.
         """
         key = self._key(node) if node is not None else 'a callback'
         started = self._started.get(key)

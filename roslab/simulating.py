@@ -80,7 +80,7 @@ def simulate(
         run = read_simulation(Recording.load(done))
     last = run.printed.rstrip().rpartition('\n')[2]
     if run.exit and last.startswith('NotImplementedError'):
-        raise not_written_yet(f'A part of {file} is still to be written.')
+        raise not_written_yet(f'Part of {file} is not written yet.')
     if run.exit:
         say(run.ended)
     return run
@@ -88,7 +88,7 @@ def simulate(
 
 def recorded_runs(exam: str) -> list[Simulation]:
     """
-    Return the recorded runs that an exam gives to a learner's check, in the form of ``simulate``.
+    Return the recorded runs that an exam gives to a learner's check, as ``simulate`` returns runs.
 
     :param exam: name of the exam, as in ``check('NAME')``
     :raises RoslabError: if the exam does not exist or has no recorded runs

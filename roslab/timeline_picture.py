@@ -76,7 +76,7 @@ class Lane(NamedTuple):
 
 class Timeline:
     """
-    Messages on a time axis: a picture, or a table where pictures are not available.
+    Messages on a time axis, shown as a picture, or as a table where pictures are not available.
 
     :param begin: left end of the axis [s]
     :param end: right end of the axis [s]
@@ -105,7 +105,7 @@ def timeline(
     seconds: float | None = None,
 ) -> Timeline:
     """
-    Show messages on a time axis: a picture, or a plain-text table with ``str()``.
+    Show messages on a time axis, as a picture or, with ``str()``, as a plain-text table.
 
     :param sources: listeners, plots, simulations or recorded topics. The axis begins when the
         first listener began to listen; a simulation contributes all its topics
@@ -156,7 +156,7 @@ def _short(message: Any) -> str:
 
 
 def _moments(rows: Sequence[Row]) -> list[tuple[float, str]]:
-    """Return each message of a recorded run with the latest message of every row [s]."""
+    """Return the time of each message in a recorded run [s], with the latest message per row."""
     events = sorted(
         (time, index, text)
         for index, row in enumerate(rows)

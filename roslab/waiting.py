@@ -10,7 +10,7 @@ from roslab.session import session
 T = TypeVar('T')
 
 _SLICE_S = 0.05
-"""Time between two checks of the condition when no callback runs, as in discovery [s]."""
+"""Time between two checks of the condition while no callback runs, as during discovery [s]."""
 
 
 def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
@@ -24,7 +24,7 @@ def wait_in(condition: Callable[[], T], timeout_s: float) -> T:
     """
     if not callable(condition):
         raise RoslabError(
-            'wait_until() expected a function to call again and again, as in '
+            'wait_until() expected a function to call repeatedly, as in '
             f'wait_until(lambda: len(heard) > 2), got {condition!r}.'
         )
     if not (isinstance(timeout_s, (int, float)) and math.isfinite(timeout_s) and timeout_s >= 0):

@@ -25,7 +25,7 @@ class Player:
     Publishes the messages of a bag.
 
     :param topics: full names of the topics to publish, none for all
-    :raises BagError: if a topic is missing, or a type is not installed or has other fields
+    :raises BagError: if a topic is missing, or a type is not installed or has different fields
     """
 
     def __init__(self, node: Node, bag: Bag, topics: Collection[str] = ()) -> None:
@@ -35,7 +35,7 @@ class Player:
         missing = ', '.join(sorted(set(topics) - set(known)))
         if missing:
             raise BagError(
-                f'{bag.path}: there are no messages on {missing}. Its topics: {", ".join(known)}'
+                f'{bag.path}: no messages on {missing}. Topics in this bag: {", ".join(known)}'
             )
         chosen = [one for one in bag.topics if not topics or one.name in topics]
         kinds = {topic.name: _class_of(bag, topic) for topic in chosen}
@@ -67,7 +67,7 @@ class Player:
         :param rate: speed relative to the recording, 2.0 for twice as fast
         :param wait: waits for a time [s]
         :returns: how many messages were published
-        :raises BagError: if a part of the bag is damaged
+        :raises BagError: if part of the bag is damaged
         """
         began, count = time.monotonic(), 0
         for topic, received_ns, data in messages_of(self._bag):

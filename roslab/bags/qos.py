@@ -27,7 +27,7 @@ _DEPTH = 10
 
 
 def plain_profiles(profiles: Iterable[QoSProfile]) -> list[dict[str, Any]]:
-    """Return profiles as plain values for YAML, in the order of ``ros2 bag``."""
+    """Return profiles as plain values for YAML, in the order that ``ros2 bag`` uses."""
     return [
         {
             'history': qos.history.short_key,
@@ -48,7 +48,7 @@ def profile_to_offer(stored: list[dict[str, Any]]) -> QoSProfile:
     """
     Return the profile with which a recorded topic is published again.
 
-    :param stored: plain values of :func:`plain_profiles`, or of another recorder
+    :param stored: plain values from :func:`plain_profiles`, or from another recorder
     :returns: the recorded profile, or rclpy's default if the publishers offered different ones
     :raises ValueError: if a value is unknown
     """
@@ -77,7 +77,7 @@ def read_profiles(text: str) -> list[dict[str, Any]]:
     Return stored profiles.
 
     :param text: YAML from a file, '' for none
-    :raises ValueError: if it is not a list in YAML
+    :raises ValueError: if the text is not a YAML list
     """
     try:
         stored = yaml.safe_load(text) or []

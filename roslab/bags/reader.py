@@ -21,7 +21,7 @@ _MAGIC = b'\x89MCAP0\r\n'
 
 
 class BagError(RoslabError, RuntimeError):
-    """A bag that cannot be used; the ``ros2`` command prints a RuntimeError as one line."""
+    """Raised for an unusable bag; the ``ros2`` command prints a RuntimeError as one line."""
 
 
 class BagMessage(NamedTuple):
@@ -69,7 +69,7 @@ def messages_of(bag: Bag) -> Iterator[BagMessage]:
     """
     Yield the messages in the order in which they were received.
 
-    :raises BagError: if a part of a file is damaged
+    :raises BagError: if part of a file is damaged
     """
     for file in bag.files:
         with _reading(file) as reader:
@@ -88,7 +88,7 @@ def _files_in(folder: Path) -> tuple[Path, ...]:
             raise BagError(f'{about}: this is not the metadata of a bag.') from None
     if not names:
         raise BagError(
-            f'{folder}: this folder has no .mcap file. Try: the folder that ros2 bag record wrote'
+            f'{folder}: this folder has no .mcap file. Try: pass a folder from ros2 bag record'
         )
     return tuple(folder / name for name in names)
 
@@ -97,7 +97,7 @@ def _files_in(folder: Path) -> tuple[Path, ...]:
 def _reading(file: Path) -> Iterator[SeekingReader]:
     """Open a file, and raise a BagError for any problem with it."""
     if not file.exists():
-        raise BagError(f'{file}: there is no such file. Try: the path passed to record()')
+        raise BagError(f'{file}: there is no such file. Try: pass the same path as to record()')
     try:
         with file.open('rb') as stream:
             if stream.read(len(_MAGIC)) != _MAGIC:
@@ -123,7 +123,7 @@ def _foreign(file: Path) -> BagError:
             f'{file}: this bag is in SQLite format. Try: convert it to MCAP with '
             'ros2 bag convert in a full installation of ROS 2'
         )
-    return BagError(f'{file}: this is not an MCAP file. Try: a file that record() has written')
+    return BagError(f'{file}: this is not an MCAP file. Try: pass a file that record() wrote')
 
 
 def _incomplete(file: Path) -> BagError:
@@ -140,7 +140,7 @@ def _topics_of(file: Path, summary: Summary) -> Iterator[BagTopic]:
         if channel.message_encoding != 'cdr' or schema is None or schema.name.count('/') != 2:
             raise BagError(
                 f'{file}: {channel.topic} contains {channel.message_encoding or "unknown"} data, '
-                'not ROS 2 messages. Try: a file that record() or ros2 bag has written'
+                'not ROS 2 messages. Try: pass a file that record() or ros2 bag has written'
             )
         about = channel.metadata
         yield BagTopic(

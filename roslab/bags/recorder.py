@@ -25,7 +25,7 @@ class Recorder:
     Callbacks only store messages, because they may run in another thread; :meth:`drain` writes.
 
     :param node: a node that something else spins
-    :param tell: called with the name of each topic to which it subscribes
+    :param tell: called with the name of each topic to which the recorder subscribes
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Write messages to an MCAP file that Foxglove, PlotJuggler and ``ros2 bag`` open."""
+"""Write messages to an MCAP file that Foxglove, PlotJuggler and ``ros2 bag`` can open."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class BagWriter:
     Writes one MCAP file; use it in a ``with`` statement.
 
     The file gets its name at the end, even after an interrupt.  Without messages, no file is
-    written, and an existing file of that name is kept.
+    written, and an existing file with that name is kept.
 
     :param path: the file, which is replaced at the end
     :raises OSError: if its folder cannot be written
@@ -75,7 +75,7 @@ class BagWriter:
         """
         Add a message.
 
-        :param topic: full name, of a topic that was added
+        :param topic: full name of a topic that was added
         :param received_ns: when it was received [ns since 1970]
         :param sent_ns: when it was published [ns since 1970]
         """
@@ -110,11 +110,11 @@ class BagWriter:
 
 def write_simulation(run: Simulation, writer: BagWriter) -> None:
     """
-    Write the messages and log lines of a simulation, and the inputs that it was sent.
+    Write the messages and log lines of a simulation, and the inputs that were sent to it.
 
     Second 0 of the simulation becomes the beginning of 1970.
 
-    :raises RoslabError: if a type is not installed, or a message was too long to be kept
+    :raises RoslabError: if a type is not installed, or a message was too long to be stored
     """
     rows: list[tuple[float, str, Any]] = []
     types: dict[str, str] = {}

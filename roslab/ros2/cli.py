@@ -72,12 +72,12 @@ def verb(name: str, *options: Option) -> Callable[[Run], Run]:
 
 
 def option(*names: str, exclusive: bool = False, **how: Any) -> Option:
-    """Return an argument; ``how`` are keywords of ``argparse``'s ``add_argument``."""
+    """Return an argument; ``how`` contains keyword arguments of argparse's ``add_argument``."""
     return Option(names, how, exclusive)
 
 
 def flag(*names_and_words: str, exclusive: bool = False) -> Option:
-    """Return an option without a value; its help comes last."""
+    """Return an option without a value; the last argument is its help text."""
     *names, words = names_and_words
     return option(*names, exclusive=exclusive, action='store_true', help=words)
 

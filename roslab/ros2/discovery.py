@@ -37,7 +37,7 @@ from roslab.ros2.cli import flag, option
 from roslab.ros2.graph import node_known, UNKNOWN
 
 QUIET_S = 0.12
-"""Time without a change of the graph; longer than the 0.1 s between two announcements [s]."""
+"""Time without a change in the graph; longer than the 0.1 s between two announcements [s]."""
 QUIET_LOOKS = 8
 """Minimum number of polls without a change, so that a process without CPU time keeps polling."""
 ALONE_S = 0.5

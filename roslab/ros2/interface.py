@@ -21,7 +21,7 @@ _CONSTANT = re.compile(r'\S+\s+\w+\s*=')
 
 
 class InterfaceError(LookupError, RuntimeError):
-    """An interface or its package that is not installed; ``ros2`` prints it as one line."""
+    """Raised if an interface or its package is not installed; ``ros2`` prints it as one line."""
 
 
 def packages_with_interfaces() -> list[str]:
@@ -184,7 +184,7 @@ def _part(line: str, package_name: str) -> str:
 
 def definition_of(name: str) -> str:
     """
-    Return the text of a message type, followed by those of all its parts.
+    Return the definition of a message type, followed by the definitions of all its parts.
 
     :raises LookupError: if a package or a type is not installed
     """
@@ -206,7 +206,7 @@ def hash_of(name: str) -> str:
     """
     Return the hash of a message type, which changes with its fields but not with its comments.
 
-    :returns: such as ``RIHS01_df66...``, or ``''`` if the package was built without it
+    :returns: such as ``RIHS01_df66...``, or ``''`` if the package was built without hashes
     :raises LookupError: if the type is not installed
     """
     file = interface_file(name).with_suffix('.json')

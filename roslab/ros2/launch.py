@@ -1,7 +1,7 @@
 """
 Implement ``ros2 launch`` for XML launch files, with the tags that a first launch file needs.
 
-Output appears as with the real command: log lines always, printed text only with
+As with the real command, log lines always appear, but printed text only with
 ``output="screen"``.
 """
 
@@ -98,7 +98,7 @@ def read(path: Path) -> Iterator[Start]:
         root = ElementTree.fromstring(path.read_text(encoding='utf-8'))
     except ElementTree.ParseError as error:
         raise RuntimeError(
-            f"{path.name}: {error}. The course's own ros2 reads launch files in XML."
+            f"{path.name}: {error}. The course's own ros2 reads only XML launch files."
         ) from None
     for tag in root.iter():
         unknown = [name for name in tag.attrib if name not in TAGS.get(tag.tag, ())]

@@ -28,7 +28,7 @@ Wait = Callable[[Callable[[], Any], float], Any]
 
 
 class NoAnswer(RuntimeError):
-    """Report that a service is missing or does not respond."""
+    """Raised when a service is missing or does not respond."""
 
 
 def call(node: Node, kind: Any, name: str, limit_s: float = ANSWER_S, **request: Any) -> Any:

@@ -22,7 +22,7 @@ from roslab.ros2.qos_options import qos_arguments, qos_asked_for
 _LOOK_S = 0.1
 _ACKNOWLEDGED_S = 3
 _LOOKS_A_LINE = 10
-"""Polls between two lines of output, one line a second."""
+"""Polls between two lines of output, to print one line per second."""
 
 
 @verb(

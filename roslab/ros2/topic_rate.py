@@ -1,4 +1,4 @@
-"""Implement ``ros2 topic hz`` and ``bw``, which print one line a second."""
+"""Implement ``ros2 topic hz`` and ``bw``, which print a report once a second."""
 
 import argparse
 from collections.abc import Callable
@@ -85,10 +85,10 @@ def _report(
     greeting: str = '',
 ) -> None:
     """
-    Subscribe, and print a text once a second if messages have arrived since the last one.
+    Subscribe, and print a report once a second if messages have arrived since the last report.
 
     :param heard: called with the bytes of each message
-    :param text: returns the text to print, '' if there is none yet
+    :param text: returns the report, '' if there are too few messages yet
     """
     arrived = 0
 

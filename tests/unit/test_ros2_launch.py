@@ -61,7 +61,7 @@ def test_bare_node_starts_without_arguments(installed):
         ('<node pkg="my_robot_pkg" exec="x"/>', "executable 'x' not found in the package"),
         ('<arg name="a"/>', '<arg> belongs to a full installation'),
         ('<node pkg="my_robot_pkg" exec="talker" if="1"/>', '<node if> belongs to a full'),
-        ('<node', 'reads launch files in XML'),
+        ('<node', 'reads only XML launch files'),
     ],
 )
 def test_launch_file_refused_says_why(installed, inside, said):

@@ -147,7 +147,7 @@ def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatc
 
     shell.run_cell()
     said = capsys.readouterr().out
-    assert said.startswith('Note: the 101 ROS domains of this machine are all in use.')
+    assert said.startswith('Note: all 101 ROS domains on this machine are in use.')
     assert 'domain 0' in said
 
     shell.run_cell()

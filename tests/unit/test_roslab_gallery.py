@@ -120,14 +120,14 @@ def test_explain_looks_at_the_last_error(
 def test_explain_without_an_error_says_what_to_give(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(sys, 'last_value', raising=False)
 
-    with pytest.raises(RoslabError, match='there was none'):
+    with pytest.raises(RoslabError, match='there was no error'):
         explain()
 
 
 @pytest.mark.parametrize('nonsense', [3, '', '  '])
 def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
     """For a number or an empty string, the answer is an example of a correct call."""
-    with pytest.raises(RoslabError, match='expected the text of an error'):
+    with pytest.raises(RoslabError, match='expected an error message'):
         explain(nonsense)
 
 
