@@ -14,7 +14,7 @@ from autograder.collect.source.deliveries import opened
 from autograder.layout import Layout
 
 collect = partial(collecting.collect, trust_names=True)
-"""Deliveries in these exchanges are all of the user who runs the tests."""
+"""All deliveries in these exchanges belong to the user who runs the tests."""
 
 TALK, LISTEN, SPIN = '03_talk', '04_listen', '05_spin'
 
@@ -33,13 +33,13 @@ def notebook(*ids: str, text: str = 'x = 1') -> bytes:
 
 GOOD, OTHER = notebook('talker', 'talk_rate'), notebook('listener')
 OWN = notebook(text='what I tried')
-"""Somebody's own notes: a notebook, but with no cell of the course."""
+"""A student's own notes: a notebook without a cell of the course."""
 DAMAGED = GOOD[:40]
 
 
 @pytest.fixture
 def layout(tmp_path) -> Layout:
-    """Return a course of two assignments, and of a lesson without a cell to grade."""
+    """Return a course with two assignments and one lesson without graded cells."""
     course = Layout(tmp_path / 'course')
     for name, data in ((TALK, GOOD), (LISTEN, OTHER), (SPIN, notebook())):
         folder = course.notebooks / name

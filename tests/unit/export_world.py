@@ -1,4 +1,4 @@
-"""A small class for tests of exports: passed, failed, not run, for review, hostile text."""
+"""A small class for export tests: passed, failed, not run, for review, and hostile strings."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from autograder.results import CheckResult, ExamResult, Problem, SubmissionResul
 ASSIGNMENT = '01_talker'
 FORMULA = '=HYPERLINK("http://127.0.0.1/?"&A1,"x")'
 EVIL = '</failure>]]><script>&"\'\x00\x1b[31m\ufffe\ud800,\r\n;' + FORMULA
-"""What no format may act on: markup, control characters, half a character, a formula."""
+"""A string that no format may interpret: markup, control characters, a surrogate, a formula."""
 
 
 def check(name, verdict=Verdict.PASSED, points=2.0, most=2.0, **more):
@@ -42,7 +42,7 @@ def submission(student='ann', checks=(), exam='talker', **more):
 
 FULL = submission('bob', (check('runs'), check('warns', points=3.0, most=3.0)))
 VISIBLE = replace(FULL, exams=(replace(FULL.exams[0], mode='none'),))
-"""What isolation that keeps nothing hidden has left: visible checks, no mark."""
+"""A result without isolation of the hidden exams: only visible checks, and no mark."""
 REVIEW = submission('eve', fault='The probe broke off. Grade it again.')
 HOSTILE = submission(
     f'x{EVIL}'.replace('\ud800', ''),  # an id can always be encoded

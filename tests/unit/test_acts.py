@@ -1,4 +1,4 @@
-"""Find the place of an act that a cause mentions: a line, a function or nothing."""
+"""Find the place of an act that a cause mentions: a line, a function or none."""
 
 import re
 
@@ -44,7 +44,7 @@ class Watch(Node):
 
 
 def place(acts, about=(), lines=(), code=NODE):
-    """Return the line and the function of an act, None if it has no single place."""
+    """Return the line and the function of an act, or None if it has no single place."""
     found = place_of(Code({'watch.py': code}), acts, about, lines)
     return found and tuple(found)
 
@@ -80,7 +80,7 @@ class Courier(Node):
     ],
 )
 def test_act_of_a_courier_is_found(act, line):
-    """A more precise cause needs a separate act."""
+    """Each of these more precise causes of the courier exam has its own act."""
     assert place(act, code=POLITE) == (line, '')
 
 
@@ -120,7 +120,7 @@ if __name__ == '__main__':
 
 
 class TestPlace:
-    """An act has the narrowest place that contains all of it."""
+    """The place of an act is the smallest part of the code that contains all matches."""
 
     @pytest.mark.parametrize(
         ('acts', 'line'),
@@ -134,7 +134,7 @@ class TestPlace:
             ('if:warning()', 18),
             ('int()@to:create_subscription()', 18),
             ('round()@def:__init__', 13),
-            ('self_made() | publish()', 24),  # the first act that the program does
+            ('self_made() | publish()', 24),  # the first act that the program performs
         ],
     )
     def test_act_with_one_place_is_found_in_its_line(self, acts, line):
@@ -201,7 +201,7 @@ class TestPlace:
         assert place('round() int()') == (18, '')
 
     def test_what_a_callback_calls_belongs_to_it(self):
-        """Line 2 is found because the callback calls it; it does not call line 9."""
+        """Line 2 is found because the callback calls its function; line 9 is never called."""
         code = (
             'def hot(value):\n    return value > 30.0\ndef judge(message):\n'
             '    if hot(message.data):\n        warn()\ndef warn():\n    log.warning(1)\n'
@@ -227,7 +227,7 @@ class TestPlace:
             place('wenn:publish()')
 
     def test_words_of_a_place_are_those_of_the_cell(self):
-        """A place in a cell counts the magic line as line 1."""
+        """Line numbers in a cell count the magic line as line 1."""
         code = Code({'watch.py': NODE})
 
         assert place_of(code, 'publish()').words == 'Line 25: '
@@ -235,7 +235,7 @@ class TestPlace:
 
 
 class TestKnownActs:
-    """Acts that more than one word of code identifies."""
+    """Acts that a single word of code cannot identify."""
 
     @pytest.mark.parametrize(
         ('act', 'about', 'line'),

@@ -119,7 +119,7 @@ class TestMagic:
         ],
     )
     def test_no_letter_is_refused_and_replaces_the_older_answer(self, folder, body, said):
-        """The file gets what the cell holds, so that no earlier letter is checked."""
+        """The file gets the cell's content, so that the earlier letter is not checked."""
         run_cell('answer', 'q07', "'a'\n", {})
         with pytest.raises(AnswerRefusedError, match=re.escape(said)):
             run_cell('answer', 'q07', body, {})
@@ -128,7 +128,7 @@ class TestMagic:
 
 
 def answers(**letters):
-    """Return files that answer 'a' to every question that is not given."""
+    """Return files with the given letters, and with 'a' for every other question."""
     return {path_of(name): f"'{letters.get(name, 'a')}'\n" for name in QUESTIONS}
 
 
@@ -183,12 +183,12 @@ def test_wrong_answer_is_explained_without_the_right_letter(letter):
 
 
 def test_blind_guessing_does_not_pay():
-    """Each letter is the correct one equally often."""
+    """Each letter is correct equally often."""
     assert sorted(list(RIGHT.values()).count(letter) for letter in 'abcd') == [6, 6, 6, 6]
 
 
 def test_key_stays_with_the_instructor():
-    """The students' copy has neither the file nor any of its sentences."""
+    """The students' copy has neither the answer key nor any of its sentences."""
     layout = Layout.here()
     names = bundled_files(layout)
     texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]

@@ -22,7 +22,7 @@ def lesson(*cells):
 
 
 def made(*outputs, source='show()', **marks):
-    """Return the cells of a page for a lesson of one cell with these outputs."""
+    """Return the page's cells for a lesson that has one cell with these outputs."""
     metadata = {'nbgrader': marks} if marks else {}
     one = new_code_cell(source, id='one', metadata=metadata)
     solved = new_code_cell('the solution', id='one', outputs=list(outputs))
@@ -41,14 +41,14 @@ def test_demonstration_has_its_picture():
 
 
 def test_line_that_was_cleared_is_left_out():
-    """A counter of seconds that a cell cleared is not on the page."""
+    """A seconds counter that a cell cleared is not on the page."""
     (cell,) = made(new_output('display_data', {'text/plain': ''}), new_output('stream', text='a'))
 
     assert [one.output_type for one in cell.outputs] == ['stream']
 
 
 def test_exercise_keeps_its_stub_and_has_no_output():
-    """A line after the last cell of an exercise says that the outputs are of a correct answer."""
+    """A line after an exercise says that the outputs come from a correct answer."""
     marks = {'nbgrader': {'solution': True, 'grade_id': 'one'}}
     output = new_output('stream', text='x')
     release = [new_code_cell('# YOUR CODE HERE', id=name, metadata=marks) for name in 'ab']

@@ -26,7 +26,7 @@ BROKEN = {
 
 @pytest.fixture
 def broken_exam(tmp_path, monkeypatch):
-    """Return a function that writes the one visible exam of a course."""
+    """Return a function that writes the only visible exam of a course."""
     folder = tmp_path / 'broken_exams' / 'visible'
     folder.mkdir(parents=True)
     (tmp_path / 'course.toml').write_text("exams = 'broken_exams'\n")
@@ -39,7 +39,7 @@ def broken_exam(tmp_path, monkeypatch):
 
 
 def forget() -> None:
-    """Forget the current course of earlier tests."""
+    """Forget the exams that an earlier test has imported."""
     for name in [name for name in sys.modules if name.partition('.')[0] == 'broken_exams']:
         del sys.modules[name]
     catalog.load.cache_clear()
@@ -48,7 +48,7 @@ def forget() -> None:
 
 @pytest.mark.parametrize('line', BROKEN)
 def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, capsys, line):
-    """The error has file, line and message, and sends learners to the instructor."""
+    """The error shows the file, the line and the message, and sends learners to the instructor."""
     broken_exam(f'"""A docstring."""\n\n{line}\n')
 
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']

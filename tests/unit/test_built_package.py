@@ -41,7 +41,7 @@ def test_the_exam_stays_the_same_but_for_what_runs():
 
 
 def test_an_exam_that_builds_anyway_stays_as_it_is():
-    """The message exam builds every submission already."""
+    """The message exam already builds every submission."""
     exam = catalog.load('temperature_message', hidden=False)
 
     assert as_package(exam, 'thermo') is exam
@@ -96,7 +96,7 @@ def test_an_executable_that_is_not_there_is_named_with_the_file_to_mend(
     ],
 )
 def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
-    """The entry point is named, because the traceback has no line of the student."""
+    """The entry point is named, because the traceback has no line of the student's code."""
     head = 'Traceback (most recent call last):\n  File "/ws/lib/thermo/temp_publisher", line 33\n'
     process = {'event': 'process', 'exit': 1, 'stderr': f'{head}{error}\n'}
     setup = {'setup.py': "# temp_publisher = a:main\n\n    'temp_publisher = thermo.a',\n"}
@@ -104,7 +104,7 @@ def test_entry_point_that_leads_nowhere_is_named(error, cause_id, words):
 
     assert why.cause_id == cause_id
     assert words in f'{why.text} {why.try_this}'
-    # Otherwise another line is wrong: the one with packages=.
+    # The cause no_modules blames a different line: the one with packages=.
     assert why.text.startswith('setup.py, line 3: ') == (cause_id != 'no_modules')
 
 
@@ -122,7 +122,7 @@ def test_entry_point_of_setup_cfg_has_its_line_there():
 
 
 def test_thread_that_calls_a_module_is_no_entry_point():
-    """The exception of a thread does not end the program, whose exit code is then 0."""
+    """An exception in a thread does not end the program, so the exit code is 0."""
     error = "Traceback (most recent call last):\nTypeError: 'module' object is not callable\n"
     process = {'event': 'process', 'exit': 0, 'stderr': error}
 
@@ -151,7 +151,7 @@ def test_any_other_end_keeps_the_words_of_the_exam():
 
 @pytest.mark.parametrize('words', ['Line {}: It fails.', 'Line {}, in tick(): It fails.'])
 def test_lines_are_those_of_the_file(words):
-    """Lines count from the beginning of the file, which has no magic line."""
+    """Line numbers count from the beginning of the file, which has no magic line."""
     check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause=words.format(8))
     result = explained(EXAM, ExamResult('x', (check,)), None, {})
 
@@ -159,7 +159,7 @@ def test_lines_are_those_of_the_file(words):
 
 
 def test_both_sides_mean_the_same_codes(monkeypatch):
-    """The script in the sandbox repeats the codes, because it imports no module of the project."""
+    """The script in the sandbox repeats the exit codes, as it imports nothing of the project."""
     inside = HERE / 'inside'
     monkeypatch.syspath_prepend(str(inside))
     run_package = importlib.import_module('run_package')

@@ -59,7 +59,7 @@ class TestNode:
 
 class TestReached:
     def test_subscription_that_comes_after_the_start_fails_alone(self):
-        """It missed the earlier messages, but the later ones show the rest."""
+        """A late subscription misses messages, but other checks can still judge the later ones."""
         start = {**GRAPH, 'when': 'start', 'endpoints': []}
         sent = {'event': 'input', 'index': 0, 'topic': TOPIC}
         run = run_of(start, sent, {**GRAPH, 'endpoints': [HEARD]})
@@ -114,7 +114,7 @@ class TestMessages:
         'clocks', [[1.1, 2.1, 3.1], [1.1, 2.105, 3.1], [0.1, 1.1, 2.1, 3.1]], ids=str
     )
     def test_steady_messages_pass_wherever_they_begin(self, clocks):
-        """A delay of milliseconds and one message more or less are accepted."""
+        """A delay of some milliseconds, and one message more or less, are accepted."""
         rhythm.require_period(run_of(), [message(clock) for clock in clocks], 1.0, 3.0)
 
     @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ class TestMessages:
         assert failed.value.at == at * checks.SECOND
 
     def test_first_message_comes_within_one_period(self):
-        """The first call of the timer has no message."""
+        """The timer publishes no message in its first call."""
         found = [message(clock) for clock in (2.0, 3.0, 4.0)]
         run = run_of({'event': 'mark', 'clock_ns': 4_500_000_000})
         waited_s = rhythm.seconds_between([{'event': 'seen', 'clock_ns': 0}], found)
@@ -188,7 +188,7 @@ class TestMessages:
         ],
     )
     def test_silence_without_a_subscription_is_explained(self, code, because_unheard):
-        """The next number shows that no message was published in this time; the code says why."""
+        """The next number shows that no message was published meanwhile; the code shows why."""
         found = [{**message(clock), 'number': clock - 4} for clock in (5, 6, 7)]
         run = run_of({'event': 'left', 'name': TOPIC, 'clock_ns': 600_000_000}, *found)
         run = replace(run, files={'n.py': code})

@@ -40,12 +40,12 @@ def listed(layout):
 
 
 def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
-    """A list with semicolons, a byte order mark and other columns is read."""
+    """A list with semicolons, a byte order mark and other columns can be read."""
     assert class_list(listed) == {'ann': 'Ann Example', 'bob@x.example': '', 'zoe': 'Zoe Z'}
 
 
 def test_names_of_the_list_are_shown_but_not_saved(listed):
-    """The names of the list replace those of the platform, which shortens them."""
+    """The list's names replace those of the platform, which may shorten names."""
     save_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
 
     assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}

@@ -34,7 +34,7 @@ def timed(student, **timing):
 
 
 def with_headers(root, *headers):
-    """Return the numbers of a class whose recordings have these headers."""
+    """Return the statistics of a class whose recordings have these headers."""
     place = Layout(root).recordings / 'talker'
     place.mkdir(parents=True)
     results = []
@@ -47,7 +47,7 @@ def with_headers(root, *headers):
 
 
 def with_points(*points):
-    """Return submissions with these points of ten."""
+    """Return submissions with these points out of ten."""
     return [
         submission(f's{number}', (check('runs', points=one, most=10.0),))
         for number, one in enumerate(points)
@@ -65,7 +65,7 @@ def layout(tmp_path):
 
 
 def read(page):
-    """Return the parts of a page."""
+    """Return a parsed page."""
     return BeautifulSoup(page, 'html.parser')
 
 
@@ -80,7 +80,7 @@ class TestNumbers:
         assert marks.bins == (1, 1, 0, 0, 1, 1, 0, 0, 0, 2)
 
     def test_quartiles_of_a_single_submission_equal_its_mark(self):
-        """With a single submission, every quartile is its mark."""
+        """With a single submission, every quartile is the mark of that submission."""
         marks = numbers_of(*with_points(7)).marks
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
@@ -170,7 +170,7 @@ class TestNumbers:
         assert numbers.recorded == 0
 
     def test_the_slowest_are_the_same_after_a_rerun(self):
-        """The time to judge does not count, and an old recording has no time."""
+        """The time for judging does not count, and an old recording has no time."""
         first = numbers_of(timed('a', run_s=1.0), timed('b', run_s=2.0))
         again = numbers_of(
             timed('a', kept_run_s=1.0, judge_s=5.0), timed('b', kept_run_s=2.0), timed('c')
@@ -251,7 +251,7 @@ class TestPage:
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
     def test_checks_stand_in_the_order_of_the_exams(self):
-        """The checks have the order that students see, with their most frequent cause."""
+        """The checks are in the order that students see, each with its most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
         text = read(class_page(CLASS, numbers_of(both))).text

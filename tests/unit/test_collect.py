@@ -1,4 +1,4 @@
-"""Collect sources of each kind, valid and invalid, into nbgrader's folders and one table."""
+"""Collect valid and invalid sources of each kind for nbgrader, and report them in a table."""
 
 import json
 import os
@@ -77,7 +77,7 @@ class TestEveryKind:
 
 
 def test_what_was_collected_can_be_graded(tmp_path, layout):
-    """Nbgrader can read all ids, including those of names in other alphabets."""
+    """Nbgrader can read all ids, including those made from names in other alphabets."""
     files = {
         'Zoë Ünal/talk.ipynb': GOOD,
         '李雷/talk.ipynb': GOOD,
@@ -97,7 +97,7 @@ def test_what_was_collected_can_be_graded(tmp_path, layout):
 
 
 def test_two_names_that_become_one_are_both_left(tmp_path, layout):
-    """Two names that lead to one id are both left out, so that nobody gets another's marks."""
+    """If two names give one id, neither is collected: no student gets another's marks."""
     files = {'ann/talk.ipynb': GOOD, 'hw-ann/talk.ipynb': GOOD}
 
     rows = collect(laid(tmp_path / 's', files), layout, layout.submitted, prefix='hw-')
@@ -107,7 +107,7 @@ def test_two_names_that_become_one_are_both_left(tmp_path, layout):
 
 
 class TestStudentIds:
-    """A name leads to the same id on every day and from every source."""
+    """A name gives the same id on every day and from every source."""
 
     @pytest.mark.parametrize(
         'name', ['ann', 'Ann Example', 'smith-john', '_x', 'b.c', 'bo@x.org', '2024-0001', 'Ünal']
@@ -116,7 +116,7 @@ class TestStudentIds:
         assert student_id(name) == name
 
     def test_no_two_names_become_one(self):
-        """Names that differ only in signs or vowels, or are too long, get different ids."""
+        """Names that differ only in punctuation or vowel signs, for example, get different ids."""
         names = ['a,b', 'a;b', 'a_b', 'a_b,', 'अमित', 'अमीत', 'x' * 101, 'x' * 102, ' ann', 'ann']
         names += ['می\u200cخواهم', 'میخواهم', 'O’Neil', "O'Neil", 'O_Neil', student_id('a,b')]
 
@@ -126,12 +126,12 @@ class TestStudentIds:
         assert all(is_student_id(one) for one in ids)
 
     def test_two_ways_to_write_a_letter_are_one(self):
-        """A letter with a separate accent leads to the same id as the whole letter."""
+        """A letter with a combining accent gives the same id as the precomposed letter."""
         assert student_id('Zoe\u0308') == student_id('Zo\xeb') == 'Zo\xeb'
 
     @pytest.mark.parametrize('name', ['Zoë', 'Zoe\u0308', '小明', 'Jose--x'])
     def test_one_from_a_zip_that_does_not_say_utf_8(self, name, tmp_path, layout):
-        """A zip without the flag for UTF-8, as the Finder packs it, leads to the same ids."""
+        """A zip without the UTF-8 flag, as macOS's Finder writes it, gives the same ids."""
         source = packed(tmp_path / 's.zip', {f'{name}/talk.ipynb': GOOD})
         data = source.read_bytes()
         for header, flags in ((b'PK\x03\x04', 6), (b'PK\x01\x02', 8)):
@@ -224,7 +224,7 @@ class TestHostileSources:
     def test_generated_files_do_not_count_towards_the_size_limit(
         self, how, tmp_path, layout, monkeypatch
     ):
-        """Files that programs leave do not count, up to a higher limit."""
+        """Generated files do not count, but a higher limit applies to all files."""
         work = ('src/ros_ws/build/x', 'install/COLCON_IGNORE', 'install/x.ipynb', '.venv/a/x.py')
         files = {f'{name}/{file}': GOOD for name in ('ann', 'bob') for file in work}
         files |= {'ann/talk.ipynb': GOOD, 'ann/build/notes.txt': b'', 'cy/log/talk.ipynb': GOOD}
@@ -243,7 +243,7 @@ class TestHostileSources:
 
     @pytest.mark.parametrize('name', ['build', 'install', 'log'])
     def test_a_students_own_folder_is_no_programs(self, name, tmp_path, layout):
-        """The folder of a student counts, even if it has the name of a program's folder."""
+        """A student's folder is read, even if its name is that of a folder for generated files."""
         files = {f'{name}/COLCON_IGNORE': b'', f'{name}/talk.ipynb': GOOD, 'ann/talk.ipynb': GOOD}
 
         rows = collect(laid(tmp_path / 's', files), layout, layout.submitted)
@@ -341,7 +341,7 @@ class TestCommand:
         assert 'Removed the 1 example students' in capsys.readouterr().err
 
     def test_it_waits_for_no_grading(self, tmp_path, layout, capsys):
-        """``collect`` is refused during a grading; a dry run is not."""
+        """``collect`` is refused during a grading run; a dry run is not."""
         source = str(laid(tmp_path / 's', {'ann/talk.ipynb': GOOD}))
 
         with lock_course(layout, 'a grading'):
@@ -352,7 +352,7 @@ class TestCommand:
         assert command.main(['collect', source]) == OK
 
     def test_a_prefix_is_taken_off(self, tmp_path, layout, capsys):
-        """The prefix is removed from each name, and the table says so."""
+        """The prefix is removed from each name, and the table reports this."""
         source = laid(tmp_path / 's', {'hw1-ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
 
         assert command.main(['collect', str(source), '--prefix', 'hw1-', '--json']) == OK

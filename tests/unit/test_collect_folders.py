@@ -75,7 +75,7 @@ class TestFolders:
         }
 
     def test_a_zip_with_a_folder_around_everything_is_a_class(self, tmp_path, layout):
-        """A class may be in one folder of the zip, with folders or notebooks named by students."""
+        """A zip may have one top folder, with folders or notebooks named after students."""
         around = packed(tmp_path / 'a.zip', {'hw/ann/talk.ipynb': GOOD, 'hw/bob/x.ipynb': OTHER})
         flat = packed(tmp_path / 'b.zip', {'hw/cy.ipynb': GOOD, 'hw/dan.ipynb': GOOD})
 
@@ -153,7 +153,7 @@ class TestIdsOfFolders:
         assert {row.student for row in rows} == {'ann', 'bob', 'talk-', 'talkative-cy'}
 
     def test_two_repositories_of_one_student_are_not_mixed(self, tmp_path, layout):
-        """Two repositories of a student for one assignment are left for a person to choose."""
+        """If a student has two repositories for one assignment, a person has to choose."""
         files = {
             'talk-ann/.git/HEAD': b'',
             'talk-ann/talk.ipynb': GOOD,
@@ -306,7 +306,7 @@ class TestNamedKind:
             collect(tmp_path / 's', layout, layout.submitted, kind='folder')
 
     def test_a_few_names_of_a_kind_are_enough(self, tmp_path, layout):
-        """Names of the stated platform are read, and each other name gets a row."""
+        """Names of the stated platform are read, and every other name gets a row."""
         files = {f'notes_{n}.txt': b'' for n in range(9)}
         source = laid(tmp_path / 's', {**files, 'ann_1001_55_talk.ipynb': GOOD})
 

@@ -90,7 +90,7 @@ class TestMoodle:
         }
 
     def test_groups_are_downloaded_one_after_the_other(self, tmp_path, layout):
-        """If each download has one namesake, their numbers differ, so both are left out."""
+        """If each download has one of two namesakes, the numbers differ, so both are left out."""
         one = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
         newer = notebook('talker', text='of the other Li Wei')
         two = self.of_moodle(tmp_path / '2.zip', 'Li Wei_314', data=newer)
@@ -126,7 +126,7 @@ class TestMoodle:
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are collected, and one line says that the numbers are not saved."""
+        """The notebooks are collected, and one line says that the numbers were not saved."""
 
         def full(*_):
             raise OSError(28, 'No space left on device')
@@ -141,7 +141,7 @@ class TestMoodle:
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
     def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
-        """Only the first number of a name counts, because a student chose what follows."""
+        """Only the first number in a file name counts, because the student chose the rest."""
         files = {
             'Ann_311_assignsubmission_file_Bo_312_assignsubmission_file_talk.ipynb': GOOD,
             'Cy_313_assignsubmission_file_talk.ipynb': GOOD,

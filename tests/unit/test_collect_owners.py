@@ -34,7 +34,7 @@ def handed_in(tmp_path, student):
 
 
 def configure(layout, text):
-    """Write settings of nbgrader."""
+    """Write nbgrader's settings."""
     layout.root.mkdir(exist_ok=True)
     settings = "c = get_config()\nc.CourseDirectory.db_url = 'sqlite:////nowhere'\n"
     (layout.root / 'nbgrader_config.py').write_text(settings + text, encoding='utf-8')
@@ -79,7 +79,7 @@ def test_recorded_owner_is_accepted(tmp_path, layout):
 
 @pytest.mark.parametrize('by_setting', [True, False])
 def test_names_are_trusted_when_the_instructor_says_so(by_setting, tmp_path, layout, monkeypatch):
-    """A setting of nbgrader, or an option for one command, turns the check off."""
+    """A setting of nbgrader, or an option of the command, turns the check off."""
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     configure(layout, 'c.ExchangeCollect.check_owner = False\n' if by_setting else '')
     options = [] if by_setting else ['--trust-names']
@@ -99,7 +99,7 @@ def test_owners_that_are_no_dictionary_are_one_sentence(tmp_path, layout):
 
 
 def test_one_file_of_another_user_is_enough_to_refuse():
-    """One file of another user is enough, because the folders of nbgrader are writable for all."""
+    """One file of another user is enough, because every user can write to nbgrader's folders."""
     both = {os.geteuid(), UNKNOWN_UID}
 
     doubt = OwnerRule().doubt(ME, both)
@@ -110,7 +110,7 @@ def test_one_file_of_another_user_is_enough_to_refuse():
 
 
 def test_file_that_another_user_put_in_its_place_is_not_read(tmp_path):
-    """The owner is that of the opened file, even if the file was exchanged after the listing."""
+    """The owner is that of the opened file, even if the file was replaced after the listing."""
     path = tmp_path / 'talk.ipynb'
     path.write_bytes(GOOD)
 

@@ -34,7 +34,7 @@ def done(rows) -> list[tuple[str, str, str]]:
 
 
 class TestSeveralAssignments:
-    """A folder or repository of a student can have all assignments."""
+    """A student's folder or repository may contain all assignments."""
 
     @pytest.mark.parametrize('place', ['{}/notebooks/{}/{}.ipynb', '{}/{}/{}.ipynb'])
     def test_one_notebook_of_each_is_taken(self, place, tmp_path, layout):
@@ -243,7 +243,7 @@ class TestTheRightOne:
 class TestBounds:
     @pytest.mark.slow
     def test_a_class_is_not_held_in_memory(self, tmp_path, layout):
-        """The memory does not grow with the class: each notebook is read when it is written."""
+        """Memory use does not grow with the class: each notebook is read when it is copied."""
         large = json.dumps({**json.loads(GOOD), 'metadata': {'x': '.' * (4 << 20)}}).encode()
         source = packed(tmp_path / 's.zip', {f's{n}/talk.ipynb': large for n in range(16)})
         tracemalloc.start()
@@ -258,7 +258,7 @@ class TestBounds:
 
     @pytest.mark.parametrize('how', [packed, laid])
     def test_too_much_of_everything_is_one_sentence(self, how, tmp_path, layout, monkeypatch):
-        """The error comes before anything is written."""
+        """The error is raised before anything is written."""
         source = how(tmp_path / 's.zip', {f's{n}/talk.ipynb': GOOD for n in range(9)})
         limit(monkeypatch, whole_bytes=8 * len(GOOD))
 
@@ -283,7 +283,7 @@ class TestBounds:
             collect(source, layout, layout.submitted)
 
     def test_of_very_many_notebooks_the_likely_ones_are_looked_at(self, tmp_path, layout):
-        """The likely notebooks are read, and the table says that there are more."""
+        """The most likely notebooks are read, and the table says that there are more."""
         files = {f'ann/{n:03}.ipynb': OWN for n in range(selection.MOST_NOTEBOOKS + 20)}
         source = laid(tmp_path / 's', {**files, f'ann/z/{TALK}/talk.ipynb': GOOD})
 
@@ -316,7 +316,7 @@ class TestBounds:
         assert any(row.notes[0].startswith(f'{TALK}/talk.ipynb: more than') for row in rows)
 
     def test_refused_files_of_one_entry_are_one_line(self, tmp_path, layout):
-        """Many refused links of one student give one row in the table."""
+        """Many refused links in one student's folder give one row in the table."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD, 'bob/talk.ipynb': GOOD})
         for n in range(9):
             (source / 'ann' / f'link{n}').symlink_to('talk.ipynb')

@@ -1,4 +1,4 @@
-"""Names of each platform, even rare ones: each file has an owner, and none is lost."""
+"""Each platform's file names, even rare ones: owners are found, and no file is lost."""
 
 from collect_sources import (
     CANVAS,
@@ -30,7 +30,7 @@ class TestCanvas:
     """Canvas names files ``NAME_[LATE_]USER_ATTACHMENT_FILE``."""
 
     def test_ids_are_user_ids_and_the_newest_counts(self, tmp_path, layout):
-        """Late marks, other file names and files that are not notebooks are in the table."""
+        """The table lists late files, files with other names, and files that are not notebooks."""
         rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
         assert table(rows) == {
@@ -177,7 +177,7 @@ class TestGradescope:
     """Gradescope writes ``submission_metadata.yml`` and one folder per submission."""
 
     def test_submissions_belong_to_everybody_named(self, tmp_path, layout):
-        """All members of a group get the work, with its time for nbgrader's late policy."""
+        """All members of a group get the work, and its time for nbgrader's late policy."""
         collect(packed(tmp_path / 'g.zip', GRADESCOPE), layout, layout.submitted)
 
         found = taken(layout)

@@ -40,7 +40,7 @@ def inbound(*times_: str, student: str = 'ann') -> dict[str, bytes]:
 
 @pytest.fixture
 def gradebook(layout) -> Path:
-    """Return a gradebook with these columns of nbgrader 0.9, in which all work is due at noon."""
+    """Return a gradebook with columns as in nbgrader 0.9, in which all work is due at noon."""
     return made_gradebook(layout)
 
 
@@ -104,7 +104,7 @@ class TestReading:
         ],
     )
     def test_what_is_not_understood_is_no_time(self, text, note):
-        """Other times are refused; CST, for example, is the name of four zones."""
+        """Unknown and ambiguous times are ignored; CST, for example, names four time zones."""
         assert read_time(text) == (None, note)
 
     @pytest.mark.parametrize(
@@ -198,7 +198,7 @@ class TestOlderWork:
     MONDAY, TUESDAY = '2026-03-02 12:00:00.5 UTC', '2026-03-03 12:00:00.5 UTC'
 
     def test_it_replaces_nothing_that_is_newer(self, tmp_path, layout):
-        """The row of the older work says so, even in a dry run."""
+        """The row of the older work reports this, even in a dry run."""
         monday = laid(tmp_path / 'monday', inbound(self.MONDAY))
         tuesday = laid(tmp_path / 'tuesday', inbound(self.TUESDAY))
         collect(tuesday, layout, layout.submitted)
@@ -235,7 +235,7 @@ class TestOlderWork:
 
     @pytest.mark.parametrize('there', [None, b'soon', b'\xff'])
     def test_without_a_time_nobody_knows(self, there, tmp_path, layout):
-        """Without a time, the last collected work stays, and its row says so."""
+        """If the saved work has no valid time, new work replaces it and its row says why."""
         laid(layout.submitted, {f'ann/{TALK}/talk.ipynb': notebook('talker', text='there')})
         if there is not None:
             laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': there})
@@ -247,10 +247,10 @@ class TestOlderWork:
 
 
 class TestStaleTime:
-    """A time belongs to the notebook next to it."""
+    """A saved time belongs only to the notebook next to it."""
 
     def test_newer_work_without_a_time_loses_the_old_one(self, tmp_path, layout):
-        """An old time is removed; otherwise late work would seem to be on time."""
+        """The old time is removed; otherwise late work would seem to be on time."""
         collect(
             laid(tmp_path / 'inbound', inbound('2026-03-01 12:00:00 UTC')),
             layout,
@@ -268,7 +268,7 @@ class TestStaleTime:
         assert [row.done for row in collect(newer, layout, layout.submitted)] == [UNCHANGED]
 
     def test_the_same_work_keeps_its_time(self, tmp_path, layout):
-        """The same work keeps a time that a person may have written."""
+        """Work that has not changed keeps its time, which a person may have written."""
         source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
         collect(source, layout, layout.submitted)
         laid(layout.submitted, {f'ann/{TALK}/timestamp.txt': b'2026-03-01 12:00:00 UTC\n'})
@@ -338,7 +338,7 @@ class TestDueDates:
         from nbgrader.api import Gradebook
 
         gradebook.unlink()
-        beside = str(Path(sys.prefix) / 'bin')  # for alembic
+        beside = str(Path(sys.prefix) / 'bin')  # the folder of alembic
         monkeypatch.setenv('PATH', os.pathsep.join([beside, os.environ['PATH']]))
         with Gradebook(f'sqlite:///{gradebook}', 'course') as book:
             book.add_assignment(TALK, duedate='2026-03-01 13:00:00 +0100')

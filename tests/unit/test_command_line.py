@@ -24,7 +24,7 @@ from autograder.sandboxes.sandbox import Sandbox
 
 @pytest.fixture(autouse=True)
 def undisturbed(monkeypatch):
-    """Prevent other gradings of this course by holding its lock."""
+    """Disable the course's lock, so that other grading runs cannot disturb these tests."""
     monkeypatch.setattr(grading, 'lock_course', lambda *_: nullcontext())
 
 
@@ -54,7 +54,7 @@ def test_grading_refuses_to_run_without_a_sandbox(tmp_path, capsys, monkeypatch)
 
 
 def test_a_check_that_cannot_run_says_so_as_data(tmp_path, capsys):
-    """The notebook shows it as a problem of the checker, not of the code."""
+    """The notebook shows the error as a problem of the checker, not of the student's code."""
     arguments = ['check', 'nonsense', '--files', str(tmp_path), '--visible', '--json']
 
     assert command.main(arguments) == command.USAGE
@@ -117,7 +117,7 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])
 def test_a_python_that_was_not_prepared_is_one_line(options, tmp_path, capsys, monkeypatch):
-    """The line says what is missing and how to prepare it."""
+    """The line says what is missing and which command to try."""
     from environment.ros import ros_environment
 
     (tmp_path / 'temp_publisher.py').write_text('x = 1')
@@ -163,7 +163,7 @@ def test_a_module_of_ours_that_is_missing_stays_a_defect(tmp_path, monkeypatch):
 
 
 class TestCheckWithoutTheFile:
-    """For a folder, the messages of ``check`` name files, not cells."""
+    """If ``check`` reads a folder, its messages name files, not cells."""
 
     def check(self, folder, *options):
         """Run the check of the publisher on a folder."""
@@ -213,7 +213,7 @@ class TestCheckWithoutTheFile:
 
 @pytest.mark.parametrize('jobs', ['0', '-1', 'many', '1.5'])
 def test_jobs_are_a_positive_number(jobs, capsys):
-    """The error says what was expected."""
+    """The error says which values are valid."""
     with pytest.raises(SystemExit) as stopped:
         command.main(['grade', '--jobs', jobs])
 
@@ -307,7 +307,7 @@ def test_a_cluster_takes_no_options_of_one_machine(options, named, tmp_path, cap
     ],
 )
 def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
-    """Only a grading without ``--fresh`` promises to continue where it stopped."""
+    """Only a grading run without ``--fresh`` promises to continue where it stopped."""
 
     def stop(*_):
         raise KeyboardInterrupt
@@ -320,7 +320,7 @@ def test_what_is_not_kept_is_not_promised(argv, said, capsys, monkeypatch):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, monkeypatch):
-    """A stopped grading has a separate exit code, and says how to continue without a traceback."""
+    """A stopped run has its own exit code, and says how to continue, without a traceback."""
 
     def stopped(*_):
         signal.raise_signal(number)
@@ -329,7 +329,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 
     monkeypatch.setattr(grading, '_assignments', stopped)
     before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # missing in a background job
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores SIGINT
 
     try:
         assert command.main(['grade', '--submitted', str(tmp_path)]) == command.STOPPED
@@ -343,7 +343,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 
 
 def test_starting_imports_neither_nbgrader_nor_ros():
-    """Help and errors import neither nbgrader nor ROS, so they appear at once."""
+    """Starting a command imports neither, so help and errors appear at once."""
     code = (
         'import sys, autograder.__main__; from autograder.grading import pipeline; '
         'from autograder.submission import inbox; '

@@ -1,4 +1,4 @@
-"""The files of the containers fit together and have the form that their tools read."""
+"""The files of the containers fit together, and their tools can read them."""
 
 import hashlib
 import json
@@ -17,7 +17,7 @@ DOCKERS = '536529b665dd0972c37bfb569f5d4ac8a53592e7b00752bc39ff063ca9864c74'
 
 
 def own_rule() -> dict[str, Any]:
-    """Return the rule that the profile adds to Docker's."""
+    """Return the rule that the profile adds to Docker's profile."""
     return json.loads(PROFILE.read_text(encoding='utf-8'))['syscalls'][-1]
 
 

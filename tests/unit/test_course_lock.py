@@ -1,4 +1,4 @@
-"""Only one grading runs at a time, and the files of a killed grading are removed."""
+"""Only one grading run is active at a time, and leftovers of a killed run are removed."""
 
 import os
 from pathlib import Path
@@ -23,7 +23,7 @@ with lock_course(Layout(Path(sys.argv[1])), 'a grading'):
 
 
 def held(root):
-    """Start a second process that grades."""
+    """Start a second process that holds the course's lock."""
     process = subprocess.Popen(
         [sys.executable, '-c', HOLDER, str(root)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
@@ -32,7 +32,7 @@ def held(root):
 
 
 def create_leftover_files(layout):
-    """Return one file that a killed grading leaves, and two that belong to other programs."""
+    """Create one file that a killed run leaves, and two files of other programs; return all."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
     files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
@@ -42,7 +42,7 @@ def create_leftover_files(layout):
 
 
 def test_a_second_grading_names_the_first_one(tmp_path):
-    """A second grading is refused with the name of the first, and runs once that has ended."""
+    """A second run is refused and names the first; it can start once the first has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
@@ -56,7 +56,7 @@ def test_a_second_grading_names_the_first_one(tmp_path):
 
 
 def test_what_a_killed_grading_left_goes(tmp_path):
-    """The next grading removes the files, because the kernel has released the lock."""
+    """The next grading run removes the files, because the kernel has released the lock."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
         half, *others = create_leftover_files(layout)
@@ -68,7 +68,7 @@ def test_what_a_killed_grading_left_goes(tmp_path):
 
 
 def test_unfinished_file_of_a_running_process_is_kept(tmp_path, monkeypatch):
-    """``run`` may keep a recording during a grading."""
+    """``run`` may save a recording while a grading run starts."""
     layout = Layout(tmp_path)
     path = layout.recordings / 'talker' / 'x.jsonl'
     rename = Path.replace
@@ -86,7 +86,7 @@ def test_unfinished_file_of_a_running_process_is_kept(tmp_path, monkeypatch):
 
 
 def test_a_grading_that_ended_well_left_nothing_to_look_for(tmp_path):
-    """A grading that ended normally leaves nothing, so the next one does not search."""
+    """A run that ended normally leaves nothing, so the next one does not search."""
     layout = Layout(tmp_path)
     with lock_course(layout, 'a grading'):
         pass

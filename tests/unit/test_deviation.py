@@ -56,7 +56,7 @@ def test_else_the_shortest_beginning_with_the_same_words_counts():
 
 
 def test_what_is_missing_is_shown_by_the_whole_run_only():
-    """A missing message has no event, because it could still arrive until the end."""
+    """A missing message has no event: until the end of the run, it could still arrive."""
 
     def last(run):
         count = len(run.recording.messages('/t'))
@@ -68,7 +68,7 @@ def test_what_is_missing_is_shown_by_the_whole_run_only():
 
 
 def test_a_run_that_broke_off_deviates_where_it_ended():
-    """A run that broke off deviates at its end, and not where nothing had been sent yet."""
+    """A run that broke off deviates at its end, not before its first message."""
 
     def never(run):
         raise Failed(expected='60', observed='the run ended before')

@@ -54,7 +54,7 @@ def test_topics_that_come_with_a_node_are_no_slip():
 
 
 def test_another_topic_of_the_exam_is_no_slip():
-    """A node that lacks one of two topics has not misspelt the other."""
+    """A node that uses only one of two topics has not misspelt the other one."""
     names = Names(published={'/speed': TYPE, '/turn': TYPE})
     seen = replace(run(endpoints=[end('/speed')]), facts={'exam_names': names})
 
@@ -103,7 +103,7 @@ def test_exception_is_named_with_its_line(error, cause_id):
     [(0, True, False), (1, True, True), (1, False, False), (2, True, True)],
 )
 def test_end_explains_only_what_is_missing_at_the_end(place, short, explains):
-    """A later input shows that the program ran on; a wrong answer came before the end."""
+    """A later input shows that the program was still running; a wrong answer precedes the end."""
     sent = [{'event': 'input', 'index': number} for number in range(2)]
     seen = run(*sent, exit=1, stderr=traceback(7, 'ZeroDivisionError: division by zero'))
     asked = Specification((1, 2, 3), each(lambda one: 1))
@@ -137,7 +137,7 @@ def test_slip_in_a_namespace_is_answered_with_the_relative_name():
 
 @pytest.mark.parametrize(('kind', 'cause'), [('NoneType', 'no_return'), ('bool', 'wrong_return')])
 def test_what_a_transition_callback_returns_is_reported(kind, cause):
-    """A missing return and a wrong return value have different causes."""
+    """A missing return value and a wrong one have different causes."""
     error = f"AttributeError: '{kind}' object has no attribute 'to_label'"
 
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
@@ -147,7 +147,7 @@ def test_what_a_transition_callback_returns_is_reported(kind, cause):
 
 
 def test_parameter_of_another_type_is_reported_without_its_value():
-    """The value is not shown, because the message of rclpy contains what the grader has set."""
+    """The value in rclpy's message is not shown, because the grader has set it."""
     error = (
         "rclpy.exceptions.InvalidParameterTypeException: Trying to set parameter 'limit' to "
         "'-1.87' of type 'DOUBLE', expecting type 'INTEGER': limit"
@@ -208,7 +208,7 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
             'exited_early',
             '',
         ),
-        # A single call may have served only the question itself.
+        # A single spin_once() may have run only the callback of a service call.
         ('rclpy.spin_once(node)  # for a while', 'spins_once', 'runs one callback'),
         ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'was running'),
     ],
@@ -250,7 +250,7 @@ def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
 
 
 def test_node_that_could_not_be_seen_is_not_called_missing():
-    """If the node may have been missed, the message says what was observed and how to look."""
+    """If the node may have been missed, the cause says what was seen and how to investigate."""
     code = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
     seen = run(nodes=())
 
@@ -262,7 +262,7 @@ def test_node_that_could_not_be_seen_is_not_called_missing():
 
 @pytest.mark.parametrize('period', ['500', '1000.0', 'PERIOD_MS'])
 def test_period_in_milliseconds_is_reported(period):
-    """A period of milliseconds is named, because its first call is minutes away."""
+    """A period in milliseconds is reported, because the first call is minutes away."""
     code = f'PERIOD_MS = 500\nself.create_timer({period}, self.speak)\n'
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
@@ -308,7 +308,7 @@ def test_helper_that_nobody_spins_explains_nothing():
     ],
 )
 def test_silence_is_explained_by_what_the_code_lacks(code, cause_id):
-    """The cause names what the code lacks, or else the message says how to look."""
+    """The cause names what the code lacks, or else says how to investigate."""
     seen = run({'event': 'asked', 'node': '/n', 'answered': True}, endpoints=[end()])
 
     assert causes.why_no_message(Run({'talker.py': code}, seen.recording)).cause_id == cause_id

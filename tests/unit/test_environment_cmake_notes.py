@@ -1,4 +1,4 @@
-"""CMake's findings during the set-up are saved for later builds, if their form is known."""
+"""What CMake found during the set-up is saved for later builds, if its format is known."""
 
 import shutil
 import subprocess
@@ -33,7 +33,7 @@ def places(tmp_path):
 
 
 def test_python_is_kept(places):
-    """The Python is saved in the variables of CMake's FindPython3."""
+    """The path of Python is saved in the variables of CMake's FindPython3."""
     assert keep(places)
 
     lines = (places.cmake / 'known' / 'python.cmake').read_text().splitlines()
@@ -44,7 +44,7 @@ def test_python_is_kept(places):
 
 @pytest.mark.parametrize('gone', ['_Python3_INCLUDE_DIR', 'all'])
 def test_a_cache_of_another_form_leaves_nothing(places, gone):
-    """An unknown cache leaves no notes, because half of them would break builds."""
+    """From an unknown cache, no notes are saved, because incomplete notes would break builds."""
     keep(places)
     cache = places.workspace / 'build' / COURSE_PACKAGE / 'CMakeCache.txt'
     if gone == 'all':
@@ -80,7 +80,7 @@ def header(places, tmp_path):
 
 
 def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
-    """The compiled header has the library's defines and not those of the course's package."""
+    """The compiled header has the library's defines, not those of the course's package."""
     assert keep(places)
 
     kept = places.cmake / 'known' / HEADER
@@ -90,7 +90,7 @@ def test_headers_are_compiled_for_builds_that_do_not_optimise(places, header):
 
 
 def test_headers_that_do_not_compile_leave_nothing(places, header):
-    """If the headers do not compile, builds read them, and the other notes stay."""
+    """If the headers do not compile, builds read the sources; the other notes are kept."""
     header.write_text('#include "not_there.hpp"\n')
 
     assert keep(places)

@@ -28,7 +28,7 @@ def test_line_missing_names_the_fix():
 
 
 def test_findings_nothing_prepared_names_every_requirement(tmp_path):
-    """In a fresh clone, every requirement has a line, and each missing one a command."""
+    """In a fresh clone, every requirement has a line, and each missing one has a command."""
     (tmp_path / 'course.toml').write_text("package = 'temp_monitor_pkg'\n")
     found = list(doctor.findings(Places.of('.venv', tmp_path), os.environ))
 
@@ -81,7 +81,7 @@ def test_stale_build_of_the_package_is_weak_with_its_fix(tmp_path, monkeypatch):
 
 
 def test_check_python_none_found_says_what_to_install():
-    """Without a Python, the line says how to get one."""
+    """If no Python is found, the line says how to install one."""
     finding = doctor.check_python(None, None)
 
     assert finding.state == doctor.MISSING
@@ -162,7 +162,7 @@ def test_missing_tools_names_what_is_not_on_the_path(monkeypatch):
 
 @pytest.mark.ros
 def test_isolation_that_does_not_work_is_weak_with_the_graders_fix(tmp_path):
-    """The grader's own trial decides; lessons work without a sandbox."""
+    """The grader's own test decides. Lessons work without a sandbox, so nothing is missing."""
     ros = ros_environment(Path(sys.prefix))
     without = replace(ros, variables={**ros.variables, 'PATH': str(tmp_path)})
     *_, last = doctor.check_by_running(without)

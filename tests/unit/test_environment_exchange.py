@@ -26,7 +26,7 @@ def mode(path):
 
 
 def test_exchange_is_in_the_course_unless_the_setting_names_another(tmp_path):
-    """A relative path in the setting starts at the course."""
+    """A relative path in the setting is relative to the course's folder."""
     assert exchange_root(tmp_path, {}) == tmp_path / 'autograder' / '_work' / 'exchange'
     assert exchange_root(tmp_path, {SETTING: '/srv/exchange'}).as_posix() == '/srv/exchange'
     assert exchange_root(tmp_path, {SETTING: 'x'}) == tmp_path / 'x'
@@ -49,7 +49,7 @@ def test_protect_leaves_a_missing_exchange_missing(tmp_path):
 
 
 def test_doctor_names_the_folder_and_what_to_type(exchange):
-    """The command quotes the folder for a shell."""
+    """The command to type quotes the folder for a shell."""
     finding = doctor.check_exchange(exchange)
 
     assert finding.state == doctor.WEAK

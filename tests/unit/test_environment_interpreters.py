@@ -25,7 +25,7 @@ GOOD = Interpreter(
 
 
 def fake_python(folder, name, **answers):
-    """Create a program that answers like an interpreter."""
+    """Create a program that answers the set-up like an interpreter."""
     answer = {**vars(GOOD), 'path': str(folder / name), **answers}
     program = folder / name
     program.write_text(f"#!/bin/sh\necho '{json.dumps(answer)}'\n")
@@ -36,19 +36,19 @@ def fake_python(folder, name, **answers):
 @pytest.mark.parametrize(
     ('found', 'chosen'),
     [
-        # Of several complete interpreters, 3.12 is chosen, wherever it is installed.
+        # Among several complete interpreters, 3.12 is chosen, wherever it is installed.
         ([{'release': f'3.{minor}.1'} for minor in (13, 10, 12, 11)], 2),
-        # One without headers or venv is chosen only if there is no other; the set-up completes it.
+        # An incomplete one is chosen only if there is no other; the set-up completes it.
         ([{'has_headers': False}, {'release': '3.10.1'}], 1),
         ([{'has_venv': False}], 0),
-        # The distribution's own Python is faster than one built by hand, and tested as often.
+        # The distribution's own Python is faster than one built by hand, and is tested as often.
         ([{'base_prefix': '/home/ada/.pyenv/versions/3.12.3'}, {'release': '3.11.2'}], 1),
         # A tested version is preferred to the distribution's own Python.
         ([{'release': '3.13.1'}, {'release': '3.10.1'}, {'base_prefix': '/usr/local'}], 2),
     ],
 )
 def test_choose_takes_the_best(found, chosen):
-    """The criteria are, in order: complete, tested, of the distribution, preferred version."""
+    """The criteria, in order: complete, tested, from the distribution, preferred version."""
     interpreters_found = [replace(GOOD, **facts) for facts in found]
 
     assert interpreters.choose(interpreters_found) == interpreters_found[chosen]
@@ -82,7 +82,7 @@ def test_probe_broken_shim_gives_none(tmp_path, script):
 
 
 def test_find_broken_shim_first_on_path_takes_pyenv_version(tmp_path):
-    """If a shim fails, the version that pyenv has installed is still found."""
+    """If a shim fails, the Python that pyenv has installed is still found."""
     shims = tmp_path / 'shims'
     real = tmp_path / 'pyenv' / 'versions' / '3.12.1' / 'bin'
     for folder in (shims, real):
@@ -128,7 +128,7 @@ def test_find_looks_beyond_a_python_built_by_hand(tmp_path):
 
 
 def test_one_in_usr_local_hides_no_other(monkeypatch):
-    """Both interpreters of the same name are tried."""
+    """Two interpreters with the same name are both tried."""
     monkeypatch.setattr(interpreters.shutil, 'which', lambda name, path=None: f'{path}/{name}')
 
     found = list(interpreters.candidates({'PATH': '/usr/local/bin'}))

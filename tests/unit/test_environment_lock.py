@@ -19,7 +19,7 @@ PINS = [line for line in TEXT.splitlines() if line and not line.startswith('#')]
 
 
 def test_lock_has_digests_and_no_addresses_or_paths():
-    """Any mirror can serve the lock, and the digests fix the files."""
+    """Any mirror can serve the packages, and the digests identify the files."""
     for line in PINS:
         assert '--hash=sha256:' in line
         assert not re.search(r'://|@|/', line)
@@ -45,7 +45,7 @@ def test_lock_is_what_render_writes():
 
 @pytest.mark.parametrize('python', PREFERRED)
 def test_lock_has_every_direct_requirement(python):
-    """For each Python each name of requirements.in is pinned, at the version asked for."""
+    """Each package of requirements.in is pinned for each Python, at the requested version."""
     pins = pins_module.pins_for(TEXT, python)
     for line in LOCK_FILE.with_suffix('.in').read_text(encoding='utf-8').splitlines():
         match = re.match(r'([A-Za-z0-9._-]+)(?:\[.*\])?(?:==(\S+))?\s*(;.*)?$', line)
@@ -64,7 +64,7 @@ def test_lock_has_one_owner_of_the_lark_folder():
 
 
 def test_reading_notebooks_compiles_no_grammar():
-    """An option of jsonschema that the course does not need made reading ten times slower."""
+    """An optional package of jsonschema, which the course omits, made reading ten times slower."""
     loaded = [sys.executable, '-c', 'import nbformat, sys; print("lark" in sys.modules)']
     said = subprocess.run(loaded, capture_output=True, text=True, check=True, timeout=60)
 
@@ -81,7 +81,7 @@ def test_pins_for_sourced_leaves_ros_and_numpy_out():
 
 
 def test_merge_different_versions_get_markers():
-    """Pythons with the same version share a line; others list their Pythons."""
+    """Pythons with the same version of a package share a line; a marker names them."""
     pins = {
         '3.10': {'a': '1', 'b': '1', 'c': '1', 'e': '1'},
         '3.11': {'a': '1', 'b': '2', 'c': '2'},
@@ -106,7 +106,7 @@ def test_merge_different_versions_get_markers():
 
 
 def test_pins_of_report_uses_one_spelling():
-    """The spellings of pip become one, and packages that are left out on purpose are dropped."""
+    """All spellings of a name become one, and packages that are omitted on purpose are dropped."""
     named = (('Jinja2', '3.1.6'), ('jupyter_client', '8.10.0'))
     left_out = (('lark-parser', '0.12.0'), ('rfc3987-syntax', '1.1.0'))
     report = {

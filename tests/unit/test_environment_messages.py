@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow  # pip installs toy packages
 
 
 def test_comments_and_empty_lines_name_nothing():
-    """The project's own file has only comments, and names no package."""
+    """The project's own file has only comments and names no package."""
     assert messages.wanted(MESSAGES_FILE.read_text(encoding='utf-8')) == {}
     assert messages.wanted('\nRos-Toy_Msgs==1.0  # for lesson 20\n') == {'ros-toy-msgs': '1.0'}
 
@@ -39,7 +39,7 @@ def test_comments_and_empty_lines_name_nothing():
     ],
 )
 def test_refused_line_is_named_with_the_line_to_write(line, advice):
-    """Metapackages are useless without their dependencies, and a range is not reproducible."""
+    """Metapackages do not work without their dependencies, and a range is not reproducible."""
     with pytest.raises(StepError) as caught:
         messages.wanted(f'# first\n{line}\n')
 
@@ -85,7 +85,7 @@ def test_package_of_another_distribution_is_refused(asked, said, advice):
 
 class SetUp:
     """
-    The step in a small virtual environment, with wheels from a folder.
+    Run the step in a small virtual environment, with wheels from a folder.
 
     :param folder: folder for the environment, the wheels and messages.txt
     """
@@ -137,7 +137,7 @@ def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SetUp:
 
 
 def test_named_packages_are_installed_and_others_removed(set_up):
-    """The note has the version of each package and of the packages that it uses."""
+    """The note lists the version of each package and of the packages that it uses."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
 
@@ -155,7 +155,7 @@ def test_named_packages_are_installed_and_others_removed(set_up):
 
 
 def test_refused_file_installs_nothing(set_up):
-    """Packages that were installed before stay."""
+    """Packages that were already installed are kept."""
     set_up.wheel('ros-toy-msgs', 'ros-base-msgs~=1.0')
     set_up.wheel('ros-base-msgs')
     set_up.go('ros-base-msgs==1.0\n')
@@ -172,7 +172,7 @@ def test_refused_file_installs_nothing(set_up):
 
 
 def test_stopped_installation_is_noted_and_removed_by_the_next(set_up, monkeypatch):
-    """A wheel without a note would stay in the environment unnoticed."""
+    """Without a note, an installed wheel would remain in the environment unnoticed."""
     set_up.wheel('ros-toy-msgs')
 
     def stopped(*_):
@@ -200,7 +200,7 @@ def test_editing_the_file_needs_only_its_own_step(set_up):
 
 
 def test_sourced_installation_has_to_have_the_packages(set_up, tmp_path):
-    """The versions are those of the installation, and nothing comes from PyPI."""
+    """The versions are those of the installation, and nothing is installed from PyPI."""
     shared = tmp_path / 'ros' / 'share' / 'toy_msgs'
     shared.mkdir(parents=True)
     (shared / 'package.xml').write_text('<version>2.3.4</version>', encoding='utf-8')

@@ -30,7 +30,7 @@ def test_ros_environment_round_trip_is_equal(places):
 
 
 def test_course_without_a_package_is_described_without_one(places):
-    """Its trial loads only ROS."""
+    """The trial of such a course imports only rclpy."""
     ros = describe.describe_wheels(places, '/usr')
 
     assert ros.package == ''
@@ -59,7 +59,7 @@ def test_from_json_wrong_type_is_refused(places):
 
 
 def test_describe_wheels_has_all_that_a_process_needs(places):
-    """Logging goes to stdout, fields are checked, and no Python start re-executes itself."""
+    """Logs go to stdout, message fields are checked, and no Python process re-executes itself."""
     variables = describe.describe_wheels(places, '/usr').variables
 
     assert variables['RCUTILS_LOGGING_USE_STDOUT'] == '1'
@@ -101,7 +101,7 @@ def test_describe_sourced_keeps_the_shell_without_the_wheels(places):
 
 
 def test_read_only_has_outermost_folders_without_usr(tmp_path):
-    """A sandbox gets each folder once, and nothing below /usr, which it has anyway."""
+    """A sandbox gets each folder once, and nothing below /usr, which every sandbox has."""
     inner = tmp_path / 'a' / 'b'
     inner.mkdir(parents=True)
 
@@ -116,7 +116,7 @@ def test_join_paths_keeps_order_and_drops_repeats():
 
 
 def test_kernel_spec_carries_the_environment(places):
-    """The kernel needs no variable of the shell, and appends the learner's own PATH."""
+    """The kernel needs no variable from the shell, and appends the learner's own PATH."""
     ros = describe.describe_wheels(places, '/usr')
 
     spec = install_files.kernel_spec(ros)
@@ -132,10 +132,10 @@ def test_kernel_spec_carries_the_environment(places):
 
 def test_install_files_adapts_jupyterlab(places):
     """
-    The project is importable in the venv, and JupyterLab does not ask about news.
+    The project is importable in the venv, and JupyterLab does not offer to show news.
 
-    It saves an edited cell before its exercise is checked, and loads a style of the course, which
-    its own rule does not override.
+    JupyterLab saves an edited cell before its exercise is checked, and loads the course's style
+    sheet, which its own rules do not override.
     """
     install_files.install_files(places, describe.describe_wheels(places, '/usr'))
 
@@ -163,7 +163,7 @@ PANELS = [f'@jupyter/nbgrader:{name}' for name in install_files.INSTRUCTORS_PANE
 
 @pytest.mark.parametrize('students', [True, False])
 def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, students):
-    """A copy without hidden exams is a student's."""
+    """A copy without hidden exams is for students."""
     if not students:
         (places.project / 'exams' / 'hidden').mkdir(parents=True)
     install_files.write_jupyter_settings(places)
@@ -180,12 +180,12 @@ def test_students_see_nothing_of_nbgrader_that_is_for_instructors(places, studen
 
 @pytest.fixture
 def terminal(places):
-    """Return a function that types lines in a terminal of JupyterLab."""
+    """Return a function that types lines in a JupyterLab terminal."""
     (places.project / 'Makefile').write_text('publisher:\n\t@echo published $(ARGS)\n')
     (places.venv / 'bin').mkdir()
     (places.venv / 'bin' / 'ros2').write_text('#!/bin/sh\necho the ros2 of the course\n')
     (places.venv / 'bin' / 'ros2').chmod(0o755)
-    # The lines that a distribution writes to this file, and those of a login shell.
+    # A user's .bashrc may reset PATH, as a login shell does.
     (places.project / '.bashrc').write_text('PATH=/usr/bin:/bin\n')
     install_files.write_terminal(places)
     variables = {'HOME': str(places.project), 'PATH': '/usr/bin:/bin', 'SHELL': '/bin/bash'}
@@ -202,7 +202,7 @@ def terminal(places):
 
 
 def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_path):
-    """It is found as JupyterLab starts the shell, and after the user's own settings."""
+    """The shell finds the course's ros2 at its start, and after the user's .bashrc has run."""
     said = ['the ros2 of the course']
 
     assert terminal('ros2\n', tmp_path, [str(places.terminal / 'shell')]) == said
@@ -210,7 +210,7 @@ def test_a_terminal_finds_ros2_whatever_the_shell_sets(terminal, places, tmp_pat
 
 
 def test_the_goals_of_the_course_work_in_every_folder_of_a_terminal(terminal, places, tmp_path):
-    """But a Makefile in the folder, or one that is named, takes precedence."""
+    """A Makefile in the current folder, or one chosen with -f or -C, takes precedence."""
     notebooks, own = tmp_path / 'notebooks', tmp_path / 'own'
     for folder in (notebooks, own):
         folder.mkdir()

@@ -1,4 +1,4 @@
-"""The ros2 command that the set-up installs, and which gives way to a real one."""
+"""The ros2 command that the set-up installs, and that gives way to a real one."""
 
 from dataclasses import replace
 import os
@@ -22,13 +22,13 @@ def places(tmp_path):
 
 @pytest.fixture
 def wheels(places):
-    """Provide the description of an environment from wheels."""
+    """Return the description of an environment that was installed from wheels."""
     return describe.describe_wheels(places, '/usr')
 
 
 @pytest.fixture
 def sourced(tmp_path, wheels):
-    """Provide the description of an installation that already has a ros2."""
+    """Return the description of an installation that already has a ros2 command."""
     folder = tmp_path / 'opt' / 'bin'
     folder.mkdir(parents=True)
     program = folder / 'ros2'
@@ -39,7 +39,7 @@ def sourced(tmp_path, wheels):
 
 
 def test_overlaid_keeps_what_the_shell_says_in_front(wheels):
-    """The shell's sourced workspace and choices come first, and nothing is lost or repeated."""
+    """The shell's workspace and settings take precedence, and nothing is lost or repeated."""
     ours = wheels.variables['AMENT_PREFIX_PATH']
     shell = {
         'PATH': '/usr/bin',
@@ -63,7 +63,7 @@ def test_discovery_variables_leave_another_middleware_alone(wheels):
 
 
 def test_script_is_installed_with_the_wheels(places, wheels):
-    """The wheels have no ros2, so the environment gets the course's, as the doctor says."""
+    """The wheels have no ros2, so the environment gets the course's; the doctor reports this."""
     install_files.write_ros2_command(places, wheels)
     script = places.venv / 'bin' / 'ros2'
 
@@ -99,7 +99,7 @@ def test_missing_script_is_found_by_the_doctor(places, wheels):
 
 
 def run_main(places, ros: RosEnvironment, *arguments):
-    """Run the file as the script does, with this description."""
+    """Run the file with this description, as the script does."""
     install_files.write_description(places, ros)
     return subprocess.run(
         [sys.executable, '-S', '-E', ros2_command.__file__, str(places.venv), *arguments],

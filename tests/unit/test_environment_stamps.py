@@ -79,7 +79,7 @@ SOURCED = {'ROS_DISTRO': 'jazzy', 'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}
 @pytest.mark.parametrize(
     ('prepared', 'shell', 'ready'),
     [
-        # PYTHON=... counts only if it was given when the environment was prepared.
+        # PYTHON=... is compared only if the shell sets it.
         ({'PYTHON': 'python3.11'}, {'PYTHON': 'python3.11'}, True),
         ({'PYTHON': 'python3.11'}, {}, True),
         ({'PYTHON': 'python3.11'}, {'PYTHON': 'python3.12'}, False),

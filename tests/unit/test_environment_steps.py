@@ -17,7 +17,7 @@ from environment.steps import locked, run_steps, Screen, Step, StepError
 
 class FakeSetUp:
     """
-    A set-up of three steps that are stamped with the same digest.
+    A set-up with three steps, whose stamps contain the same digest.
 
     :param folder: folder of the set-up
     """
@@ -80,7 +80,7 @@ def test_run_steps_second_time_does_nothing(fake):
 
 
 def test_run_steps_failure_explains_stops_and_goes_on_there(fake):
-    """The error has the step, the end of its log and a remedy; the next run does the rest."""
+    """The error shows the step, the end of its log and a remedy; the next run does the rest."""
     fake.fail_in = 'two'
 
     assert not fake.go()
@@ -135,7 +135,7 @@ def test_run_steps_on_ci_says_one_line_a_step(fake):
     ],
 )
 def test_job_run_explains_a_command_that_fails_or_is_missing(tmp_path, command, said):
-    """The error has the exit code, and the log has the output."""
+    """The error shows the exit code, and the log contains the output."""
     step = Step('x', 'X', lambda: True, lambda job: job.run(command, os.environ, 'tool'))
     out = io.StringIO()
 
@@ -189,7 +189,7 @@ def test_clear_venv_leaves_the_one_that_a_link_leads_to(tmp_path):
 
 
 def test_clear_venv_half_made_is_emptied_without_its_logs(tmp_path):
-    """An unfinished environment is removed with its stamps, but not the log in use."""
+    """An unfinished environment is removed with its stamps; the log in use is kept."""
     places = Places.of('.venv', tmp_path)
     (places.venv / 'lib').mkdir(parents=True)
     (places.venv / 'lib64').symlink_to('lib')
@@ -223,7 +223,7 @@ def test_make_plan_unknown_source_is_refused(tmp_path):
 
 
 def test_make_plan_closed_shared_memory_is_refused(tmp_path, monkeypatch):
-    """The refusal comes before any step, with a remedy."""
+    """The error is raised before any step, and contains a remedy."""
     monkeypatch.setattr(system.os, 'access', lambda *_: False)
     with pytest.raises(StepError, match='/dev/shm: ROS 2 needs shared memory') as caught:
         make_plan(Places.of('.venv', tmp_path), {})

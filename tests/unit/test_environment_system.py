@@ -1,4 +1,4 @@
-"""Missing system packages are installed if this is allowed, and otherwise named."""
+"""Missing system packages are installed if this is allowed, or else named."""
 
 import os
 
@@ -21,7 +21,7 @@ done
 
 @pytest.fixture
 def machine(tmp_path, monkeypatch):
-    """Return a folder that is the whole PATH, and in which a fake apt-get can be put."""
+    """Return a folder that is the whole PATH, and that may get a fake apt-get."""
     folder = tmp_path / 'bin'
     folder.mkdir()
     monkeypatch.setenv('PATH', str(folder))
@@ -66,7 +66,7 @@ def test_install_missing_update_fails_installs_from_old_lists(machine, monkeypat
 
 
 def test_install_missing_without_root_names_the_command(machine, monkeypatch):
-    """Without root and sudo, the error has the one command to type."""
+    """Without root and sudo, the error shows the one command to type."""
     monkeypatch.setattr(os, 'geteuid', lambda: 1000)
     log = add_apt(machine)
 

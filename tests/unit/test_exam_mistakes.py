@@ -77,7 +77,7 @@ class TestWhenItIsMade:
         ],
     )
     def test_a_contradiction_is_refused_with_its_place(self, scenario, said):
-        """The error has the exam, the step, and the expected and found values."""
+        """The error names the exam, the step, and the expected and the actual value."""
         with pytest.raises(ExamInvalid) as refused:
             exam(**scenario)
 
@@ -96,7 +96,7 @@ class TestWhenItIsMade:
 
 
 class TestWithRos:
-    """Mistakes that only an installed ROS shows, because the probe's code tries to send."""
+    """Mistakes that show only with an installed ROS: the probe's code tries to send the values."""
 
     @pytest.mark.parametrize(
         ('scenario', 'said'),
@@ -126,7 +126,7 @@ class TestWithRos:
         assert 'environment/messages.txt' in line
 
     def test_values_that_their_fields_cannot_hold_are_named(self):
-        """The error has the exam, the step and the field, on which the probe would fail."""
+        """The error names the exam, the step and the field at which the probe would fail."""
         wrong = [
             ('std_msgs/msg/Bool', {'data': 'yes'}, "'data'"),
             ('std_msgs/msg/Bool', {'data': 1}, "'data'"),
@@ -229,7 +229,7 @@ class TestWithTheLessons:
         ],
     )
     def test_a_section_that_no_lesson_has_is_refused(self, section, own, said):
-        """The section of a check comes before that of the exam."""
+        """The section of a check takes precedence over that of the exam."""
         (line,) = read_mistakes(self.reads(section, own), HEADINGS)
 
         assert line.startswith('exam sample, check opens: ')
@@ -264,10 +264,10 @@ class TestWithTheLessons:
 
 
 class TestBeforeItIsUsed:
-    """Differences between the two versions of an exam, and the self-check."""
+    """Differences between the two versions of an exam, and mistakes that the self-check finds."""
 
     def test_the_graded_exam_is_the_visible_one_with_other_inputs(self):
-        """With other cells, the answers would differ."""
+        """With different cells, the two exams would judge different answers."""
         graded, visible = exam(), exam()
         graded.cells = ('b',)
 

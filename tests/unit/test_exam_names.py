@@ -28,7 +28,7 @@ SHARED = (
     'causes/of_builds.txt',
     'checks.py',
 )
-"""Modules and tables of advice that any exam may get; the others explain one exercise."""
+"""Modules and tables with advice for any exam; all others explain one exercise."""
 
 
 def rover() -> Exam:
@@ -58,7 +58,7 @@ def rover() -> Exam:
 
 
 def recording(error: str = '', *endpoints: tuple[str, str]) -> Recording:
-    """Return a run that ended with an exception in line 5, or whose node has some publishers."""
+    """Return the recording of a run with an exception in line 5, or with these publishers."""
     where = 'Traceback (most recent call last):\n  File "/submission/rover.py", line 5, in x\n'
     ends = [
         {'kind': 'publisher', 'node': '/qqqqqq/rover', 'topic': topic, 'type': kind}
@@ -135,7 +135,7 @@ def feedback(line: str, error: str) -> str:
     ],
 )
 def test_advice_has_the_names_of_the_exam(line, error, words):
-    """It shows topics without namespace, types and parameters, or the learner's own names."""
+    """Advice shows topics (without namespace), types and parameters, or the learner's names."""
     said = feedback(line, error)
 
     assert words in said
@@ -152,7 +152,7 @@ def test_parameter_of_the_learner_is_quoted_where_ros_names_it():
 
 
 def test_names_come_from_all_steps():
-    """Later steps count too; an exam without names gets words instead."""
+    """Names from later steps count too; an exam without names gets general words instead."""
     names = Names.of(
         Scenario(
             steps=(
@@ -172,7 +172,7 @@ def test_names_come_from_all_steps():
 
 @pytest.mark.parametrize('name', SHARED)
 def test_shared_advice_names_no_exercise(name):
-    """It contains no topic, parameter or message type of the course's exams."""
+    """Shared advice contains no topic, parameter or message type of the course's exams."""
     every = [catalog.load(one, hidden=False).facts['exam_names'] for one in catalog.names(False)]
     topics = {topic.rpartition('/')[2] for one in every for topic in (*one.published, *one.heard)}
     parameters = {one for names in every for one in names.parameters}
@@ -196,7 +196,7 @@ def test_shared_advice_names_no_exercise(name):
 
 
 def test_bare_require_messages_asks_did_you_mean():
-    """A publisher on a different topic is named, as in the exams of the course."""
+    """The cause names a publisher on a similar topic, as in the course's own exams."""
     exam = rover()
     near = recording('', ('/qqqqqq/cmd_val', 'geometry_msgs/msg/Twist'))
     (check,) = judge(exam, Run({'rover.py': CODE}, near, exam.facts))
@@ -217,7 +217,7 @@ def test_bare_require_messages_names_another_type():
 
 
 def test_bare_require_messages_takes_what_came_on_the_topic():
-    """It accepts the required number of messages."""
+    """The check accepts the required number of messages."""
     exam = rover()
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     end = {
@@ -235,7 +235,7 @@ def test_bare_require_messages_takes_what_came_on_the_topic():
 
 
 def test_message_of_a_publisher_that_was_never_seen_is_no_evidence():
-    """It depends on chance whether the probe receives messages of a program that ends at once."""
+    """If a program ends at once, chance decides whether the probe receives its messages."""
     event = {'event': 'message', 'topic': '/qqqqqq/cmd_vel', 'listener': None, 'data': {}}
     run = Run({}, Recording({}, (event, event)), rover().facts)
 

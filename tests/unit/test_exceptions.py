@@ -1,4 +1,4 @@
-"""Exceptions of beginners are explained with the line and the repair."""
+"""Explain beginners' exceptions with the line and a fix."""
 
 import pytest
 
@@ -23,7 +23,7 @@ SPUN = """  File "/venv/site-packages/rclpy/executors.py", line 111, in await_or
 
 
 def trace(error, line=5, code=CODE, below=''):
-    """Return the traceback of a program that an exception ended in a line of CODE."""
+    """Return the traceback of a program that an exception ended at the given line."""
     stderr = (
         'Traceback (most recent call last):\n'
         '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
@@ -39,7 +39,7 @@ def cause(error, line=5, below=''):
 
 
 def at(code, error, below=''):
-    """Return the explanation of an error in the last of some lines."""
+    """Return the explanation of an error in the last line of some code."""
     return raised.exception_cause(trace(error, len(code.splitlines()), code, below))
 
 
@@ -168,7 +168,7 @@ def test_errors_of_beginners_have_a_name_of_their_own(error, cause_id, words):
 
 
 def test_a_called_method_is_distinguished_from_wrong_arguments():
-    """A method that is called in the line has a pair of brackets too many."""
+    """A method that should be passed was called: the line has a pair of brackets too many."""
     error = "TypeError: Talker.speak() missing 1 required positional argument: 'event'"
     called = at(
         'class Talker(Node):\n    def speak(self, event):\n        pass\n'
@@ -307,7 +307,7 @@ def test_wrong_arguments_are_explained_by_what_is_called(line, error, cause_id, 
 
 
 def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
-    """A lambda, and rclpy's own check of a subscription, are recognised too."""
+    """A lambda, and an error from rclpy's own check of the callback, are recognised too."""
     lambdas = at(
         'rclpy.spin(node)',
         'TypeError: Talker.__init__.<locals>.<lambda>() takes 0 positional arguments but 1 was '
@@ -345,7 +345,7 @@ def test_callbacks_with_wrong_arguments_are_known_by_the_executor_below():
     ],
 )
 def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
-    """The repair depends on the type of the field: a float and a string need different ones."""
+    """The fix depends on the type of the field: a float and a string need different fixes."""
     name = 'sec' if '.sec' in line else 'stamp' if '.stamp' in line else 'data'
     name = 'pose' if '.pose' in line else name
 

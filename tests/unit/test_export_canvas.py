@@ -1,9 +1,9 @@
 """
-The gradebook of Canvas: one column is filled, everything else stays.
+Canvas's gradebook: one column is filled, everything else is unchanged.
 
-The rules are those of Canvas's own ``gradebook_exporter.rb`` and ``gradebook_importer.rb``: which
-columns exist, the line ``Points Possible`` with ``(read only)``, the line of posting policies,
-``EX`` and ``N/A``, commas or semicolons.
+The rules are those of Canvas's own ``gradebook_exporter.rb`` and ``gradebook_importer.rb``: the
+columns, the line ``Points Possible`` with ``(read only)``, the line with posting policies, ``EX``
+and ``N/A``, and commas or semicolons.
 """
 
 import csv
@@ -42,7 +42,7 @@ def cells(data, delimiter=','):
 
 
 def test_one_column_is_filled_and_every_other_cell_stays():
-    """The order of the cells and the lines above the students stay the same."""
+    """The order of the cells and the lines above the students do not change."""
     done = fill(marks(ada=6.25))
     before, after = cells(book()), cells(done.data)
 
@@ -113,7 +113,7 @@ def test_no_mark_leaves_the_cell_as_it_is():
 
 
 def test_excused_stays_excused():
-    """An excused student stays excused, and the report says so."""
+    """An excused student remains excused, and the report mentions this."""
     done = fill(marks(eve=6.5))
 
     assert cells(done.data)[5][7] == 'EX'

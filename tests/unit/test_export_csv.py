@@ -1,7 +1,7 @@
 """
-CSV by the rules of RFC 4180, section 2, and safe from formulas.
+CSV that follows RFC 4180, section 2, and contains no formulas.
 
-A separate reader checks the rules letter by letter, because Python's csv module is lenient.
+A separate parser checks the rules character by character, because Python's csv module is lenient.
 """
 
 import csv
@@ -23,11 +23,11 @@ from autograder.exports.table import (
 )
 
 FIELD = re.compile(r'"(?:[^"]|"")*"|[^",\r\n]*')
-"""``escaped`` or ``non-escaped`` of the grammar; TEXTDATA is wider, as the file is UTF-8."""
+"""``escaped`` or ``non-escaped`` in the grammar; TEXTDATA has more, as the file is UTF-8."""
 
 
 def rfc4180(data):
-    """Return the rows of a file, refusing whatever the grammar does not allow."""
+    """Return the rows of a file; refuse anything that the grammar does not allow."""
     text, place, rows = data.decode('utf-8'), 0, [[]]
     while place < len(text):
         field = FIELD.match(text, place)
@@ -52,7 +52,7 @@ def marks_of(graded):
 
 
 def test_each_submission_has_a_row():
-    """Each submission has a line, with numbers as numbers."""
+    """Each submission has a row, and its numbers are written as numbers."""
     ann, bob, _, hostile = marks_of(CLASS)
 
     assert (ann['points'], ann['max_points'], ann['status']) == ('2', '6.5', 'graded')
@@ -62,7 +62,7 @@ def test_each_submission_has_a_row():
 
 
 def test_a_student_without_a_submission_has_a_row_without_points():
-    """A missing student has no points, and without a penalty the late points are empty."""
+    """A missing student has no points. Without a penalty, the late points are empty."""
     late = replace(automatic(CLASS.results[0]), points=1.5, late_points=0.5)
     rows = rfc4180(marks_csv([late, ABSENT], {'zoe': 'Zoe Example'}))
     ann, zoe = (dict(zip(rows[0], row)) for row in rows[1:])
@@ -123,7 +123,7 @@ def test_hostile_words_stay_in_their_cell():
 @settings(deadline=None, max_examples=40)
 @given(strategies.lists(strategies.lists(strategies.text(), min_size=2, max_size=2), max_size=5))
 def test_any_text_keeps_the_grammar(rows):
-    """Any text keeps the grammar, and Python's reader returns the same cells."""
+    """Any strings give valid CSV, from which Python's reader returns the same cells."""
     data = csv_bytes(['a', 'b'], rows)
 
     read = rfc4180(data)

@@ -1,4 +1,4 @@
-"""Feedback pages go back under names that Canvas and Moodle recognise."""
+"""Feedback pages get names that Canvas and Moodle recognise."""
 
 import io
 import re
@@ -19,19 +19,19 @@ from autograder.exports.feedback_zip import feedback_zip, name_in_zip
 
 
 def of_canvas(name):
-    """Return user and attachment, read from a file name as Canvas does."""
+    """Return the user and the attachment, read from a file name as Canvas does."""
     parts = name.split('_')
     assert not parts[-1].startswith('link')
     return [part for part in parts if re.fullmatch(r'\d+', part)][:2]
 
 
 def of_moodle(name):
-    """Return number, type and kind of a submission, read from a name as Moodle does."""
+    """Return the number and the kind of a submission, read from a file name as Moodle does."""
     return name.split('_', 4)[1:4]
 
 
 def names_of(layout, kind):
-    """Return the name in the zip of each collected student."""
+    """Return the file name in the zip for each collected student."""
     found = {student: one for (_, student), one in read_delivered(layout).items()}
     assert {one.kind for one in found.values()} == {kind}
     return {student: name_in_zip(student, one) for student, one in found.items()}
@@ -50,7 +50,7 @@ def test_canvas_finds_user_and_attachment_of_what_was_collected(tmp_path, layout
 
 @pytest.mark.parametrize('download', ['folders', 'files'])
 def test_moodle_finds_the_participant(tmp_path, layout, download):
-    """Moodle recognises a download with folders and one with files."""
+    """Moodle recognises the names for a download with folders and for one with files."""
     files = MOODLE
     if download == 'files':
         files = {
@@ -81,7 +81,7 @@ def test_other_students_have_folders_of_their_own():
 
 
 def test_a_dry_run_saves_no_names_and_forget_removes_them(tmp_path, layout):
-    """A damaged file counts as empty."""
+    """A damaged file of saved names counts as empty."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
     assert not layout.delivered.exists()

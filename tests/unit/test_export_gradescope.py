@@ -1,8 +1,8 @@
 """
-``results.json`` and the zip by the rules of Gradescope's autograder specification.
+Check ``results.json`` and the zip against Gradescope's autograder specification.
 
-The rules (gradescope-autograders.readthedocs.io, "Autograder Specifications") are data here: the
-fields, their types and permitted values; a score is at the top or at each test.
+The schemas below encode its rules (gradescope-autograders.readthedocs.io, "Autograder
+Specifications"): fields, types, values, and a score at the top level or in every test.
 """
 
 import io
@@ -78,7 +78,7 @@ def archive():
 
 class TestResults:
     def test_every_graded_submission_keeps_the_rules(self):
-        """Results follow the rules, and hostile words are shown as text."""
+        """Results follow the rules, and hostile strings are shown as text."""
         for result in CLASS.results:
             if not result.review:
                 data = json.loads(json_bytes(results_of(result)))
@@ -96,7 +96,7 @@ class TestResults:
         assert data['execution_time'] == 1.25
 
     def test_a_failed_check_says_why_and_a_waiting_one_for_what(self):
-        """A failed check has all parts of its verdict; a waiting one names the other check."""
+        """A failed check shows all parts of its verdict; a waiting one names the other check."""
         _, warns, stops = results_of(submission())['tests']
 
         assert warns['output'].splitlines() == [

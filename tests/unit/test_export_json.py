@@ -19,12 +19,12 @@ VALID = Draft202012Validator(SCHEMA)
 
 @pytest.fixture
 def document():
-    """Return the class as it is exported."""
+    """Return the exported class."""
     return json.loads(results_json(marked(CLASS, ABSENT)))
 
 
 def test_the_schema_is_one_of_the_draft_that_it_names():
-    """The schema is valid, and names the format and version that are written."""
+    """The schema is valid, and names the format and the version that the export writes."""
     Draft202012Validator.check_schema(SCHEMA)
 
     assert SCHEMA['properties']['format']['const'] == FORMAT

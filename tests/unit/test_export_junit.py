@@ -1,8 +1,8 @@
 """
-JUnit XML by the rules of the schema of Jenkins' xUnit plugin (junit-10.xsd), as data.
+JUnit XML that follows the schema of Jenkins' xUnit plugin (junit-10.xsd).
 
-The data has elements, children, attributes and the pattern of times.  Readers also rely on
-numbers that add up, and on a unique name for each case.
+``RULES`` lists its elements, children and attributes.  Readers also rely on numbers that add up,
+and on a unique name for each case.
 """
 
 import re
@@ -34,7 +34,7 @@ RULES = {
     'skipped': (set(), set(), WORDS),
     'system-out': (set(), set(), set()),
 }
-"""Element -> elements allowed in it, attributes required, attributes allowed besides."""
+"""Element -> permitted child elements, required attributes, optional attributes."""
 
 
 def read(*results, absent=()):
@@ -57,7 +57,7 @@ def read(*results, absent=()):
 
 
 def test_verdicts_become_passed_failure_and_skipped():
-    """A failed check has all parts of its verdict."""
+    """A failed check shows all parts of its verdict."""
     (suite,) = read(submission())
     runs, warns, stops = suite.findall('testcase')
 

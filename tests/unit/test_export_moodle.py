@@ -1,9 +1,9 @@
 """
-The grading worksheet of Moodle: the grades are filled, everything else stays.
+Moodle's grading worksheet: grades are filled in, everything else is unchanged.
 
 The rules are those of Moodle's own ``gradingtable.php`` and ``importgradeslib.php``: the
-identifier with the participant's number first, the maximum right after the grade, headers in any
-language.
+identifier with the participant's number comes first and the maximum right after the grade;
+headers may be in any language.
 """
 
 import csv
@@ -39,7 +39,7 @@ def grades(data):
 
 
 def test_only_grades_change():
-    """Only grades change; the time of the last change, which Moodle compares, stays."""
+    """Only grades change: Moodle compares the time of the last change, so it is kept."""
     done = fill({'Ann Example': 6.25})
 
     before, after = (list(csv.reader(io.StringIO(one.decode()))) for one in (sheet(), done.data))
@@ -73,7 +73,7 @@ def test_a_replaced_grade_is_reported(student):
 
 
 def test_a_missing_student_keeps_the_cell():
-    """A missing student keeps the cell and gets no zero."""
+    """The cell of a missing student is kept and gets no zero."""
     done = moodle.fill(sheet(), 'g.csv', [Mark('Bo Berg', None, 6.5, MISSING)], {})
 
     assert done.left_out == [('Bo Berg', 'nothing handed in; Moodle keeps 3.00')]

@@ -1,4 +1,4 @@
-"""Cells become files, and the release says which file each answer is."""
+"""Cells become files, and the release defines the file of each answer."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ from autograder.submission.submission import Opened, rebuild
 
 @dataclass(frozen=True)
 class FakeExam:
-    """Extraction needs only the name and the cells of an exam."""
+    """The parts of an exam that extraction needs."""
 
     name: str
     cells: tuple[str, ...]
@@ -70,12 +70,12 @@ def test_answers_become_files_without_their_magic_line():
 
 
 def test_an_untouched_stub_is_a_file_too():
-    """An untouched stub is a file, and the exam says that it is not written yet."""
+    """An untouched stub is a file; the exam says that the answer is not written yet."""
     assert 'NotImplementedError' in files_of()['talker'].files['talker.py']
 
 
 def test_a_missing_cell_is_no_file_although_the_stub_is_in_the_notebook():
-    """A missing cell has no file, unlike an untouched stub."""
+    """A missing cell gives no file, unlike an untouched stub."""
     found = files_of(talker=None)
 
     assert found['talker'].files == {}

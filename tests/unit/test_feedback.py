@@ -72,7 +72,7 @@ def test_a_check_that_waits_names_the_sentence_it_waits_for():
 @pytest.mark.parametrize('name', ['expected', 'observed', 'cause', 'try_this'])
 @pytest.mark.parametrize('text', [LONG, 'x' * 3000, 'word\n' * 300])
 def test_twelve_lines_are_enough_for_any_text(name, text):
-    """The longest part is shortened with a note, and the others are complete."""
+    """The longest part is shortened, with a note; the other parts are complete."""
     check = failing(**{name: text})
     lines = check_lines(check)
 
@@ -91,7 +91,7 @@ def test_all_parts_may_be_long():
 
 
 def test_cause_is_printed_once_and_then_referred_to():
-    """Later checks name the check with the cause, and print only a different repair."""
+    """Later checks refer to the check with the cause, and print their fix only if it differs."""
     first = failing()
     again = replace(first, check='again', title='It speaks for a minute.')
     other = replace(again, check='other', try_this='Call spin().')
@@ -134,7 +134,7 @@ def test_words_of_a_program_stay_words():
 
 
 def test_the_section_to_read_is_a_link_where_there_is_a_lesson():
-    """The address is that of the heading, in notebooks and in their HTML."""
+    """The link leads to the heading, in notebooks and in their HTML export."""
     result = ExamResult('talker', (failing(),))
 
     lessons = {'': 'topics.ipynb', '08': '../08_what_went_wrong/what_went_wrong.ipynb'}

@@ -1,4 +1,4 @@
-"""Pictures of failed checks: their content, hidden values, and size."""
+"""Pictures of failed checks: contents, hidden values, and size."""
 
 from itertools import pairwise
 import json
@@ -65,7 +65,7 @@ def logged(after_input, name='lab.talker'):
 
 
 def of_lines(*events, inputs=None, place=None):
-    """Return the picture of a check of WARN lines after three inputs."""
+    """Return the picture of a failed check that expects WARN lines after three inputs."""
     failure = Failed(expected='one WARN line after a reading', observed='others', place=place)
     return drawn(
         recorded(*(inputs or fed(3)), *events, ends=[end('/t', kind='subscription')]),
@@ -77,7 +77,7 @@ def of_lines(*events, inputs=None, place=None):
 
 
 def drawn(recording, failure, hidden=False, **scenario):
-    """Return the picture of a check that fails in this way, None if it has none."""
+    """Return the picture of a check that fails in this way, or None."""
     whole = {
         'file': 'talker.py',
         'watch': {TOPIC: TYPE, '/chatter': TYPE},
@@ -179,7 +179,7 @@ class TestGraph:
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
-        """If the subscription receives from another publisher, refusing this one is correct."""
+        """If the subscription has a matching publisher, it is correct that it refuses this one."""
         facts = {'event': 'offered', 'clock_ns': 0, 'topic': '/scan'}
         lazy = {**facts, 'publisher': 'lazy', 'matched': False, 'refused': ['DEADLINE']}
         right = {**facts, 'publisher': 'right', 'matched': matched, 'refused': []}
@@ -207,7 +207,7 @@ class TestTimeline:
     """The timeline shows messages that came too rarely, too often or too late."""
 
     def test_the_rows_are_what_was_due_and_what_came(self):
-        """One row has the expected times and one the observed ones, with the deviation."""
+        """One row has the expected times and one the observed times; the deviation is marked."""
         failure = Failed(**RATE, at=3 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one + 0.1) for one in (1, 2, 4))), failure)
         due, came = picture['rows']
@@ -228,7 +228,7 @@ class TestTimeline:
         assert 'ROS seconds' in picture_html(picture)
 
     def test_words_tell_the_part_that_is_shown_from_the_whole(self):
-        """The text separates the messages in the picture from all messages."""
+        """The text gives the number of all messages, and of those in the picture."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)
         picture = drawn(recorded(*(said(one) for one in range(1, 60))), failure)
         words = timeline_words(picture)
@@ -252,7 +252,7 @@ class TestTimeline:
         ]
 
     def test_line_before_the_first_input_is_counted_and_drawn(self):
-        """A check may be about lines that no input caused."""
+        """A check may concern lines that no input caused."""
         picture = of_lines(logged(None), logged(2))
         row = picture['rows'][1]
 
@@ -260,13 +260,13 @@ class TestTimeline:
         assert (picture['begin'], picture['end']) == (0.0, 3.0)
 
     def test_line_of_another_logger_is_not_counted(self):
-        """A check of a single node ignores it too."""
+        """A check of a single node ignores another logger's lines too."""
         picture = of_lines(logged(1, 'mine'), logged(2, 'lab.talker.child'))
 
         assert picture['rows'][1]['times'] == [3.0]
 
     def test_difference_at_an_input_that_was_not_sent_is_on_the_axis(self):
-        """The rows end where the run ended; the mark shows which input is missing."""
+        """The rows end where the run ended; the mark is at the missing input."""
         picture = of_lines(logged(0), logged(1), logged(2), place=4)
 
         assert (picture['end'], picture['deviation']) == (5.0, 5.0)
@@ -309,7 +309,7 @@ class TestTimeline:
         )
 
     def test_part_of_a_long_run_shows_every_message(self):
-        """A message that was left out would look like a missed period."""
+        """If a message were left out, the picture would seem to show a missed period."""
         events = [said(number / 2) for number in range(1000)]
         picture = drawn(recorded(*events), Failed(**RATE, at=100 * SECOND, every_s=1.0))
 
@@ -333,7 +333,7 @@ class TestSecrets:
         assert line['rows'][0]['times'] == [1.1]
 
     def test_the_order_of_hidden_inputs_is_not_shown(self):
-        """The order of the messages with a warning would reveal answers."""
+        """The positions of the messages that get a warning would reveal answers."""
         inputs = fed(2, TOPIC)
         failure = Failed(expected='one WARN line', observed='no WARN line')
 
@@ -353,7 +353,7 @@ class TestDrawing:
         return drawn(recorded(said(1, EVIL), ends=[end(EVIL)]), failure, watch={EVIL: TYPE})
 
     def test_it_is_well_formed_and_has_a_name_and_words(self, picture):
-        """The picture has a name and a description, and neither runs nor loads anything."""
+        """The picture has a name and a description; it runs no code and loads no file."""
         page = picture_html(picture)
         tree = ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
         names = {one.tag.rpartition('}')[2] for one in tree.iter()}
@@ -365,11 +365,11 @@ class TestDrawing:
         assert 'http' not in page.replace('http://www.w3.org/2000/svg', '')
 
     def test_equal_results_give_equal_pages(self, picture):
-        """The pages do not contain an id of the process."""
+        """The pages contain no id that depends on the process."""
         assert picture_html(picture) == picture_html(json.loads(json.dumps(picture)))
 
     def test_it_is_part_of_the_feedback(self, picture):
-        """The picture is below the words of its check."""
+        """The picture is below the text of its check."""
         assert picture_html({}) == ''
         assert '<svg' not in exam_html(ExamResult('talker', ()))
 

@@ -28,7 +28,7 @@ def night(*lines, code='create_timer(1.0, self.report)', printed='', start=()):
     """
     Return a run of the night watch with these lines, one per second; None is silence.
 
-    :param start: texts that it logs when it starts
+    :param start: texts that the watch logs when it starts
     """
     before = [log(0.1, text) for text in start]
     events = [log(1.0 + second, *line) for second, line in enumerate(lines) if line]
@@ -50,7 +50,7 @@ def cause_of(check, run):
 
 
 class TestNightWatch:
-    """Log lines of a night: one per second, numbered, every fifth a warning."""
+    """The lines of a night: one per second, numbered, and every fifth one a warning."""
 
     @pytest.mark.parametrize('text', ['watch {}', '{:03d}', '{} of 99', 'watch={}.0'])
     def test_any_form_of_the_number_passes(self, text):
@@ -66,7 +66,7 @@ class TestNightWatch:
         [('', None), (', throttle_duration_sec=2.0', 'left_out')],
     )
     def test_logger_that_leaves_lines_out_is_reported(self, argument, cause_id):
-        """One line shows no rate, and a timer with the correct period is not blamed."""
+        """A single line shows no rate, and a timer with the correct period is not blamed."""
         code = f'create_timer(1.0, tick)\ndef tick():\n    log.info(number{argument})\n'
         run = night(watches()[0], code=code)
 
@@ -81,7 +81,7 @@ class TestNightWatch:
         ],
     )
     def test_line_of_the_start_may_be_the_first_watch(self, start, first):
-        """Many nodes say that they have started; some log at once, and then once a second."""
+        """Many nodes first log that they have started; some log watch 1 at once."""
         levels = watches(
             level=lambda place: INFO if (place + first - 1) % 5 else WARN, first=first
         )
@@ -180,7 +180,7 @@ class TestNightWatch:
 class TestHarbour:
     @staticmethod
     def keeper(*moments, code='create_timer(2.0, self.report)', warned=()):
-        """Return a run in which the keeper reports, or logs a warning, at these moments [s]."""
+        """Return a run in which the keeper reports, or logs a warning, at these times [s]."""
         lines = [log(moment, 'light on', name='harbour.keeper') for moment in moments]
         lines += [log(moment, 'a ship', WARN, 'harbour.keeper') for moment in warned]
         lines.sort(key=lambda line: line['clock_ns'])
@@ -189,7 +189,7 @@ class TestHarbour:
 
     @pytest.mark.parametrize('moments', [(2.0, 4.0, 6.0, 8.0), (1.1, 3.1, 5.1, 7.1)])
     def test_it_does_not_matter_in_which_second_the_rhythm_begins(self, moments):
-        """The exercise requires one line every two seconds."""
+        """The exercise requires one line every two seconds, but not when the first one is due."""
         harbour.keeper_reports_every_two_seconds(self.keeper(*moments))
 
     @pytest.mark.parametrize(
@@ -207,7 +207,7 @@ class TestHarbour:
         ],
     )
     def test_other_rhythm_is_explained(self, moments, code, cause_id):
-        """The program's code helps to explain silence."""
+        """If the keeper is silent, its code helps to find the cause."""
         run = self.keeper(*moments, code=code)
 
         assert cause_of(harbour.keeper_reports_every_two_seconds, run) == cause_id
@@ -224,7 +224,7 @@ class TestHarbour:
 class TestTalker:
     @staticmethod
     def run_of(texts, lost=0, period_s=0.5, code=''):
-        """Return a run in which these greetings are received, and some earlier ones are not."""
+        """Return a run in which these greetings are received, and the earlier ones are lost."""
         end = {'topic': '/lab/chatter', 'kind': 'publisher', 'node': '/lab/talker'}
         graph = {'event': 'graph', 'nodes': [], 'endpoints': [end]}
         said = [
@@ -257,7 +257,7 @@ class TestTalker:
         assert cause_of(talker.counts_its_greetings, self.run_of(texts)) == cause_id
 
     def test_greeting_that_nobody_could_hear_counts(self):
-        """A loop publishes hello 1 at once, and the numbering shows it."""
+        """A loop publishes hello 1 at once, and the number of the next message shows this."""
         talker.counts_its_greetings(self.run_of([f'hello {one}' for one in range(2, 9)], lost=1))
 
         run = self.run_of([f'hello {one}' for one in range(1, 8)], lost=1)
@@ -331,7 +331,7 @@ class TestCourier:
         return Run({'courier.py': code}, Recording({}, (*graphs, *events, ended, process)))
 
     def test_parcel_that_comes_with_the_second_listener_is_late(self):
-        """The exercise requires the parcel as soon as a subscription is connected."""
+        """The exercise requires the parcel as soon as the first subscription is connected."""
         run = self.run_of(('second', 'first'))
 
         assert cause_of(courier.delivers_to_who_comes_late, run) == 'waits_for_two'
@@ -381,11 +381,11 @@ class TestCourier:
         ],
     )
     def test_second_parcel_is_explained(self, heard, cause_id):
-        """It goes to the same subscription or the next one, or comes after the others left."""
+        """The second parcel goes to the same subscription, or to one that joins later."""
         assert cause_of(courier.delivers_once, self.run_of(*heard)) == cause_id
 
     def test_parcel_that_nobody_could_receive_counts(self):
-        """The number of a message shows how many its publisher has sent before."""
+        """The number of a message shows how many messages its publisher has sent earlier."""
         courier.delivers_once(self.run_of(('first', 'first')))
 
         early = self.run_of(('first', 'first'), lost=1)
@@ -393,7 +393,7 @@ class TestCourier:
 
     @pytest.mark.parametrize('exit', [None, 0])
     def test_node_that_goes_after_the_delivery_has_delivered_by_chance(self, exit):
-        """If the node ends some time later, the delivery counts, but not the node's survival."""
+        """If the node ends some time later, the delivery counts, but delivers_once fails."""
         at_once = self.run_of(('first', 'first'), lives=(), exit=exit)
         later = self.run_of(('first', 'first'), lives=('delivered',), exit=exit)
 
@@ -417,7 +417,7 @@ class TestRunningMean:
         ],
     )
     def test_wrong_mean_is_explained(self, answers, cause_id):
-        """Only a cause that fits each answer is named."""
+        """Only a cause that fits every answer is named."""
         events = [
             event
             for place, answer in enumerate(answers)
@@ -436,7 +436,7 @@ class TestRunningMean:
         assert cause_of(judge_of(running_mean, 'publishes_the_mean'), run) == cause_id
 
     def test_two_topics_that_changed_places_are_named_together(self):
-        """Neither name is wrong."""
+        """Neither topic has a wrong name: their directions are swapped."""
         ends = [
             {'topic': topic, 'kind': kind, 'node': '/running_mean', 'type': running_mean.TYPE}
             for topic, kind in (('/mean', 'subscription'), ('/readings', 'publisher'))
@@ -450,7 +450,7 @@ class TestRunningMean:
         assert cause_of(check, run) == 'wrong_direction'
 
     def test_message_before_the_first_number_is_no_answer(self):
-        """It comes from somewhere other than the callback."""
+        """Code other than the callback has published such a message."""
         early = {'event': 'message', 'topic': '/mean', 'after_input': None, 'data': {'data': 0.0}}
         run = Run({}, Recording({}, (early, *RUNS)), running_mean.exam.facts)
 

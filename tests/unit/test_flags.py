@@ -55,7 +55,7 @@ def test_what_is_odd_is_said(run, flag):
 
 
 def test_two_nodes_have_two_publishers_each_of_their_own():
-    """Two nodes of one name may have two publishers on /rosout."""
+    """Each of two nodes may have its own publisher on /rosout."""
     run = recording(nodes=[NODE, '/listener'], endpoints=[end('/rosout', '/listener')])
 
     assert flags_of(run, Scenario()) == ()
@@ -74,7 +74,7 @@ def test_ports_of_domain_0_are_no_other_domain():
 
 
 def test_other_domain_is_known_by_its_two_ports():
-    """A participant opens the shared port of its domain and a port for itself."""
+    """A participant opens its domain's shared port and a port of its own."""
     first = 7400 + 250 * 42
 
     assert other_domains({7400, first, first + 10}) == [42]

@@ -40,7 +40,7 @@ def test_a_server_that_does_not_answer_is_named_without_its_password(tmp_path):
 
 @pytest.fixture
 def filled(tmp_path):
-    """Return a course with a gradebook file of one table."""
+    """Return a course whose gradebook file has one table."""
     with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
         file.execute('create table grade (id text)')
     return course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
@@ -100,7 +100,7 @@ def test_a_gradebook_that_has_lost_a_table_is_refused(tmp_path):
 
 @pytest.mark.nbgrader
 def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkeypatch):
-    """The version lets a later nbgrader upgrade the gradebook without a command."""
+    """With this version, a later nbgrader can upgrade the gradebook by itself."""
     from nbgrader.api import get_alembic_version
 
     monkeypatch.setenv('PATH', str(Path(sys.prefix) / 'bin'))
@@ -117,7 +117,7 @@ def test_a_new_gradebook_has_the_version_that_nbgrader_gives_it(tmp_path, monkey
 
 @pytest.mark.nbgrader
 def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
-    """The message has no traceback of SQLAlchemy."""
+    """The message contains no traceback from SQLAlchemy."""
     from autograder.gradebook.converters import opened_gradebook
 
     (tmp_path / 'gradebook.db').write_bytes(b'no database' * 100)

@@ -62,7 +62,7 @@ def at(monkeypatch):
 
 
 def test_a_copy_has_what_the_gradebook_had(course, at):
-    """The copy is named after its date, and no unfinished file stays."""
+    """The copy is named after its date, and no unfinished file is left."""
     copy = save_copy(course)
     submit(course, 'cho')
 
@@ -72,7 +72,7 @@ def test_a_copy_has_what_the_gradebook_had(course, at):
 
 
 def test_an_unchanged_gradebook_is_not_copied_again(course, at):
-    """Gradings without changes must not replace older copies."""
+    """Grading runs that change nothing must not replace older copies."""
     first = save_copy(course)
     at(1)
 
@@ -83,7 +83,7 @@ def test_an_unchanged_gradebook_is_not_copied_again(course, at):
 
 
 def test_number_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest copies stay, and the first of each of the last days."""
+    """The newest copies and the first copy of each recent day are kept."""
     monkeypatch.setattr(database, 'MAX_RECENT', 2)
     monkeypatch.setattr(database, 'MAX_DAYS', 3)
     for day in range(5):
@@ -103,7 +103,7 @@ def test_number_of_copies_is_bounded(course, at, monkeypatch):
 
 
 def test_size_of_copies_is_bounded(course, at, monkeypatch):
-    """The newest copy stays, whatever its size is."""
+    """The newest copy is kept, whatever its size is."""
     size = save_copy(course).stat().st_size
     monkeypatch.setattr(database, 'MAX_BYTES', 2 * size + 100)
     for day in range(1, 4):
@@ -120,7 +120,7 @@ def test_size_of_copies_is_bounded(course, at, monkeypatch):
 
 
 def empty(path):
-    """Remove everything."""
+    """Remove all content."""
     path.write_bytes(b'')
 
 
@@ -135,7 +135,7 @@ def break_off_early(path):
 
 
 def replace_by_text(path):
-    """Replace the content by a text."""
+    """Replace the content with a string."""
     path.write_bytes(b'no database' * 100)
 
 
@@ -149,7 +149,7 @@ def take_rows(path):
 
 @pytest.mark.parametrize('damage', [empty, truncate, break_off_early, replace_by_text, take_rows])
 def test_a_gradebook_that_lost_its_content_is_refused_with_the_copy(course, at, damage):
-    """The message has the command that restores the copy."""
+    """The message shows the command that restores the copy."""
     save_copy(course)
     damage(gradebook(course))
     broken = gradebook(course).read_bytes()
@@ -180,7 +180,7 @@ def test_damage_that_only_a_full_read_finds_makes_no_copy(course, at):
 
 
 def test_without_a_copy_a_backup_is_asked_for(course):
-    """Without a copy, no command can help."""
+    """Without a copy, no command can restore the gradebook."""
     empty(gradebook(course))
 
     with pytest.raises(
@@ -190,7 +190,7 @@ def test_without_a_copy_a_backup_is_asked_for(course):
 
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
-    """If such a file is empty or missing, the next grading creates a gradebook."""
+    """If such a file is empty or missing, the next grading run creates a gradebook."""
     journal = course.work / 'entered' / '01.jsonl'
     journal.unlink()
     empty(gradebook(course))
@@ -203,7 +203,7 @@ def test_an_empty_file_that_was_never_filled_is_fine(course):
 
 
 def test_a_locked_gradebook_is_not_called_damaged(course, monkeypatch):
-    """A locked gradebook cannot be copied, which gives one line."""
+    """A locked gradebook cannot be copied, and the error is one line."""
     connect = sqlite3.connect
     monkeypatch.setattr(database.sqlite3, 'connect', lambda path: connect(path, timeout=0))
     holder = connect(gradebook(course))

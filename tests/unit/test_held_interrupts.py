@@ -41,7 +41,7 @@ def test_an_inner_step_passes_its_interrupt_to_the_outer_one():
 
 
 def test_an_interrupt_that_came_before_is_delivered_where_it_is_allowed():
-    """A learner's constructor does not start after an interrupt."""
+    """A learner's constructor is not called after an interrupt."""
     begun = []
 
     def construct():

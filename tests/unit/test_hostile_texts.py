@@ -1,4 +1,4 @@
-"""Hostile texts neither take hours nor break a check."""
+"""Hostile strings neither take hours nor break a check."""
 
 import time
 
@@ -11,7 +11,7 @@ from autograder.judging.causes.ended import why_it_ended, why_late
 from autograder.recording import header, Recording
 from autograder.submission.package import with_node_files
 
-BOUND_S = 10.0  # without limits, hours; with them, milliseconds
+BOUND_S = 10.0  # hours without limits, milliseconds with them
 ENDED = Recording({}, ({'event': 'process', 'exit': 0, 'killed': '', 'stderr': ''},))
 
 
@@ -49,7 +49,7 @@ def test_no_node_file_is_put_where_a_folder_is():
 
 
 def test_a_giant_event_of_a_managed_node_breaks_no_check():
-    """The recording of a message that is too large has its size, but no data."""
+    """For a message that is too large, the recording contains its size, but no data."""
     exam = {one.name: one for one in catalog.for_assignment('06_managed_lifecycle', False)}[
         'managed_pressure'
     ]

@@ -29,7 +29,7 @@ def modules() -> dict[str, Path]:
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Yield the modules of the grader that a file imports, also inside functions."""
+    """Yield the modules of the grader that a file imports, even inside functions."""
     for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
         if isinstance(node, ast.ImportFrom) and node.module:
             inner = [f'{node.module}.{one.name}' for one in node.names]
@@ -74,7 +74,7 @@ def test_a_folder_imports_only_what_stands_below_it(floor):
 
 
 def test_no_file_imports_itself_through_others():
-    """Modules that import each other would really be one module in several files."""
+    """Modules that import each other are, in effect, one module in several files."""
     TopologicalSorter(
         {name: set(imported(path)) - {name} for name, path in modules().items()}
     ).prepare()
@@ -82,7 +82,7 @@ def test_no_file_imports_itself_through_others():
 
 @pytest.mark.parametrize('floor', ['probe', 'inside'])
 def test_what_enters_a_sandbox_imports_nothing_of_the_project(floor):
-    """The sandbox contains only the text of these modules."""
+    """The sandbox contains only the source text of these modules."""
     others = {
         other
         for name, path in modules().items()

@@ -29,7 +29,7 @@ GOOD = {
 
 
 def written(where: Path, **changed: str | None) -> Path:
-    """Write a file of settings with some lines changed, or left out if None."""
+    """Write a settings file in which some lines are changed, or left out if None."""
     lines = {**GOOD, **changed}
     file = where / 'hub.toml'
     file.write_text(''.join(f'{name} = {value}\n' for name, value in lines.items() if value))
@@ -69,7 +69,7 @@ def test_a_value_that_cannot_be_used_is_named(
 def test_root_clones_the_repository_of_the_user_who_typed_sudo(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Git trusts no other owner, and ``make hub`` clones the project as root."""
+    """Git trusts no other user's repository, and ``make hub`` clones the project as root."""
     theirs = tmp_path / 'theirs'
     subprocess.run(['git', 'init', '--quiet', theirs], check=True)
     for path in (theirs, theirs / '.git'):
@@ -87,7 +87,7 @@ def test_root_clones_the_repository_of_the_user_who_typed_sudo(
 def test_the_trial_of_a_world_reads_no_file_of_the_project(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A user may not be able to read it, for example below /root."""
+    """A user may not be able to read the project, for example below /root."""
     commands: list[list[str]] = []
 
     def run(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
@@ -144,7 +144,7 @@ def test_the_log_reports_a_system_without_memory_limits(
 
 
 def test_a_kernel_starts_in_its_own_world_while_the_system_allows_it(tmp_path: Path) -> None:
-    """The script comes once before the kernel's command, and the server uses Unix sockets."""
+    """The script precedes the kernel's command only once, and the server uses Unix sockets."""
     kernel = tmp_path / 'share' / 'jupyter' / 'kernels' / 'ros2_jazzy' / 'kernel.json'
     config = tmp_path / 'etc' / 'jupyter' / 'jupyter_server_config.json'
     for path, content in ((kernel, {'argv': ['python', '-m', 'kernel']}), (config, {'A': 1})):
@@ -164,7 +164,7 @@ def test_a_kernel_starts_in_its_own_world_while_the_system_allows_it(tmp_path: P
 
 
 def test_a_kernel_reached_by_tcp_keeps_the_network_of_the_machine(tmp_path: Path) -> None:
-    """A command that starts its own kernel could not reach it in a separate network."""
+    """A command that starts its own kernel could not reach a kernel in a separate network."""
     connection = tmp_path / 'kernel.json'
     connection.write_text(json.dumps({'transport': 'tcp'}, indent=2))
     look = ['sh', '-c', 'readlink /proc/self/ns/net', 'sh', str(connection)]
@@ -176,13 +176,13 @@ def test_a_kernel_reached_by_tcp_keeps_the_network_of_the_machine(tmp_path: Path
 
 
 def test_only_the_pid_file_of_a_running_proxy_is_kept(tmp_path: Path) -> None:
-    """After a power failure, its number may be that of a different process."""
+    """After a power failure, the process id in the file may be that of a different process."""
     file = tmp_path / 'proxy.pid'
     waits = [sys.executable, '-c', 'print(flush=True); input()']
     pipe = subprocess.PIPE
     for command, kept in ((waits, False), ([*waits, 'configurable-http-proxy'], True)):
         with subprocess.Popen(command, stdin=pipe, stdout=pipe) as process:
-            process.stdout.readline()  # its command line can be read once it runs
+            process.stdout.readline()  # the command line of the process can be read once it runs
             file.write_text(str(process.pid))
             forget_ended_proxy(file)
             assert file.exists() is kept
@@ -192,7 +192,7 @@ def test_only_the_pid_file_of_a_running_proxy_is_kept(tmp_path: Path) -> None:
 
 
 def test_the_documentation_shows_the_screenshots_that_the_tests_of_the_hub_take() -> None:
-    """So no screenshot is older than the last ``make test-hub``."""
+    """So every screenshot comes from the last ``make test-hub``."""
     shown = {
         name
         for page in (ROOT / 'README.md', *(ROOT / 'docs').glob('*.md'))

@@ -77,7 +77,7 @@ def test_work_for_another_assignment_only_is_no_submission(tmp_path, hand_in):
 
 
 def test_an_unknown_assignment_is_a_problem(tmp_path, hand_in):
-    """The unknown folder may be this assignment under a wrong name."""
+    """The unknown folder may contain this assignment under a wrong name."""
     hand_in('ann', assignment='1_talker')
     hand_in('ann', assignment='02_other')
 
@@ -157,7 +157,7 @@ def test_a_file_above_the_limit_is_not_read(tmp_path, hand_in, monkeypatch):
 
 
 def test_looking_at_a_class_reads_no_notebook(tmp_path, hand_in, monkeypatch):
-    """All notebooks together could exceed the memory, so each is read when it is needed."""
+    """All notebooks together could exceed the memory, so each is read only when needed."""
     for name in ('ann', 'bob'):
         hand_in(name)
     monkeypatch.setattr(inbox, 'read_file', lambda *_: pytest.fail('a notebook was read'))

@@ -16,7 +16,7 @@ def _forget_secret():
 
 
 def test_same_secret_and_purpose_give_the_same_inputs(monkeypatch):
-    """An appeal can use the same inputs again."""
+    """After an appeal, the submission can be graded again with the same inputs."""
     monkeypatch.setenv('COURSE_SECRET', 'one')
 
     assert inputs.generator('e', 'p').random() == inputs.generator('e', 'p').random()
@@ -47,7 +47,7 @@ def test_secret_is_made_once_and_for_its_owner_alone(monkeypatch, tmp_path):
 
 
 def test_an_empty_secret_is_refused_wherever_it_stands(monkeypatch, tmp_path):
-    """Anyone can compute the inputs of an empty secret, which CI sets if it lacks the secret."""
+    """Anyone can compute the inputs of an empty secret, which CI sets if none is configured."""
     monkeypatch.setenv('COURSE_SECRET', '')
     with pytest.raises(GraderError, match='COURSE_SECRET: expected the course secret'):
         inputs.generator('e', 'p')

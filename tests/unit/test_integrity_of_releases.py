@@ -1,7 +1,7 @@
 """
-The real releases, saved again as editors do, and damaged in every place.
+The real releases, saved again as editors save them, and damaged in every place.
 
-An honest copy gives no line, whatever program wrote it; a damaged one never stops the grader or
+An honest copy gives no flag, whatever program wrote it.  A damaged copy never stops the grader or
 changes a cell that is not an answer.
 """
 
@@ -29,7 +29,7 @@ def release_of(lesson: str) -> tuple[Path, dict]:
 
 
 def as_jupyterlab(path: Path) -> str:
-    """Return the notebook as nbformat, and so Jupyter's server, writes it, with a line end."""
+    """Return the notebook as nbformat, and therefore Jupyter's server, writes it."""
     return nbformat.writes(nbformat.read(path, as_version=4)) + '\n'
 
 
@@ -43,7 +43,7 @@ def as_compact_json(path: Path) -> str:
 
 
 def after_running(path: Path) -> str:
-    """Return it as after a run: outputs, counts, timing, new ids, folded cells, a BOM."""
+    """Return the notebook as after a run: outputs, counts, new ids, hidden cells, and a BOM."""
     notebook = json.loads(path.read_text(encoding='utf-8'))
     for number, cell in enumerate(notebook['cells']):
         cell['id'] = f'new-{number}'
@@ -67,7 +67,7 @@ def without_ids(path: Path) -> str:
 @pytest.mark.parametrize('lesson', LESSONS)
 @pytest.mark.parametrize('saved', [as_jupyterlab, as_compact_json, after_running, without_ids])
 def test_saving_again_is_no_change(lesson, saved):
-    """There is no flag and no problem, and the rebuilt notebook is the same."""
+    """The copy gives no flag and no problem, and the rebuilt notebook is the same."""
     path, release = release_of(lesson)
     opened = open_submission(saved(path).encode(), release, path.name)
     untouched = open_submission(path.read_bytes(), release, path.name)
@@ -137,7 +137,7 @@ PLACES = list(places(SMALL))
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), ODD), min_size=1, max_size=4))
 def test_no_damage_stops_the_grader_or_changes_a_locked_cell(damages):
-    """Whatever the damage, the graded notebook is the release with the texts of answers."""
+    """Whatever the damage, the graded notebook is the release with the student's answers."""
     release = copy.deepcopy(SMALL)
     for cell in release['cells']:
         cell['source'] = ''.join(cell['source'])

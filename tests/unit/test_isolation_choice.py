@@ -1,4 +1,4 @@
-"""Refusals name a remedy, weak modes must be named, and results state missing protection."""
+"""Refusals name a remedy, weak modes are used only if named, and results state what is lost."""
 
 import io
 import os
@@ -51,12 +51,12 @@ PIVOT = 'bwrap: pivot_root: Operation not permitted'
     ],
 )
 def test_each_refusal_has_its_repair(said, system, words):
-    """The command depends on bubblewrap's output and on the system."""
+    """The suggested fix depends on bubblewrap's output and on the system."""
     assert words in fix_for(said, system)
 
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
-    """The line can be pasted into a terminal."""
+    """The command can be pasted into a terminal."""
     monkeypatch.setattr(choose.shutil, 'which', lambda name: None)
     choose.strongest.cache_clear()
     try:
@@ -86,7 +86,7 @@ def refused(mode: str = '') -> SandboxUnavailable:
 
 @pytest.mark.parametrize('mode', ['', 'none'])
 def test_a_clock_that_cannot_be_loaded_is_built_again(clock, mode):
-    """The message quotes the system's loader; without the clock, no mode runs a program."""
+    """The message quotes the system's loader. Without the clock, no mode runs a program."""
     assert f"object '{clock}' from LD_PRELOAD cannot be preloaded" in refused(mode).what
     assert 'make clean, then make prepare' in refused(mode).fix
 
@@ -129,7 +129,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     ],
 )
 def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
-    """Without its name, no weak mode is used, and root never runs programs as root."""
+    """A weak mode is used only if it is named, and root never runs programs as root."""
     assert isolation.permitted(named, root) == tried
 
 
@@ -180,7 +180,7 @@ def test_a_weak_mode_runs_one_submission_at_a_time():
 
 
 def weak_result() -> SubmissionResult:
-    """Return a result that was made with Landlock alone."""
+    """Return a result of a run that used only Landlock."""
     check = CheckResult('c', 'It runs.', Verdict.PASSED, 1, 1)
     lacks = isolation.not_protected('landlock')
     exam = ExamResult('talker', (check,), mode='landlock', not_protected=lacks)
@@ -211,7 +211,7 @@ CLOSED = (
 
 @pytest.fixture
 def built(tmp_path):
-    """Return a description of ROS with a package of a text module and a compiled one."""
+    """Return a description of ROS whose package has readable and closed files."""
     workspace = tmp_path / 'workspace' / 'install' / 'temp_monitor_pkg'
     for name in (f'{PACKAGE}/__init__.py', *CLOSED, 'share/x.msg', 'lib/libx.so'):
         (workspace / name).parent.mkdir(parents=True, exist_ok=True)
@@ -236,7 +236,7 @@ def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
 
 
 def test_bubblewrap_covers_the_course_s_own_answer(built):
-    """The modules become empty, and so does the folder of executables."""
+    """The modules and the folder of executables become empty."""
     workspace = Path(built.workspace)
     options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
 

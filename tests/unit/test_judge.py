@@ -48,7 +48,7 @@ CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
     ],
 )
 def test_cause_begins_with_the_line_of_its_act(why, line, place):
-    """The line is that of the cell; a line that the run shows comes first."""
+    """The line is counted in the cell; a line that the run shows takes precedence."""
     exam = make_exam()
 
     def dies(run):
@@ -63,7 +63,7 @@ def test_cause_begins_with_the_line_of_its_act(why, line, place):
 
 
 def test_more_precise_cause_is_given_if_the_program_does_its_act():
-    """Its line is that of the act."""
+    """The act of the cause ``a`` does not occur; the act of ``b`` has to occur twice."""
     closer = [
         Cause('a', 'It sleeps.', '', act='sleep()'),
         Cause('b', 'It logs.', '', act='info()+'),
@@ -92,7 +92,7 @@ class TestJudge:
         ],
     )
     def test_exception_is_read_about_where_it_is_explained(self, cause_id, place):
-        """The section to read is the exception's, or else that of the check."""
+        """The section to read is that of the exception, or else that of the check."""
         exam = make_exam(read='Part 1')
 
         def dies(run):
@@ -106,7 +106,7 @@ class TestJudge:
         assert result.read == place
 
     def test_failure_that_blocks_nothing_costs_its_own_points_alone(self):
-        """If the node has a wrong name, its messages are judged as if the name were correct."""
+        """For example, the messages of a node with a wrong name are still judged."""
         exam = make_exam()
 
         @exam.check(points=1)
@@ -170,7 +170,7 @@ class TestWorthRunning:
         assert not worth_running(exam, {})
 
     def test_independent_check_makes_the_run_worth_it(self):
-        """One dynamic check without such a need is enough for a run."""
+        """One dynamic check that needs no failed check is enough for a run."""
         exam = make_exam()
         exam.check(points=1, static=True)(fails)
         exam.check(points=1)(passes)
@@ -207,12 +207,12 @@ class TestExam:
             exam.check(points=1)(passes)
 
     def test_check_without_points_is_refused(self):
-        """A check without points could be missing unnoticed."""
+        """If a check without points were missing, nobody would notice."""
         with pytest.raises(ExamInvalid, match='points > 0'):
             make_exam().check(points=0)(passes)
 
     def test_check_without_docstring_is_refused(self):
-        """The learner reads the docstring."""
+        """Learners read the docstring as the sentence of the check."""
 
         def silent(run):
             pass
@@ -221,7 +221,7 @@ class TestExam:
             make_exam().check(points=1)(silent)
 
     def test_check_of_a_run_is_refused_where_nothing_runs(self):
-        """An exam on files alone has only static checks and is never run."""
+        """An exam that judges only files has only static checks and runs no program."""
         exam = make_exam(scenario=Scenario(program=''))
         exam.check(points=1, static=True)(passes)
 

@@ -56,7 +56,7 @@ def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
 
 
 def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
-    """A default instead of an unreadable line would prepare a different course."""
+    """If an unreadable line were replaced by a default, a different course would be prepared."""
     (tmp_path / FILE).write_text("package = '''doors_msgs'''")
 
     with pytest.raises(ValueError, match="expected a line package = 'NAME', got package"):
@@ -64,7 +64,7 @@ def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):
 
 
 class TestHere:
-    """The course that is used without a name."""
+    """The course that is used if none is named."""
 
     def test_it_is_the_one_that_was_chosen(self, tmp_path, monkeypatch):
         (tmp_path / FILE).touch()

@@ -37,7 +37,7 @@ class TestJoining:
         assert self.rule([PilotInput(0, 0.5, 1.0), PilotInput(1, 0.2, 1.0)]) == [(), ((0.5, 0.2),)]
 
     def test_stop_is_due_while_one_is_old(self):
-        """Once both inputs are fresh again, the latest of both is due."""
+        """Once both inputs are fresh again, the latest value of each is due."""
         inputs = [
             PilotInput(0, 0.5, 0.5),
             PilotInput(1, 0.2, 2.5),
@@ -54,7 +54,7 @@ class TestJoining:
 
 
 def ticked(inputs, begins_s):
-    """Return what a timer of the pilot publishes after each input, as a program does it."""
+    """Return what a pilot's timer publishes after each input."""
     found, sent, now_s = [], [None, None], 0.0
     tick_s = begins_s
     for topic, value, lasts_s in inputs:
@@ -72,7 +72,7 @@ def ticked(inputs, begins_s):
 
 @pytest.mark.parametrize('secret', SECRETS)
 class TestInputsOfThePilot:
-    """The exam does not depend on the moment at which a timer was created."""
+    """The exam does not depend on the moment at which the timer was created."""
 
     def test_any_timer_publishes_all_that_is_due(self, secret):
         """Every command is due long enough for at least one tick."""
@@ -81,7 +81,7 @@ class TestInputsOfThePilot:
             assert ticked(asked.inputs, hundredth / 100 + 0.003) == asked.answers
 
     def test_no_two_inputs_are_whole_periods_apart(self, secret):
-        """A timer that is created when one input arrives never ticks when another arrives."""
+        """A timer that is created when one input arrives never ticks when another one arrives."""
         times = [0.0]
         for one in catalog.load_with_secret('pilot', secret).asks['commands'].inputs[:-1]:
             times.append(times[-1] + one.lasts_s)
@@ -111,7 +111,7 @@ class TestHeartbeat:
     quiet = tuple(beat(half / 2) for half in range(1, 7))
 
     def test_timer_that_waits_for_each_picture_is_reported(self):
-        """Heartbeats come before the first picture and after the result."""
+        """Heartbeats arrive before the first picture and after the result."""
         run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
 
         assert inspector.why_starved(run) == inspector.WHY['starved']

@@ -1,4 +1,4 @@
-"""Contents, next lesson and map are generated from the outlines of the lessons."""
+"""Contents, links to the next lesson, and the map are generated from the outlines."""
 
 import html
 from pathlib import Path
@@ -28,7 +28,7 @@ LINK = re.compile(r'\]\(#([^)]+)\)')
 
 
 def vscode_slug(text):
-    """Return the id that VS Code gives to a heading, and into which it converts a link."""
+    """Return the id that VS Code gives to a heading, and to which it converts links."""
     slug = re.sub(r'\s+', '-', text.strip().lower())
     return re.sub(r"""[]\[!/'"#$%&()*+,./:;<=>?@\\^{|}~`]""", '', slug).strip('-')
 
@@ -47,7 +47,7 @@ def solutions(tmp_path):
 
 
 def test_contents_name_what_a_lesson_needs(solutions):
-    """It needs the previous lesson, unless its metadata names others."""
+    """A lesson needs the previous lesson, unless its metadata names other lessons."""
     lessons = outlines(solutions)
 
     assert contents(lessons, 0).splitlines()[0] == '**In this lesson.**'
@@ -67,7 +67,7 @@ def test_last_lesson_has_no_next_one(solutions):
 
 
 def test_needed_lesson_that_does_not_exist_is_named(solutions):
-    """Otherwise a typing mistake would leave the column empty."""
+    """Otherwise a typo in the metadata would leave the column empty."""
     lessons = outlines(solutions)
 
     assert list(unknown_needs(lessons[:2])) == []
@@ -90,7 +90,7 @@ def test_start_here_has_a_line_for_each_lesson(solutions, tmp_path):
 
 
 def test_make_lab_opens_a_page_that_exists():
-    """Otherwise JupyterLab would show an error."""
+    """If the page did not exist, JupyterLab would show an error."""
     root = Layout.here().root
     makefile = (root / 'Makefile').read_text(encoding='utf-8')
     found = re.search(r'default_url=/lab/tree/(\S+)', makefile)

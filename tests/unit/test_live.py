@@ -1,4 +1,4 @@
-"""Events are shown as one line each, whatever a student's code wrote into them."""
+"""Each event is shown as one line, whatever a student's code wrote into it."""
 
 import json
 from pathlib import Path
@@ -61,7 +61,7 @@ def test_control_characters_do_not_reach_the_terminal():
 
 
 def test_long_lines_are_cut():
-    """A message may contain a whole picture."""
+    """A message may contain an image."""
     assert len(live_line(event('message', topic='/t', data=['x' * 500]))) == WIDEST
 
 

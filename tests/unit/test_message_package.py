@@ -92,7 +92,7 @@ class TestFields:
         assert failed.why.try_this == '[<=4] is at most 4: float64[<=4] values'
 
     def test_further_wrong_lines_are_named_too(self):
-        """Otherwise a learner fixes one line and builds again to find the next."""
+        """Otherwise a learner would see the next mistake only after another build."""
         text = RIGHT.replace('string', 'str').replace('float64[<=4] values', 'float values')
         failed = failure(require_fields, text, WANTED)
 
@@ -104,7 +104,7 @@ class TestFields:
 
 
 class TestDeclarations:
-    """package.xml may declare a dependency in any of the ways of REP 149."""
+    """package.xml may declare a dependency in any way that REP 149 permits."""
 
     def test_other_tags_that_say_the_same_pass(self):
         """A build_depend and an exec_depend together equal a depend."""
@@ -172,7 +172,7 @@ class TestBuild:
         assert '30 s' in cause.text
 
     def test_build_that_waits_forever_is_said_to_wait(self):
-        """Virtual time stops during a build, so a limit ends a build that waits."""
+        """Virtual time stands still during a build, so a limit ends a build that waits."""
         cause = self.built(exit=None, killed='waits_outside')
 
         assert cause.cause_id == 'waits_outside'
@@ -186,7 +186,7 @@ class TestBuild:
         assert cause.text.startswith('CMakeLists.txt, line 1: ')
 
     def test_a_build_that_makes_no_message_is_named(self):
-        """The package builds, but no program can import its message."""
+        """The package builds, but programs cannot import its message."""
         said = (
             'Traceback (most recent call last):\n  File "/grader/inside/echo_node.py", line 19\n'
         )
@@ -197,7 +197,7 @@ class TestBuild:
         ('target', 'missing'), [('words', False), ('${PROJECT_NAME}', False), ('word', True)]
     )
     def test_messages_are_generated_for_the_project(self, target, missing):
-        """The programs that use a message look for libraries with the name of the package."""
+        """Programs that use a message look for libraries that are named after the package."""
         commands = f'project(words)\nrosidl_generate_interfaces({target} "msg/Temperature.msg")\n'
         run = Run(
             {'CMakeLists.txt': f'{commands}ament_package()\n'}, Recording({}, ()), {'sent': [1]}

@@ -37,7 +37,7 @@ SENT = [{'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place 
     ids=str,
 )
 def test_each_number_has_one_reading(indexes, cause):
-    """A reading that is late still comes before the next number."""
+    """Each reading must be published before the next number is sent."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     read = [
@@ -76,7 +76,7 @@ def test_each_number_has_one_reading(indexes, cause):
     ],
 )
 def test_stamp_lies_between_number_and_reading(sec, nanosec, cause):
-    """The ROS clock advances in steps of a quarter of a second."""
+    """The ROS clock of this exam advances in steps of a quarter of a second."""
     data = {'timestamp': {'sec': sec, 'nanosec': nanosec}}
     run = run_of(
         [
@@ -129,7 +129,7 @@ def test_each_wrong_value_has_a_cause_of_its_own(values, cause):
 
 
 def test_unrecorded_large_message_counts_as_extra_answer():
-    """The message counts, and its missing data is not read."""
+    """The message counts, although its data was not recorded."""
     end = {'topic': TARGET, 'kind': 'publisher', 'node': '/n', 'type': TARGET_TYPE}
     graph = {'event': 'graph', 'nodes': ['/n'], 'endpoints': [end]}
     large = {'event': 'message', 'topic': TARGET, 'after_input': 0, 'clock_ns': 0}

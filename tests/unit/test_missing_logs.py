@@ -1,4 +1,4 @@
-"""Missing log lines: the cause says where they are, and blames no correct line."""
+"""Missing log lines: the cause says where the output went, and blames no correct line."""
 
 import pytest
 
@@ -17,13 +17,13 @@ def run_of(*events, code='', **process):
 
 
 def why(run, found=(), level=INFO, belongs=lambda text: '37.42' in text):
-    """Return the id of the cause for which a line that shows 37.42 did not come."""
+    """Return the id of the cause why no line that shows 37.42 was logged."""
     cause = unlogged.why_not_logged(run, found, level, belongs)
     return cause and cause.cause_id
 
 
 def test_own_lines_on_standard_output_are_not_printed():
-    """ROS shows log lines on standard output too, so their numbers prove no print()."""
+    """ROS also writes log lines to standard output, so a number there is no proof of print()."""
     assert why(run_of(WARNING, stdout=OWN)) is None
 
 
@@ -53,7 +53,7 @@ def test_line_that_is_elsewhere_is_found_among_those_of_the_node(printed, cause_
 
 
 def test_second_line_of_a_log_text_is_not_printed():
-    """The second line of a logged text has no level in front of it."""
+    """The second line of a logged string has no level in front of it."""
     entry = {**WARNING, 'text': 'Too warm:\n37.42'}
 
     assert why(run_of(entry, stdout='[WARN] [lab.a]: Too warm:\n37.42\n')) is None

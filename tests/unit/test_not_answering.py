@@ -22,7 +22,7 @@ LOOPS = SLEEPS.replace('        time', '        while rclpy.ok():\n            t
 
 
 def died(frames=SPUN, file='/submission/talker.py', error=ERROR):
-    """Return what Python prints when an exception ends a thread."""
+    """Return the output of Python when an exception ends a thread."""
     return (
         'Exception in thread Thread-1 (spin):\nTraceback (most recent call last):\n'
         f'{frames}  File "{file}", line 4, in speak\n    x\n{error}\n'
@@ -33,7 +33,7 @@ def run(*events, reason='complete', answered=False, code=SLEEPS, facts=None, **p
     """
     Return a run.
 
-    :param answered: whether its node answers at the end, None if it has no node
+    :param answered: whether the node answers at the end; None if the program has no node
     """
     nodes = ['/talker'] if answered is not None else []
     last = (
@@ -50,7 +50,7 @@ class TestThreads:
 
     @pytest.mark.parametrize('reason', ['complete', 'cpu_limit'])
     def test_exception_in_the_thread_that_spins_is_reported_with_its_line(self, reason):
-        """No callback is blamed for not ending."""
+        """No callback is blamed for never returning."""
         found = why_silent(run(reason=reason, stderr=died(), code=LOOPS))
 
         assert found.cause_id == 'exception'
@@ -67,7 +67,7 @@ class TestThreads:
         assert 'The type String has no field dat' in found.text
 
     def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
-        """The thread may be the one that spins; the end of a helper explains nothing."""
+        """The thread may have spun the node; if the node answers, it was only a helper."""
         helper = died(frames='')
 
         never = why_silent(run(stderr=helper, code=''))
@@ -77,7 +77,7 @@ class TestThreads:
         assert served is None
 
     def test_thread_that_ends_before_it_has_a_node_is_reported(self):
-        """The cause is not a loop that keeps main() from creating a node."""
+        """The cause is the exception, not a loop that keeps main() from creating a node."""
         found = why_no_node(run(stderr=died(frames=''), answered=None), '/talker')
 
         assert found.cause_id == 'exception'
@@ -90,7 +90,7 @@ class TestThreads:
         assert found.cause_id == 'blocked'
 
     def test_words_of_an_exception_do_not_show_what_was_sent(self):
-        """The message of an exception could show hidden inputs."""
+        """The message of an exception could reveal hidden inputs."""
         sent = {'event': 'input', 'index': 0, 'data': {'data': 47.25}}
         error = 'ValueError: 47.25 is too much'
 
@@ -111,7 +111,7 @@ class TestSleep:
     """A pause in a callback stops the node."""
 
     def test_long_pause_explains_a_node_that_does_not_answer(self):
-        """The cause names the line of the pause, and no loop."""
+        """The cause names the line of the pause and mentions no loop."""
         found = why_silent(run())
 
         assert found.cause_id == 'sleeps_in_callback'

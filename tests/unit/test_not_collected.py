@@ -33,7 +33,7 @@ PDF = 'no notebook, only essay.pdf'
 
 
 def kept(layout):
-    """Return the students, assignments and reasons that are saved."""
+    """Return the saved students, assignments and reasons."""
     return [(one.student, one.assignment, one.why) for one in read_not_collected(layout)]
 
 
@@ -49,7 +49,7 @@ def test_pdf_and_wrong_lesson_are_kept(tmp_path, layout):
 
 
 def test_entry_goes_when_something_of_the_student_arrives(tmp_path, layout):
-    """The other work may be collected, or put there by hand."""
+    """The new work may be collected, or copied to the folder by hand."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     later = {'diaz_1004_56004_talk.ipynb': GOOD, 'berg_1002_56002_talk.ipynb': GOOD}
     collect(packed(tmp_path / 'later.zip', later), layout, layout.submitted)
@@ -87,7 +87,7 @@ def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
 
 @pytest.mark.parametrize('damage', [b'', b'{', b'{"a": 1}', b'[1]', b'[{"student": 1}]'])
 def test_damaged_list_is_empty_and_can_be_written(damage, layout):
-    """A damaged list counts as empty, so that it stops nothing."""
+    """A damaged list counts as empty, so that it does not prevent grading."""
     layout.work.mkdir(parents=True)
     layout.not_collected.write_bytes(damage)
 
@@ -101,7 +101,7 @@ class TestShown:
 
     @pytest.fixture
     def missing(self, layout):
-        """Return two deliveries, one with a name and with markup in it."""
+        """Return two deliveries, one of them with a name that contains markup."""
         save_not_collected(
             layout,
             [

@@ -20,7 +20,7 @@ def calm(monkeypatch):
 
 
 def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor():
-    """A child that has ended changes nothing."""
+    """A process that has already ended causes no error."""
     begin = 'import sys, threading; other = threading.Thread(target=sys.stdin.read); other.start()'
     code = f'{begin}; print("begun", flush=True); other.join(); {AFFINITY}'
     argv = [sys.executable, '-c', code]
@@ -37,7 +37,7 @@ def test_all_threads_of_a_process_and_its_children_stay_on_the_chosen_processor(
 
 
 def test_runs_side_by_side_share_the_processors_evenly():
-    """With twice as many runs as processors, each has two."""
+    """With twice as many runs as processors, each processor has two."""
     allowed = sorted(os.sched_getaffinity(0))
     together, chosen = Barrier(2 * len(allowed)), []
 
@@ -55,7 +55,7 @@ def test_runs_side_by_side_share_the_processors_evenly():
 
 
 def test_on_a_busy_machine_the_system_chooses_the_processor(monkeypatch):
-    """No processor is idle then, so staying on one gains nothing."""
+    """If no processor is idle, staying on one gains nothing."""
     allowed = os.sched_getaffinity(0)
     monkeypatch.setattr(module, 'ready_to_run', lambda: BUSY * len(allowed) + 1)
     with one_processor() as chosen:

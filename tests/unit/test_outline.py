@@ -68,7 +68,7 @@ def test_exercises_belong_to_the_part_above_them(lesson):
 
 
 def test_lessons_are_in_the_order_of_their_numbers(lesson, tmp_path):
-    """A notebook next to their folders is not a lesson, and neither is JupyterLab's copy of it."""
+    """A notebook next to the lessons' folders is not a lesson, nor is its checkpoint copy."""
     for name in (
         'START_HERE.ipynb',
         '.ipynb_checkpoints/START_HERE-checkpoint.ipynb',

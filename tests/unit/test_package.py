@@ -1,4 +1,4 @@
-"""Packages are read safely and completely, or refused, as a folder, a script or a zip."""
+"""Folders, scripts and zips are read safely and completely, or refused."""
 
 import stat
 import struct
@@ -36,10 +36,10 @@ PACKAGE = [
 
 
 class TestWhatIsTakenIn:
-    """The three forms give the same files with the same names."""
+    """A folder, a script and a zip give the same files with the same names."""
 
     def test_a_zip_and_its_folder_are_the_same(self, tmp_path):
-        """The folder around the package has no meaning."""
+        """The name of the folder around the package does not matter."""
         folder = tmp_path / 'anything'
         for name, text in PACKAGE:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -64,7 +64,7 @@ class TestWhatIsTakenIn:
         assert read_upload(tmp_path / 'talker.py') == {'talker.py': 'x = 1'}
 
     def test_what_tools_make_is_left_out(self, tmp_path):
-        """Builds, caches, version control and files of macOS are left out."""
+        """Builds, caches, version control files and files of macOS are left out."""
         extra = [
             ('my_pkg/build/a.py', 'x'),
             ('my_pkg/.git/config.txt', 'x'),
@@ -147,7 +147,7 @@ class TestWhatAZipMayNotHold:
             read_upload(path)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
-        """The bytes are counted while a zip bomb is read, which is a thousand times smaller."""
+        """The unpacked bytes are counted, because a zip bomb is a thousand times smaller."""
         monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(file_bytes=1 << 16))
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
@@ -175,7 +175,7 @@ class TestWhatAZipMayNotHold:
             read_upload(zip_of(tmp_path / 'a.zip', many))
 
     def test_so_is_the_number_of_files(self, tmp_path):
-        """The number of entries is limited, and the number of files in a package."""
+        """The number of entries in a zip and the number of files in a package are limited."""
         many = [(f'a{number}.py', '') for number in range(package.MOST_FILES + 1)]
         with pytest.raises(UnusableUploadError, match=f'more than {package.MOST_FILES}'):
             read_upload(zip_of(tmp_path / 'a.zip', many))
@@ -210,16 +210,16 @@ class TestWhatAZipMayNotHold:
 
 
 class TestNodeFiles:
-    """Exams know a node by the file of its executable."""
+    """Exams identify a node by the file name of its executable."""
 
     def test_a_module_of_that_name_is_found_in_its_package(self):
-        """The file in the package stays, so that other modules can import it."""
+        """The file in the package is kept, so that other modules can import it."""
         files = {'pkg/talker.py': 'node', 'test/talker.py': 'test', 'launch/talker.py': 'launch'}
 
         assert with_node_files(files, ['talker.py']) == {**files, 'talker.py': 'node'}
 
     def test_an_entry_point_names_another_module(self):
-        """The entry point in setup.py names a module."""
+        """The module that the entry point in setup.py names is used."""
         files = {'setup.py': "'talker = pkg.node_one:main',", 'pkg/node_one.py': 'node'}
 
         assert with_node_files(files, ['talker.py'])['talker.py'] == 'node'
@@ -247,7 +247,7 @@ class TestNodeFiles:
         assert with_node_files(files, ['talker.py']) == files
 
     def test_an_entry_point_may_call_another_function(self):
-        """The file is then the one that ROS would write for the entry point."""
+        """The file then calls this function, like the script that a build installs."""
         files = {'setup.cfg': 'talker = pkg.node_one:start\n', 'pkg/node_one.py': 'node'}
 
         text = with_node_files(files, ['talker.py'])['talker.py']
@@ -261,13 +261,13 @@ class TestNodeFiles:
         assert with_node_files(files, ['talker.py']) == files
 
     def test_without_a_package_file_the_only_folder_is_the_package(self):
-        """Beginners hand in nodes without a package.xml."""
+        """Beginners may hand in nodes without a package.xml."""
         assert in_package({'my/a.py': '1', 'my/b.py': '2'}, 'x') == {'a.py': '1', 'b.py': '2'}
         assert in_package({'my/a.py': '1', 'b.py': '2'}, 'x') == {'my/a.py': '1', 'b.py': '2'}
 
 
 def test_nodes_of_the_inner_folder_and_of_the_top_have_the_same_names(tmp_path):
-    """The exams know a node by its file name."""
+    """The exams identify a node by its file name."""
     for name in ('msg/A.msg', 'package.xml', 'CMakeLists.txt', 'pkg/talker.py', 'listener.py'):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(name)
@@ -303,14 +303,14 @@ def test_link_is_refused_with_its_name(tmp_path, target):
 
 
 def test_odd_bytes_are_replaced(tmp_path):
-    """The compiler then reports the mistake."""
+    """If the bytes are a mistake, the build or the run reports it."""
     (tmp_path / 'a.py').write_bytes(b'x = "\xff"')
 
     assert read_package(tmp_path) == {'a.py': 'x = "\ufffd"'}
 
 
 def test_an_exam_gets_no_nodes_of_other_exercises():
-    """Grading does the same, editing a node repeats no build, and one file has clear lines."""
+    """So editing a node repeats no build, as in grading, and line numbers are unambiguous."""
     files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
     other = {'temp_subscriber.py': 'another node'}
     message = catalog.load('temperature_message', hidden=False)

@@ -1,4 +1,4 @@
-"""Reports are complete, readable without colour, and inert whatever a student wrote."""
+"""Reports are complete, readable without colour, and harmless, whatever a student wrote."""
 
 from dataclasses import replace
 import io
@@ -40,7 +40,7 @@ def submission(student='ann', checks=None, **more):
 
 
 def read(path):
-    """Return the parts of a page."""
+    """Return a parsed page."""
     return BeautifulSoup(path.read_text(encoding='utf-8'), 'html.parser')
 
 
@@ -51,7 +51,7 @@ def links_of(path):
 
 class TestPages:
     def test_a_failed_check_says_all_five_things(self, tmp_path):
-        """The facts are expected, observed, cause, what to try and where to read."""
+        """The page shows expected and observed values, cause, advice and the section to read."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -59,7 +59,7 @@ class TestPages:
             assert part in text
 
     def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
-        """A check that was not run names the one it waits for."""
+        """A check that was not run names the check for which it waits."""
         write_reports(tmp_path, '01_talker', [submission()])
 
         text = read(tmp_path / '01_talker' / page_name('ann')).text
@@ -97,7 +97,7 @@ class TestPages:
             assert '\x1b' not in path.read_text(encoding='utf-8')
 
     def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
-        """So the pages can be sent by e-mail."""
+        """The pages can therefore be sent by e-mail."""
         index = write_reports(tmp_path, '01_talker', [submission(), submission('../b c')])
 
         links = links_of(index)
@@ -108,7 +108,7 @@ class TestPages:
         assert links_of(index.parent / links[0]) == []
 
     def test_a_fault_of_ours_is_no_zero(self, tmp_path):
-        """Neither page shows points."""
+        """Neither the index nor the student's page shows points."""
         index = write_reports(tmp_path, '01_talker', [submission(fault='probe broke')])
 
         assert 'for review' in read(index).text
@@ -132,7 +132,7 @@ class TestPages:
         assert 'Example' not in read(index.parent / page_name('ann')).text
 
     def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
-        """Every other command reads the results first."""
+        """Other commands need the results, so they are saved before the pages."""
 
         def stop(*_):
             raise KeyboardInterrupt
@@ -146,7 +146,7 @@ class TestPages:
         assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
-        """Other programs read the results."""
+        """Other programs can read the results file."""
         index = write_reports(tmp_path, '01_talker', [submission()])
 
         data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
@@ -202,7 +202,7 @@ class TestTable:
         assert 'a typo' in line
 
     def test_flags_come_below(self):
-        """Flags are for the instructor."""
+        """Flags are for the instructor, so they are below the table."""
         assert 'flag: ann: odd' in self.printed(submission()).splitlines()[-1]
 
     def test_hostile_words_do_not_steer_the_terminal(self):
@@ -222,7 +222,7 @@ class TestTable:
 
 class TestWords:
     def test_the_text_of_an_exam_has_a_line_for_each_fact(self):
-        """The text goes into the notebook's check cell."""
+        """The text is shown below the notebook's check cell."""
         lines = exam_text(submission().exams[0]).splitlines()
 
         assert lines[0] == '2 of 6 points'
@@ -247,7 +247,7 @@ class TestWords:
         assert headline(submission(fault='broken')) == 'broken'
 
     def test_headline_is_the_cause_that_costs_most_points(self):
-        """Points of checks that wait for a failed one count for its cause, in all exams."""
+        """Points of checks that wait for a failed check count towards its cause, in all exams."""
         wrong_id = CheckResult('id', 'T', Verdict.FAILED, 0, 1, cause='Another id.', cause_id='a')
         checks = (wrong_id, failing(cause='A wrong name.'), WAITING)
         cheap = (wrong_id, replace(failing(), points=2.5))
@@ -277,7 +277,7 @@ class TestWords:
 
 
 def test_repeated_ids_get_a_number_that_is_free():
-    """Links lead to the first; text that looks like an id is unchanged."""
+    """The first element keeps its id; text that looks like an id is unchanged."""
     page = '<h3 id="a">x</h3><h3 class="b" id="a">id="a"</h3><p id="a-2"></p><h3 id="a"></h3>'
 
     assert with_unique_ids(page) == (

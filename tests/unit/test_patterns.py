@@ -74,7 +74,7 @@ def test_pattern_is_named_if_all_answers_fit_it(came, cause_id):
 
 
 def test_answer_without_an_expected_one_is_no_pattern():
-    """Messages come at the wrong inputs, so the cause is not a missing answer."""
+    """Answers follow the wrong inputs, so the cause is not a missing answer."""
     assert why_pattern([1, 0, 1, 1], [1, 1, 0, 0]) is None
 
 
@@ -90,7 +90,7 @@ def test_answer_without_an_expected_one_is_no_pattern():
     ids=str,
 )
 def test_burst_shows_which_messages_are_answered(came, cause_id):
-    """Only the first: the node was busy. Some first ones: a queue was full. Otherwise, a depth."""
+    """First only: the node was busy. First few: a queue was full. Last ones: a small depth."""
     asked = Specification('abcd', each(lambda one: (one,)), burst=4)
 
     found = why_burst_cut(asked, came)
@@ -99,7 +99,7 @@ def test_burst_shows_which_messages_are_answered(came, cause_id):
 
 
 def test_part_of_a_burst_is_not_taken_for_a_depth():
-    """Neither the first message nor the last ones are answered."""
+    """Neither the first nor the last message is answered."""
     asked = Specification('abcd', each(lambda one: (one,)), burst=4)
 
     assert why_other_answer(asked, [('b', 'c')], 0).cause_id == 'misses_some'
@@ -117,7 +117,7 @@ def test_part_of_a_burst_is_not_taken_for_a_depth():
     ids=['at once', 'again later', 'last only', 'one at once', 'last only, always late'],
 )
 def test_delay_of_an_answer_shows_a_timer(late_s, came, says):
-    """A callback answers at once, a timer only when it ticks."""
+    """A callback answers at once, a timer only at its next tick."""
     asked = Specification('abc', each(lambda one: (one,)), burst=2)
     place = int(len(came[0]) == 1)
 
@@ -125,7 +125,7 @@ def test_delay_of_an_answer_shows_a_timer(late_s, came, says):
 
 
 def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
-    """A run that ended early, and an exam with a slow callback, show none."""
+    """A run that ended early, and an exam with a slow callback, give no delays."""
     asked = Specification('abc', each(lambda one: (one,)), burst=2)
     sent = [at(clock, 'input', index=place) for place, clock in enumerate((1.0, 3.0, 3.5))]
     answers = [message(1.25, after_input=0), message(4.0, after_input=2)]
@@ -140,7 +140,7 @@ def test_delays_are_counted_from_the_input_or_the_end_of_a_burst():
 
 
 def test_count_that_goes_back_is_reported_with_what_else_happened():
-    """The cause mentions that a subscription joined between the two messages."""
+    """The cause mentions that a subscription connected between the two messages."""
     found = [message(clock) for clock in (1.0, 2.0, 3.0)]
     run = run_of(*found, at(2.6, 'joined', matched=True))
     texts = ['hello 1', 'hello 2', 'hello 1']
@@ -220,7 +220,7 @@ def test_what_disturbs_a_rhythm_is_reported(clocks, others, cause_id):
     ids=['every second', 'uneven', 'each'],
 )
 def test_second_message_that_comes_evenly_has_its_period(clocks, text):
-    """No number is given if the moments with several messages have no rhythm."""
+    """No number is given if the double messages are irregular, or come in each period."""
     found = [message(clock) for clock in clocks]
 
     assert why(rhythm.require_period, run_of(), found, 1.0, 4.0).text.endswith(text)
@@ -228,7 +228,7 @@ def test_second_message_that_comes_evenly_has_its_period(clocks, text):
 
 @pytest.mark.parametrize('code', ['next(self.texts, None)', 'next(self.numbers)'])
 def test_iterator_that_ends_is_the_cause_if_its_end_is_expected(code):
-    """Without a second argument, the end of an iterator is an exception."""
+    """Without a second argument, next() raises an exception at the end of an iterator."""
     found = [message(clock) for clock in (1, 2, 3, 4)]
     run = run_of(code=code)
 
@@ -297,14 +297,14 @@ class TestHeartbeat:
     quiet = tuple(message(half / 2) for half in range(1, 7))
 
     def test_lock_that_both_callbacks_take_is_named(self):
-        """More threads would not help."""
+        """More threads would not help, because both callbacks need the lock."""
         code = 'MultiThreadedExecutor()\nReentrantCallbackGroup()\nlock = threading.Lock()\n'
         run = run_of(*self.quiet, message(4.4, '/results'), message(4.4), code=code)
 
         assert inspector.why_starved(run).cause_id == 'waits_for_lock'
 
     def test_pictures_that_wait_may_use_up_the_threads(self):
-        """A single picture delays nothing; with one thread, the timer waits as always."""
+        """A single picture delays nothing; with one thread, the timer waits for each picture."""
         sent = [at(clock, 'input', index=place) for place, clock in enumerate((3.2, 5.7, 5.7))]
         beats = [message(half / 2) for half in (7, 8, 9, 10, 11, 14, 15)]
         results = [message(clock, '/results') for clock in (4.4, 6.9, 8.1)]
@@ -322,7 +322,7 @@ class TestHeartbeat:
     ('period_s', 'cause'), [(0.1, 'its checks become rarer'), (5.0, 'waits for something else')]
 )
 def test_late_parcel_is_blamed_on_what_the_code_has(period_s, cause):
-    """If a node checks often, the cause of the delay is different."""
+    """If a node already checks often, the cause of the delay is different."""
     run = run_of(code=f'self.create_timer({period_s}, self.look)\n')
 
     assert cause in courier._why_late(run, 3.0).text
@@ -347,7 +347,7 @@ class TestSensor:
         ('early_s', 'cause_id'), [(1.3, 'own_watchdog'), (1.0, 'warns_of_something_else')]
     )
     def test_watchdog_that_runs_from_the_start_is_reported(self, early_s, cause_id):
-        """A line at the moment of an offer refers to the offer."""
+        """A line at the moment of an offer concerns the offer."""
         offer = at(1.0, 'offered', publisher='weak', matched=False, refused=['DEADLINE'])
         silence = at(5.0, 'mark', name='silence')
 
@@ -356,7 +356,7 @@ class TestSensor:
         assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
 
     def test_refusals_that_are_counted_from_the_start_are_reported(self):
-        """The second publisher causes two lines, the first one caused one."""
+        """The second refused publisher causes two lines, the first one only one."""
         events = []
         for place, name in enumerate(sensor_watch.LAZY):
             begun = 2.0 * place
@@ -382,7 +382,7 @@ class TestManaged:
         return at(1.0, 'graph', when=when, nodes=['/beacon'], endpoints=list(endpoints))
 
     def test_second_configuration_that_creates_nothing_is_reported(self):
-        """A flag in the node stays set."""
+        """A flag in the node remains set after the cleanup."""
         seen = [self.graph('configured', BEACON), self.graph('configured again')]
         run = run_of(*seen, facts=managed_beacon.exam.facts)
 
@@ -397,7 +397,7 @@ class TestManaged:
         assert why(managed_beacon.publishes_while_active, run).cause_id == 'sent_later'
 
     def test_limit_that_is_rounded_in_the_line_is_reported(self):
-        """The line does contain a limit, so the cause is not a missing limit."""
+        """The line contains a limit, so the cause is not a missing limit."""
         answer = {'data': {'results': [{'successful': True}]}}
         refused = (-1.0, 0.0, -212.45)
         facts = {'refusals': shown(refused, lambda limit: (limit,))}
@@ -411,7 +411,7 @@ class TestManaged:
 
 
 def test_map_that_is_published_for_each_newcomer_is_reported():
-    """The map arrives at the moment at which the late subscription joins."""
+    """The map arrives at the moment at which the late subscription connects."""
     asked = replace(map_server.exam.asks['maps'], inputs=('hall', 'yard'))
     events = []
     for place, text in enumerate(asked.inputs):
@@ -436,7 +436,7 @@ def test_map_that_is_published_for_each_newcomer_is_reported():
     ],
 )
 def test_first_map_for_a_newcomer_is_distinguished_from_a_late_one(code, cause_id):
-    """Of a map that is published again for each subscription, only the last copy is kept."""
+    """If a map is published again for each subscription, only the last copy is stored."""
     assert (
         closest(Code(run_of(code=code).files), map_server.WHY['first_map_late']).cause_id
         == cause_id
@@ -448,7 +448,7 @@ def test_first_map_for_a_newcomer_is_distinguished_from_a_late_one(code, cause_i
     [('', False, 'no_reason'), ('too high', True, 'looks_at_one')],
 )
 def test_limit_keeper_gives_a_reason_for_each_refusal(reason, together, cause_id):
-    """The limit need not be the first parameter of a call."""
+    """One call may set several parameters, and the limit need not be the first one."""
     asked = limit_keeper.exam.asks['changes']
     answers = [
         at(1.0, 'answer', service=limit_keeper.SERVICE, data={'results': [given]})

@@ -1,9 +1,9 @@
 """
-Check that no text makes a regular expression of the grader slow.
+Check that no string makes a regular expression of the grader slow.
 
-Students choose the texts that the grader searches, and it searches them in its own process.  The
-tests try each pattern that is a single string in a call of ``re`` or in the tables of mistakes on
-texts at which a search starts again at each letter.
+Students choose the strings that the grader searches in its own process.  The tests take each
+pattern that is a single string in a call of ``re`` or in the tables of mistakes, and try it on
+strings in which a search starts again at each letter.
 """
 
 import ast
@@ -23,7 +23,7 @@ PIECES = (*' \n\ta_0(["\'=./\\{<;:', 'a ', 'a.', '- ', 'a,', ';\n', '" ')
 LENGTH = 1000
 NOTHING_S = 0.005  # a search in one pass takes a tenth of this time
 LONGER = 4
-QUADRATIC = 9.0  # ratio of times for a text four times as long: 4 in one pass, otherwise 16
+QUADRATIC = 9.0  # ratio of times for a string four times as long: 4 in one pass, otherwise 16
 
 
 def written_patterns() -> Iterator[tuple[str, re.Pattern[str], str]]:
@@ -72,7 +72,7 @@ def flags(call: ast.Call) -> int:
 
 
 def hostile(pattern: str, length: int) -> Iterator[str]:
-    """Yield texts that repeat one piece, alone and after words of the pattern."""
+    """Yield strings that repeat one piece, alone and after words of the pattern."""
     plain = re.sub(r'\\[a-zA-Z]|\?P<\w+>', ' ', pattern)
     words = list(dict.fromkeys(re.findall('[A-Za-z_]{2,}', plain)))[:6]
     heads = ('', 'def main', 'x = ', '"', '(', 'File "/', *words)
@@ -86,7 +86,7 @@ def hostile(pattern: str, length: int) -> Iterator[str]:
 
 
 def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
-    """Return the least processor time of some searches."""
+    """Return the lowest processor time of some searches."""
     times = []
     for _ in range(7):
         began = time.process_time()
@@ -98,7 +98,7 @@ def seconds_of(pattern: re.Pattern[str], method: str, text: str) -> float:
 
 
 def slow_text(pattern: re.Pattern[str], method: str) -> str | None:
-    """Return a text for which the time grows faster than its length."""
+    """Return a string for which the time grows faster than its length."""
     pairs = zip(hostile(pattern.pattern, LENGTH), hostile(pattern.pattern, LONGER * LENGTH))
     for text, longer in pairs:
         seconds = seconds_of(pattern, method, longer)
@@ -132,7 +132,7 @@ def test_the_search_finds_what_it_is_for(code):
 
 
 def test_a_pattern_that_is_matched_at_the_beginning_only_is_no_search():
-    """Such a match starts only once."""
+    """A match starts only once, unlike a search."""
     ((_, pattern, method),) = patterns_in(
         ast.parse(r"WORD = re.compile(r'\w+Error: ')" + '\nWORD.match(text)')
     )

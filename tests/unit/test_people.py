@@ -35,7 +35,7 @@ def test_names_of_what_was_taken_are_kept(tmp_path, layout):
 
 
 def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
-    """Most names of Moodle are ids already."""
+    """Most names in Moodle already are valid ids."""
     place = '{}_assignsubmission_file/talk.ipynb'
     files = {place.format(who): GOOD for who in ("Bo O'Neil_1", 'Ann_2')}
 
@@ -45,7 +45,7 @@ def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
 
 
 def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
-    """A dry run, and one without news, leave the file unchanged."""
+    """A dry run, and a run without new names, leave the file unchanged."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
     assert not layout.people.exists()
@@ -86,7 +86,7 @@ def test_names_are_text_of_one_line(layout):
     ],
 )
 def test_a_damaged_file_is_no_trouble(data, known, layout):
-    """The next names replace a damaged file."""
+    """Valid names in a damaged file are kept, and the next names are added."""
     layout.work.mkdir(parents=True)
     layout.people.write_bytes(data)
     assert read_people(layout) == known
@@ -109,14 +109,14 @@ def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
     [('1001', '1001'), ('Ann Lee', '1001'), ('  ann   LEE ', '1001'), ('Bo', 'Bo')],
 )
 def test_student_is_found_by_id_or_name(name, student, layout):
-    """Capitals and spaces do not count, and an id comes before a name."""
+    """Capitals and spaces do not matter, and an id takes precedence over a name."""
     save_people(layout, {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'})
 
     assert student_named(layout, name, {'1001', '1002', 'Bo'}) == student
 
 
 def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layout):
-    """The message lists the ids; only the given students count."""
+    """The message lists the ids; only the given students are searched."""
     save_people(layout, {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'})
     students = {'1001', '1002', '1003'}
 

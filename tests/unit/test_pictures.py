@@ -1,4 +1,4 @@
-"""The pictures of the documentation are screenshots that a test takes."""
+"""The pictures in the documentation are screenshots that a test takes."""
 
 import re
 
@@ -8,7 +8,7 @@ MAX_BYTES = 150_000
 
 
 def test_every_picture_shown_is_one_that_the_test_of_the_hub_takes():
-    """A picture that no test takes would become old."""
+    """A picture that no test takes would become outdated."""
     pages = [ROOT / 'README.md', *ROOT.glob('docs/*.md')]
     shown = {
         page.parent / name

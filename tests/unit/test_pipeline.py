@@ -1,4 +1,4 @@
-"""A class in a pool: each submission gets its own result, whatever happens to others."""
+"""Grade a class in parallel: each submission gets its own result, whatever others do."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,13 +34,13 @@ class FakeExam:
 
 
 class FakeEngine:
-    """Gives a point for the word "right", and raises for some words."""
+    """Gives a point for the word "right", and raises an error for some other words."""
 
     def __init__(self):
         self.threads = set()
 
     def run(self, exam, files):
-        """Return a result that depends on the words."""
+        """Return a result that depends on the words in the files."""
         self.threads.add(threading.current_thread().name)
         text = ''.join(files.values())
         if 'probe' in text and exam.name == 'first':
@@ -82,7 +82,7 @@ def test_results_come_in_the_order_of_the_submissions():
 
 @pytest.mark.parametrize('word', ['probe', 'bug'])
 def test_our_own_fault_is_for_review_and_stops_nobody(word):
-    """A submission for review has no points, and the others have theirs."""
+    """A submission for review has no points, and the other submissions have theirs."""
     class_ = [handed_in('ann', 'right'), handed_in('bob', word), handed_in('cho', 'wrong')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -92,7 +92,7 @@ def test_our_own_fault_is_for_review_and_stops_nobody(word):
 
 
 def test_a_broken_file_is_zero_with_the_reason():
-    """The exams say which file is missing."""
+    """The headline says why the file cannot be read."""
     class_ = [Submission('ann', Path('x'), b'nonsense'), handed_in('bob', 'right')]
 
     graded = grade_class(class_, LESSON, FakeEngine(), jobs=2)
@@ -102,7 +102,7 @@ def test_a_broken_file_is_zero_with_the_reason():
 
 
 def test_progress_is_reported_for_each_exam_of_each_student():
-    """Two exams of three students, of whom two have the same answer, are reported."""
+    """Two exams of three students are reported, although two students share an answer."""
     done = []
     class_ = [handed_in('ann', 'right'), handed_in('bob', 'right'), handed_in('cho', 'bug')]
 

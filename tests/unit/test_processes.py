@@ -10,7 +10,7 @@ import pytest
 
 from autograder.sandboxes.processes import family, running, states, used_ns
 
-# Each program prints a word when its threads have started.
+# Each program prints x when its threads and child processes are set up.
 SLEEPS = "import threading; print('x', flush=True); threading.Event().wait()"
 COMPUTES = "print('x', flush=True)\nwhile True: pass"
 THREADS = f"""
@@ -38,7 +38,7 @@ os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
 
 @contextmanager
 def started(program):
-    """Yield a program that has printed its first word."""
+    """Yield a program that has printed x."""
     argv = [sys.executable, '-c', program]
     with subprocess.Popen(argv, stdout=subprocess.PIPE, start_new_session=True) as process:
         try:
@@ -66,7 +66,7 @@ def test_threads_that_wait_are_asleep(program, threads):
 
 @pytest.mark.timeout(60)
 def test_a_program_that_computes_is_seen_in_its_parent():
-    """The threads and the processor time of a child count for its parent."""
+    """A child's threads and CPU time count towards its parent's."""
     with started(CHILD) as process:
         before = used_ns(process.pid)
 

@@ -1,4 +1,4 @@
-"""Progress: totals, one changing line on a terminal, and lines in a log."""
+"""Progress of a grading run: totals, one changing line on a terminal, lines in a log."""
 
 from collections import Counter
 import io
@@ -15,7 +15,7 @@ from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdic
 
 
 def done(points: float) -> ExamResult:
-    """Return a run with this many of two points."""
+    """Return a result with this many of two points."""
     return ExamResult('e', (CheckResult('c', 'C.', Verdict.PASSED, points, 2),))
 
 
@@ -33,7 +33,7 @@ def test_full_marks_less_and_reviews_are_counted():
     [(True, '', True), (True, 'false', True), (True, 'true', False), (False, '', False)],
 )
 def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monkeypatch):
-    """In a log, every state of the line would remain."""
+    """In a log, each state of the line would be a separate line."""
     monkeypatch.setenv('CI', variable)
 
     assert is_alive(Console(file=io.StringIO(), force_terminal=terminal)) is alive
@@ -57,7 +57,7 @@ def test_a_line_in_a_log_has_counts_and_the_time_left():
 
 def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
     class Log(io.StringIO):
-        """Notices the second line."""
+        """Sets an event when the second line is written."""
 
         second = threading.Event()
 
@@ -75,7 +75,7 @@ def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
 
 
 def test_the_summary_names_who_took_longest_over_all_exams():
-    """Equal files share a recording and its time, so the first student by name is named."""
+    """Equal files share a recording and its duration, so the first student by name is named."""
 
     def took(student: str, *seconds: float) -> SubmissionResult:
         exams = (ExamResult('e', (), timing={'kept_run_s': one}) for one in seconds)

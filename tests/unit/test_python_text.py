@@ -1,4 +1,4 @@
-"""Learners' Python is read by several threads at once."""
+"""Several threads can parse learners' Python at once."""
 
 import ast
 from concurrent.futures import ThreadPoolExecutor
@@ -14,7 +14,7 @@ DEEP = '-' * 900 + '1'
 
 
 def let_others_run(*_):
-    """Release the interpreter lock in the middle of a tree."""
+    """Release the interpreter lock while a tree is being built."""
     time.sleep(0.0005)
 
 
@@ -30,7 +30,7 @@ def crowded():
 
 
 def kind_of(text):
-    """Return the outcome of parsing a text."""
+    """Return the type of a parsed string, or 'none'."""
     try:
         return type(parsed(text, 'eval')).__name__
     except NotPythonError:
@@ -41,7 +41,7 @@ def kind_of(text):
 @pytest.mark.usefixtures('crowded')
 @pytest.mark.slow
 def test_threads_do_not_disturb_one_another():
-    """Python 3.11.2 gives up with a SystemError if two trees are made at once."""
+    """Python 3.11.2 raises a SystemError if two threads parse at once."""
     texts = [WIDE, DEEP] * 20
 
     with ThreadPoolExecutor(4) as pool:
@@ -59,6 +59,6 @@ def test_what_is_no_python_says_so(text):
 
 
 def test_odd_escapes_are_no_warning(recwarn):
-    """Odd escapes are the learner's mistake, not the grader's."""
+    """An invalid escape is the learner's mistake, not the grader's."""
     assert isinstance(parsed(r"x = '\d'"), ast.Module)
     assert not recwarn.list

@@ -1,4 +1,4 @@
-"""Causes that no sample submission has, tested on handmade recordings."""
+"""Causes that occur in no sample submission, tested on handmade recordings."""
 
 from dataclasses import replace
 
@@ -63,7 +63,7 @@ def test_message_type_that_builds_and_is_another_one():
 
 
 def test_burst_of_which_a_part_is_lost_is_recognised():
-    """Single readings are logged, but only some readings of a burst."""
+    """The node logs single readings, but only some readings of a burst."""
     burst = (Reading(31.0, 'one at once'), Reading(32.0, 'another at once'))
     line = {'event': 'log', 'name': 'temperature_subscriber', 'level': 20, 'text': '31.0'}
     run = Run({}, Recording({}, (graph(['/n']), line, *ENDS)), {})
@@ -109,7 +109,7 @@ def test_first_map_is_there_before_the_node_is_seen(sent_s, cause_id):
 def test_warning_of_silence_does_not_come_instead_of_a_distance(
     level, text, printed, code, cause_id
 ):
-    """The warning is correct, whatever is wrong with the line that shows the number."""
+    """The warning is correct, whatever is wrong with the line for the distance."""
     line = {'event': 'log', 'name': 'sensor_watch', 'after_input': 0, 'clock_ns': None}
     silence = {**line, 'level': WARN, 'text': 'No distance in time (1 misses)'}
     logged = [{**line, 'level': level, 'text': text}] if level else []
@@ -123,7 +123,7 @@ def test_warning_of_silence_does_not_come_instead_of_a_distance(
 
 
 def warming(values, code=''):
-    """Return a run of a thermometer that sent these values, all of them in one second."""
+    """Return a run of a thermometer that published all these values at the same moment."""
     sent = [
         {
             'event': 'message',
@@ -138,7 +138,7 @@ def warming(values, code=''):
 
 
 def test_formula_is_not_blamed_for_a_flood():
-    """Only the values for the expected readings count."""
+    """Surplus readings are not judged: only the first ones, one per second, count."""
     temperature_publisher.readings_are_plausible(warming(range(20, 220)))
 
     found = why(temperature_publisher.readings_are_plausible, warming(range(110, 130)))
@@ -149,7 +149,7 @@ def test_formula_is_not_blamed_for_a_flood():
     ('line', 'cause_id'), [('random.seed(7)', 'seeded_each_time'), ('pass', 'constant')]
 )
 def test_seed_in_the_callback_is_reported(line, cause_id):
-    """The callback computes the value, but it is the same every time."""
+    """The callback draws the value again, but with the same seed every time."""
     code = f'self.create_timer(1.0, self.tick)\ndef tick(self):\n    {line}\n'
     run = warming([20.5] * 10, code)
 
@@ -158,7 +158,7 @@ def test_seed_in_the_callback_is_reported(line, cause_id):
 
 
 class TestCausesOfBlindPrograms:
-    """Mistakes found only in programs whose authors did not know the exams."""
+    """Mistakes that were found in programs whose authors did not know the exams."""
 
     @pytest.mark.parametrize(
         ('numbers', 'values', 'names', 'check', 'cause_id'),
@@ -189,7 +189,7 @@ class TestCausesOfBlindPrograms:
     def test_reader_is_told_which_of_its_messages_are_wrong(
         self, numbers, values, names, check, cause_id
     ):
-        """They are those below zero, those without a description, or all that hold an int."""
+        """The cause names the messages below zero, without a description, or with any number."""
         facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
         events = [
             {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)
@@ -234,7 +234,7 @@ class TestCausesOfBlindPrograms:
         assert why(beacon.publishes_while_active, run).cause_id == 'mute_again'
 
     def test_transition_that_is_refused_the_second_time_only(self):
-        """Its callback is correct only while nothing remains from an earlier transition."""
+        """The callback fails only if something remains from an earlier transition."""
         code = 'def on_configure(self, state):\n    return self.done\n'
 
         found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
@@ -254,7 +254,7 @@ class TestCausesOfBlindPrograms:
         assert found.cause_id == cause_id
 
     def test_second_refusal_alone_is_missing(self):
-        """A flag is the cause: the event has a callback, which logs."""
+        """The event has a callback that logs, so the cause is a flag."""
         line = {'event': 'log', 'name': 'sensor_watch', 'after_input': None, 'clock_ns': 1}
         offer = {'event': 'offered', 'matched': False, 'refused': ['DEADLINE'], 'clock_ns': 1}
         events = (

@@ -50,7 +50,7 @@ class TestAnswers:
         assert [log['text'] for log in SAMPLE.logs(level=30, after_input=0)] == []
 
     def test_late_listeners_are_asked_by_name(self):
-        """Messages of a later subscription are separate from those of the first one."""
+        """Messages to a later subscription are separate from those to the first one."""
         heard = [
             {'event': 'message', 'topic': '/t', 'data': 1},
             {'event': 'message', 'topic': '/t', 'data': 2, 'listener': 'late'},
@@ -61,7 +61,7 @@ class TestAnswers:
         assert [event['data'] for event in seen.messages('/t', 'late')] == [2]
 
     def test_phase_ends_where_the_next_begins(self):
-        """A phase includes repeats of the same name; an unknown phase is empty."""
+        """A phase includes later parts with the same name; an unknown phase is empty."""
         marks = [{'event': 'mark', 'name': name} for name in ('a', 'b', 'a')]
         logs = [{'event': 'log', 'level': 20, 'text': text} for text in ('0', '1', '2', '3')]
         seen = Recording({}, [logs[0], marks[0], logs[1], marks[1], logs[2], marks[2], logs[3]])
@@ -87,7 +87,7 @@ class TestAnswers:
 
 
 class TestFile:
-    """A file is refused unless it is complete, a recording, and of this version."""
+    """A file is refused unless it is a complete recording of this version."""
 
     def test_saved_recording_loads_equal(self, tmp_path):
         path = tmp_path / 'deep' / 'r.jsonl'
@@ -112,7 +112,7 @@ class TestFile:
             Recording.load(path)
 
     def test_recording_of_an_older_format_is_refused_with_what_to_do(self):
-        """Its times are from a different clock."""
+        """The times in an older recording are from a different clock."""
         old = SAMPLE.to_bytes().replace(b'"version": 3', b'"version": 1')
 
         with pytest.raises(RecordingInvalid, match=r'of version 1\. Try: grade again'):
@@ -130,12 +130,12 @@ class TestFile:
     @settings(deadline=None)
     @given(cut=st.integers(min_value=0, max_value=len(SAMPLE.to_bytes()) - 1))
     def test_file_that_was_cut_off_anywhere_is_refused(self, cut):
-        """Even at the end of a line, where the rest is valid JSON, the cut is noticed."""
+        """Even a cut at the end of a line, after which the rest is valid JSON, is noticed."""
         with pytest.raises(RecordingInvalid):
             Recording.from_bytes(SAMPLE.to_bytes()[:cut])
 
     def test_file_whose_numbers_were_changed_is_refused(self):
-        """A change of one letter in an event is enough."""
+        """The checksum detects a change of one letter in an event."""
         changed = SAMPLE.to_bytes().replace(b'"hot"', b'"hat"')
 
         with pytest.raises(RecordingInvalid, match='checksum'):

@@ -1,8 +1,8 @@
 """
 No feedback on a hidden exam reveals the inputs that the exam has drawn.
 
-A program is played, not run: for each step of the exam's scenario, it makes a mistake, and
-above all it repeats its inputs.  Every check judges it, without waiting for other checks.
+The tests do not run a program, but imitate one: it makes a mistake in each step of the exam's
+scenario and repeats its inputs.  Every check judges it, without waiting for other checks.
 """
 
 from collections.abc import Iterator
@@ -53,12 +53,12 @@ class Program:
     """
     The mistakes of a program.
 
-    :param place: prefix of the names of its nodes and topics, in which a {} is the namespace
-    :param node_slip: suffix of the names of its nodes
-    :param topic_slip: suffix of the names of its topics
-    :param ends: whether it has publishers and subscriptions
-    :param type: type of all its endpoints, empty for the correct types
-    :param says: template of the text that it logs and publishes about an input; None for none
+    :param place: prefix of the program's node and topic names, in which {} is the namespace
+    :param node_slip: suffix of the program's node names
+    :param topic_slip: suffix of the program's topic names
+    :param ends: whether the program has publishers and subscriptions
+    :param type: type of all endpoints; empty for the correct types
+    :param says: template of the string that it logs and publishes for an input, or None
     :param died: whether an exception that contains all inputs ends the program
     """
 
@@ -138,7 +138,7 @@ class Played:
         self.note('graph', when=when, nodes=self.nodes, endpoints=ends)
 
     def ends(self) -> Iterator[dict[str, Any]]:
-        """Yield the required endpoints, with the mistakes of the program."""
+        """Yield the required endpoints, with the program's mistakes."""
         scenario, program = self.exam.scenario, self.program
         for node in self.nodes:
             for kind, topic, type_name in scenario.endpoints():
@@ -184,7 +184,7 @@ class Played:
             self.note('offered', publisher=step.name, matched=True, refused=[])
 
     def wait(self, seconds: float) -> None:
-        """Let virtual time pass."""
+        """Advance the virtual time."""
         self.clock_ns += round(seconds * 1e9)
 
     def say(self) -> None:
@@ -259,7 +259,7 @@ def test_no_text_about_a_hidden_exam_tells_what_was_drawn(name):
 
 @pytest.mark.parametrize('name', NAMES)
 def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
-    """Pictures contain names of topics too."""
+    """Pictures contain topic names too."""
     exam = catalog.load(name)
     space = namespace_of(exam.scenario).strip('/')
 
@@ -283,7 +283,7 @@ def test_no_picture_of_a_hidden_exam_shows_its_namespace(name):
     ],
 )
 def test_the_same_texts_are_concrete_where_the_inputs_are_public(name):
-    """So the test above searches for existing values; learners of visible exams see numbers."""
+    """Feedback on visible exams shows values, so the search in the test above is effective."""
     exam = alone(catalog.load(name))
     exam.hidden, exam.facts = False, {**exam.facts, 'secret': False}
 
@@ -342,7 +342,7 @@ class TestWords:
         ],
     )
     def test_feedback_speaks_of_kinds_and_relations(self, exam, program, check, words):
-        """A sentence remains complete without the hidden values."""
+        """The sentences remain complete without the hidden values."""
         texts = [
             texts_of(one)
             for name, _, one in failures(catalog.load(exam))
@@ -362,12 +362,12 @@ class TestWords:
         ids=['public', 'nothing sent', 'in the code', 'perhaps an echo'],
     )
     def test_own_words_are_quoted_unless_they_may_be_an_echo(self, facts, events, code, shown):
-        """Words in the student's code are the student's own."""
+        """Words that are in the student's code are not an echo of the inputs."""
         run = Run({'a.py': code}, Recording({}, events), facts)
 
         assert safe_quotation(run, 'a map', 'another text') == shown
 
     def test_numbers_of_a_quoted_line_are_left_out(self):
-        """They are left out only if they may be inputs."""
+        """The numbers are left out only if they may be hidden inputs."""
         assert redacted(Run({}, Recording({}, ()), {}), '16.2 m') == '16.2 m'
         assert redacted(Run({}, Recording({}, ()), {'secret': True}), '16.2 m') == '… m'

@@ -14,7 +14,7 @@ from autograder.layout import Layout
 
 @dataclass(frozen=True)
 class FakeExam:
-    """Name, cells and points."""
+    """The parts of an exam that the check of a release needs."""
 
     name: str = 'talker'
     cells: tuple[str, ...] = ('talker',)
@@ -63,7 +63,7 @@ class TestCheckCells:
         assert line.startswith('x.ipynb')
 
     def test_a_grade_id_used_twice_is_named_with_both_places(self):
-        """Ids must differ across notebooks too, because the gradebook's pages are per course."""
+        """Ids must differ across notebooks too, because one gradebook serves the whole course."""
         seen = {}
         assert list(course.repeated_ids({'cells': [ANSWER]}, 'a.ipynb', seen)) == []
 
@@ -74,7 +74,7 @@ class TestCheckCells:
 
     @pytest.mark.parametrize('kept', [{'outputs': [{'x': 1}]}, {'execution_count': 3}])
     def test_stored_outputs_are_found(self, kept):
-        """With stored outputs, every run would change the file."""
+        """If outputs were stored, every run would change the file."""
         (line,) = course.stored_outputs({'cells': [ANSWER, {**CHECK, **kept}]}, 'x.ipynb')
 
         assert line.startswith('x.ipynb, cell 2')
@@ -99,7 +99,7 @@ class TestRelease:
         return Layout(tmp_path)
 
     def test_a_course_that_does_not_fit_together_is_not_packed(self, layout, monkeypatch, capsys):
-        """The old bundle stays, and the mistakes are listed."""
+        """The old bundle is kept, and the mistakes are listed."""
         monkeypatch.setattr(course, 'check', lambda layout: ['x.ipynb: 4 points'])
         monkeypatch.setattr(course, 'pack', lambda *_: pytest.fail('It was packed.'))
 

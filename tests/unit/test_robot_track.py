@@ -11,7 +11,7 @@ from roslab.robot_track import COMMAND, DEADLINE, moved, NOT_FINITE, Pose, Track
 
 
 def driven(*commands: tuple[float, float, float], until_s: float) -> Track:
-    """Return the track after commands, each with second, speed and turn."""
+    """Return the track after commands, each with a time, a speed and a turn."""
     track = Track()
     for command in commands:
         track.obey(*command)
@@ -29,7 +29,7 @@ def test_robot_drives_as_the_last_command_says_until_another_arrives():
 
 
 def test_robot_drives_an_exact_arc():
-    """Half a circle of radius 0.5 m ends one metre to the left, looking back."""
+    """A half circle with radius 0.5 m ends one metre to the left, facing backwards."""
     track = driven((0.0, 0.5, 1.0), until_s=math.pi)
 
     assert track.pose == pytest.approx((0.0, 1.0, math.pi))
@@ -48,7 +48,7 @@ def test_track_is_the_same_however_often_it_is_asked():
 
 
 def test_wall_holds_the_robot_until_it_turns_away():
-    """Repeated commands at a wall are one contact; turning and driving on leaves the wall."""
+    """Repeated commands at a wall count as one contact; driving backwards leaves the wall."""
     held = driven((0.0, 1.0, 0.0), (6.0, 1.0, 0.0), (6.5, 1.0, 0.0), until_s=8.0)
 
     assert held.at_wall
@@ -61,7 +61,7 @@ def test_wall_holds_the_robot_until_it_turns_away():
 
 
 def test_command_that_is_not_finite_stops_the_robot():
-    """A robot must not keep the speed of a broken command."""
+    """A robot must not keep its speed after an invalid command."""
     track = driven((0.0, 0.5, 0.0), (1.0, math.nan, 0.0), until_s=5.0)
 
     assert track.pose.x == pytest.approx(0.5)
@@ -69,7 +69,7 @@ def test_command_that_is_not_finite_stops_the_robot():
 
 
 def test_picture_says_the_same_in_words_signs_and_table():
-    """All three show the received commands; consecutive equal ones are one row of the table."""
+    """All three show the received commands; equal consecutive commands share a table row."""
     track = driven((0.0, 0.5, 0.0), (0.1, 0.5, 0.0), until_s=0.1)
     track.obey(1.0, 0.0, 0.0, DEADLINE)
     track.obey(2.0, 0.0, 0.0)
@@ -92,7 +92,7 @@ def test_picture_says_the_same_in_words_signs_and_table():
 
 
 def test_picture_of_a_long_drive_stays_small():
-    """An hour with ten commands per second still gives a page of normal size."""
+    """An hour with ten commands per second still gives a small page."""
     track = Track()
     for tenth in range(36_000):
         track.obey(tenth / 10, 0.3, 0.4 if tenth % 50 else -0.4)

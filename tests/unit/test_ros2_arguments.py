@@ -64,7 +64,7 @@ def test_help_says_what_it_is(capsys):
     'words', ['the given context is not valid', "rcl node's context is invalid, at node.c:404"]
 )
 def test_command_that_a_signal_ends_prints_no_error(monkeypatch, words):
-    """The error of rcl is about the context, which the signal has shut down."""
+    """The error from rcl only says that the signal has shut down the context."""
 
     def asks_the_graph(_):
         raise RuntimeError(words)
@@ -109,7 +109,7 @@ def test_daemon_answers_honestly(capsys):
     [(None, 0, ''), (0, 0, ''), (1, 1, ''), ('Node not found', 1, 'Node not found\n')],
 )
 def test_outcome_of_a_verb_is_the_exit_code(outcome, code, words, monkeypatch, capsys):
-    """A string is an error, as in the real command."""
+    """A string is an error message, as in the real command."""
     monkeypatch.setattr(cli, 'main', lambda arguments: outcome)
 
     with pytest.raises(SystemExit) as ended:
@@ -137,7 +137,7 @@ def test_qos_options_change_their_profile():
 
 
 class Graph:
-    """A node that knows publishers by their QoS."""
+    """A node that reports publishers with these QoS profiles."""
 
     def __init__(self, *profiles):
         self.profiles = profiles
@@ -185,19 +185,19 @@ def test_fill_sets_nested_fields_arrays_and_the_time():
 
 @pytest.mark.parametrize('text', ['[1, 2]', 'seven', '{a: ', '5'])
 def test_values_that_are_no_mapping_are_refused(text):
-    """The YAML must give fields by name."""
+    """The YAML must be a mapping from field names to values."""
     with pytest.raises(RuntimeError, match='YAML'):
         topic_pub.parsed(text)
 
 
 def test_fill_unknown_field_names_it():
-    """The error is the one that Python gives for the message."""
+    """The error is the one that the message class raises."""
     with pytest.raises(AttributeError, match="'Empty' object has no attribute 'x'"):
         topic_pub.fill(Empty(), {'x': 1})
 
 
 def test_selected_walks_along_a_path():
-    """A path has nested fields and items of arrays; the error names a wrong field."""
+    """A path may contain nested fields and array items; the error names a wrong field."""
     header = Header(frame_id='map')
     header.stamp.sec = 3
 
@@ -216,7 +216,7 @@ PARTS = {
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Provide interfaces in files."""
+    """Provide interface definitions in files."""
     for name, text in PARTS.items():
         (tmp_path / name.replace('/', '-')).write_text(text)
     path = tmp_path.joinpath
@@ -224,7 +224,7 @@ def files(tmp_path, monkeypatch):
 
 
 def test_definition_puts_parts_below_their_field(files):
-    """The interface's comments stay; those of its parts are shown only on request."""
+    """The interface's comments are shown; those of its parts only on request."""
     lines = list(definition('a/msg/Whole', 'all', 'none'))
 
     assert lines == [
@@ -275,7 +275,7 @@ def new_package(build_type, node='speak'):
 
 @pytest.mark.parametrize('build_type', ['ament_cmake', 'ament_python'])
 def test_manifest_of_a_new_package_is_right(build_type):
-    """Any description gives XML that can be read, with dependencies and build type."""
+    """Any description gives valid XML, with dependencies and build type."""
     write = {'ament_cmake': pkg_files.ament_cmake_files}
     files = write.get(build_type, pkg_files.ament_python_files)(new_package(build_type))
     root = ElementTree.fromstring(files['package.xml'])
@@ -287,7 +287,7 @@ def test_manifest_of_a_new_package_is_right(build_type):
 
 
 def test_python_files_compile_and_name_the_program():
-    """The program in setup.py is a function in the node's file; no node means no program."""
+    """The entry point in setup.py is a function in the node's file; no node, no entry point."""
     files = pkg_files.ament_python_files(new_package('ament_python'))
     for name, text in files.items():
         if name.endswith('.py'):

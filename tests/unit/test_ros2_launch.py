@@ -22,14 +22,14 @@ def installed(tmp_path, monkeypatch):
 
 
 def read(folder, inside):
-    """Return what a launch file with some tags starts."""
+    """Return the programs that a launch file with these tags starts."""
     path = folder / 'a.launch.xml'
     path.write_text(f'<launch>{inside}</launch>')
     return list(launch.read(path))
 
 
 def test_node_becomes_a_command_with_its_names_and_parameters(installed):
-    """They follow --ros-args as when typed; a namespace gets its slash."""
+    """Names and parameters follow --ros-args; a relative namespace gets a slash."""
     (start,) = read(
         installed,
         """<node pkg="my_robot_pkg" exec="talker" name="crier" namespace="lab" output="screen">
@@ -48,7 +48,7 @@ def test_node_becomes_a_command_with_its_names_and_parameters(installed):
 
 
 def test_bare_node_starts_without_arguments(installed):
-    """Its output is not shown, as with the real command."""
+    """The output of the node is not shown, as with the real command."""
     (start,) = read(installed, '<node pkg="my_robot_pkg" exec="talker"/>')
 
     assert (len(start.command), start.screen) == (1, False)

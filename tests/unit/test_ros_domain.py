@@ -22,7 +22,7 @@ sys.stdin.read()
 
 
 class Shell:
-    """An IPython shell with the events of its cells."""
+    """An IPython shell that calls functions before a cell."""
 
     def __init__(self):
         self.events = self
@@ -36,7 +36,7 @@ class Shell:
         self.callbacks.remove(callback)
 
     def run_cell(self):
-        """Do what IPython does before a cell."""
+        """Call the registered functions, as IPython does before a cell."""
         for callback in list(self.callbacks):
             callback(None)
 
@@ -83,7 +83,7 @@ def kernel(monkeypatch):
 
 
 def test_claimed_domain_is_not_given_twice(name):
-    """The second process gets the next number, and the number of a closed claim is free."""
+    """The second claim gets the next number, and the number of a closed claim is free."""
     first, second = claim([3, 4]), claim([3, 4])
     assert (first.domain, second.domain) == (3, 4)
     assert claim([3, 4]) is None
@@ -117,7 +117,7 @@ def test_claim_is_not_inherited_by_child_processes(name):
 
 
 def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
-    """Processes that a cell starts inherit the number."""
+    """Processes that a cell starts inherit the number in ROS_DOMAIN_ID."""
     _, first = kernel(monkeypatch)
     assert os.environ['ROS_DOMAIN_ID'] == str(first.domain)
     _, second = kernel(monkeypatch)
@@ -130,7 +130,7 @@ def test_kernels_of_one_notebook_have_different_domains(name, monkeypatch):
 
 
 def test_restarted_kernel_has_the_domain_of_before(name, monkeypatch):
-    """A terminal that uses the notebook's domain need not be changed."""
+    """A terminal can continue to use the notebook's domain."""
     _, before = kernel(monkeypatch)
     before.holder.close()
     _, after = kernel(monkeypatch)
@@ -157,7 +157,7 @@ def test_kernel_without_a_free_domain_says_so_in_its_first_cell(name, monkeypatc
 
 
 def test_domain_set_by_the_user_is_kept(name, monkeypatch, capsys):
-    """Other kernels avoid this domain; a second one with the same setting shares it."""
+    """Other kernels avoid this domain; a second kernel with the same setting shares it."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '42')
     shell = Shell()
     kernel_domain.claim_domain(shell)

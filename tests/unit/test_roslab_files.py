@@ -1,4 +1,4 @@
-"""The places of saved cells, and refused names."""
+"""The paths of saved cells, refused names, and child processes."""
 
 from contextlib import suppress
 import os
@@ -21,7 +21,7 @@ def learner(tmp_path):
 
 
 def test_files_lie_where_a_ros_package_has_them(learner):
-    """Nodes go to the inner folder, messages to msg/, the rest to the top."""
+    """Nodes go to the inner folder, messages to msg/, other files to the top folder."""
     paths = [
         learner.path_of(CellFile(kind, name, ''))
         for kind, name in [('node', 'a'), ('rosmsg', 'A'), ('rospkg', 'package.xml')]
@@ -35,7 +35,7 @@ def test_files_lie_where_a_ros_package_has_them(learner):
 
 
 def test_saved_file_replaces_the_older_one_at_once(learner):
-    """A reader that has the older file open keeps it whole; no part files stay."""
+    """A process that has the older file open can still read it; no temporary files remain."""
     path = learner.save(CellFile('node', 'a', 'old\n'))
     with path.open() as older:
         learner.save(CellFile('node', 'a', 'new\n'))
@@ -46,7 +46,7 @@ def test_saved_file_replaces_the_older_one_at_once(learner):
 
 
 def test_link_out_of_the_package_is_refused(learner, tmp_path):
-    """A cell cannot write where a link points to."""
+    """A cell cannot write to the target of a link."""
     learner.folder.mkdir(parents=True)
     (learner.folder / 'msg').symlink_to(tmp_path)
     with pytest.raises(NameRefusedError, match='link'):
@@ -83,7 +83,7 @@ def test_package_name_can_be_chosen(monkeypatch, tmp_path):
 
 
 def run(code, tmp_path, deadline_s=20.0):
-    """Run a line of Python as a child."""
+    """Run a line of Python in a child process."""
     command = [sys.executable, '-c', code]
     return run_command.run(
         command, cwd=tmp_path, env=os.environ, deadline_s=deadline_s, tick_s=0.05
@@ -108,12 +108,12 @@ def test_child_past_its_deadline_is_ended_with_its_family(tmp_path):
     outcome = run(family, tmp_path, deadline_s=10.0)
 
     assert outcome.returncode is None
-    with suppress(psutil.NoSuchProcess):  # killed, but perhaps not yet gone
+    with suppress(psutil.NoSuchProcess):  # the process was killed, but may still exist
         psutil.Process(int(outcome.output)).wait(60)
 
 
 def test_long_output_is_cut_at_its_beginning(tmp_path):
-    """A child that prints forever does not fill the kernel's memory; its last output is kept."""
+    """Endless output does not fill the kernel's memory; its last part is kept."""
     outcome = run('print("x" * 5_000_000); print("end")', tmp_path)
 
     assert len(outcome.output) <= 2_000_000
@@ -122,6 +122,6 @@ def test_long_output_is_cut_at_its_beginning(tmp_path):
 
 @pytest.mark.parametrize('folder', ['/', '/tmp', '/nowhere/a/b/c'])
 def test_a_folder_in_no_workspace_is_not_built(folder):
-    """Even a very short path makes no difference."""
+    """A very short path is refused in the same way."""
     with pytest.raises(NotHereError, match='expected a package inside a workspace'):
         build_messages(folder)

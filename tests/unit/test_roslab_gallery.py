@@ -31,7 +31,7 @@ def heading_of(text: str) -> str:
 
 @each_entry
 def test_heading_of_an_exhibit_leads_to_its_entry(entry: Entry) -> None:
-    """If you paste a heading of the lesson into explain(), you get that exhibit first."""
+    """A heading of the lesson, pasted into explain(), gives that exhibit first."""
     assert nearest(entry.heading)[0] == entry
 
 
@@ -89,7 +89,7 @@ def test_message_in_a_long_log_is_found() -> None:
 
 
 def test_explain_says_cause_repair_and_place(capsys: pytest.CaptureFixture[str]) -> None:
-    """An explanation names what happened, what to do, and where the lesson shows it."""
+    """An explanation says what happened, what to do, and where the lesson shows the error."""
     explain('No executable found')
 
     said = capsys.readouterr().out
@@ -108,7 +108,7 @@ def test_explain_takes_an_exception(capsys: pytest.CaptureFixture[str]) -> None:
 def test_explain_looks_at_the_last_error(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without an argument, it explains the last error in this interpreter."""
+    """Without an argument, explain() explains the last error in this interpreter."""
     monkeypatch.setattr(
         sys, 'last_value', TypeError("'NoneType' object is not callable"), raising=False
     )
@@ -132,14 +132,14 @@ def test_explain_refuses_what_is_no_error(nonsense: object) -> None:
 
 
 def test_explain_knows_the_errors_of_a_build(capsys: pytest.CaptureFixture[str]) -> None:
-    """An error that is not in the gallery is looked up among the mistakes of a build."""
+    """An error that is not in the gallery is looked up among the causes of failed builds."""
     explain("CMake Error: the passed dependency 'geometry_msgs' has not been found before using")
 
     assert 'find_package(geometry_msgs REQUIRED)' in capsys.readouterr().out
 
 
 def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) -> None:
-    """For an unknown message, it says so and suggests next steps, without a guess."""
+    """For an unknown message, explain() suggests next steps and does not guess."""
     explain('RCLError: the robot has eaten the map')
 
     said = capsys.readouterr().out
@@ -149,7 +149,7 @@ def test_explain_says_what_it_does_not_know(capsys: pytest.CaptureFixture[str]) 
 
 
 def raised(code: str, name: str = '__main__') -> BaseException:
-    """Return the exception that code in a module raises."""
+    """Return the exception that this code raises in the module of this name."""
     try:
         exec(code, {'__name__': name})
     except Exception as error:
@@ -163,7 +163,7 @@ def raised(code: str, name: str = '__main__') -> BaseException:
 def test_error_of_python_leads_to_its_manual(
     error: str | BaseException, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """For an exception of Python itself, the issues of rclpy are not searched."""
+    """For an error of Python itself, explain() does not point to rclpy's issues."""
     explain(error)
 
     said = capsys.readouterr().out
@@ -207,7 +207,7 @@ def test_misspelt_module_is_named(
 def test_module_that_nothing_resembles_may_be_misspelt_or_not_built(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """No module with a very different name is suggested."""
+    """Modules with very different names are not suggested."""
     explain(f"ModuleNotFoundError: No module named '{name}'")
 
     assert 'it is misspelt, not built, not installed' in capsys.readouterr().out

@@ -9,7 +9,7 @@ from roslab import own_kernel
 
 @pytest.fixture
 def needed(tmp_path, monkeypatch):
-    """Return the variables of a prepared venv, which is the one that runs."""
+    """Return the variables of a prepared venv, which seems to be the running one."""
     places = Places.of('.venv', tmp_path)
     ros = describe.describe_wheels(places, '/usr')
     install_files.write_description(places, ros)
@@ -18,7 +18,7 @@ def needed(tmp_path, monkeypatch):
 
 
 def test_kernel_without_a_variable_is_rejected(needed):
-    """VS Code starts such a kernel for the environment that it recommends."""
+    """VS Code starts such a kernel for the environment that VS Code recommends."""
     lacking = dict(needed)
     del lacking['ROS_PYTHON_CHECK_FIELDS']
 
@@ -28,7 +28,7 @@ def test_kernel_without_a_variable_is_rejected(needed):
 
 
 def test_python_without_a_description_is_not_checked(tmp_path, monkeypatch):
-    """It belongs to a course that was not prepared."""
+    """A Python without a description belongs to a course that was not prepared."""
     monkeypatch.setattr('sys.prefix', str(tmp_path))
 
     own_kernel.require_variables({})

@@ -1,4 +1,4 @@
-"""Layout, pictures and text of roslab, made from plain data."""
+"""roslab's layouts, pictures and texts, made from plain data."""
 
 import html
 import json
@@ -55,12 +55,12 @@ def chatter(publishers, subscriptions, nodes=(), everything=False):
 
 
 def drawing(page):
-    """Return the SVG of a page as a tree, which proves that it is well formed."""
+    """Return the SVG of a page as a tree; parsing fails if the SVG is not well formed."""
     return ElementTree.fromstring(re.search(r'<svg.*</svg>', page, re.DOTALL)[0])
 
 
 def words(page):
-    """Return all texts of a picture, without its title and description."""
+    """Return all text elements of a picture, without its title and description."""
     return [e.text for e in drawing(page).iter('{http://www.w3.org/2000/svg}text')]
 
 
@@ -140,7 +140,7 @@ def test_listener_of_the_notebook_is_not_drawn_but_counts():
 
 
 def test_listener_of_the_notebook_that_does_not_fit_is_named_with_the_reason():
-    """A publisher is not called unheard if only the notebook listens and cannot receive it."""
+    """If only the notebook listens, but its QoS does not match, the picture gives the reason."""
     facts = chatter([end('/a', qos=BEST_EFFORT)], [end('/_roslab')])
 
     assert not facts.edges[0].matched
@@ -157,7 +157,7 @@ def test_topic_on_which_only_the_notebook_listens_is_drawn_as_lonely():
 
 
 def test_names_from_other_programs_are_text_never_markup():
-    """The name of a program cannot change the page."""
+    """The name of a node cannot change the page."""
     page = Graph(chatter([end('/<script>')], [end('/b"onload="x')]))._repr_html_()
 
     assert '<script>' not in page
@@ -192,7 +192,7 @@ def test_picture_has_a_role_and_words_for_those_who_cannot_see_it():
 
 
 def test_picture_that_scrolls_can_be_reached_by_the_keyboard():
-    """On a narrow page, the focused element has a role and a name."""
+    """On a narrow page, the focusable element has a role and a name."""
     page = svg.picture(900, 100, 'A <graph>', 'words', [])
 
     assert page.startswith('<div role="group" aria-label="A &lt;graph&gt;" tabindex="0" style="ov')
@@ -224,7 +224,7 @@ def test_picture_has_its_data_in_a_table():
 
 
 def test_table_of_a_long_curve_is_short_and_keeps_its_peak():
-    """A person can read at most some dozens of rows."""
+    """A person can read at most a few dozen rows."""
     points = tuple((n / 10, 100.0 if n == 777 else 1.0) for n in range(1000))
     rows = table(curve_html(Curve('/t value', points, 100.0)))
 
@@ -291,7 +291,7 @@ def listener(topic, began, times):
 
 
 def test_timeline_puts_all_sources_on_the_axis_of_the_first():
-    """A listener that began two seconds later has its messages two seconds later."""
+    """The messages of a listener that began two seconds later are drawn two seconds later."""
     line = timeline(listener('/a', 10.0, [0.5, 1.0]), listener('/b', 12.0, [0.5]))
 
     assert line.rows[0].times == (0.5, 1.0)
@@ -301,7 +301,7 @@ def test_timeline_puts_all_sources_on_the_axis_of_the_first():
 
 
 def test_timeline_compares_a_simulation_with_a_live_plot():
-    """The simulation begins at 0, the live plot when its listener began."""
+    """The simulation begins at 0, the live plot at the start of its listener."""
     record = TopicRecord('/a', STRING, (1.0, 2.0), ({}, {}), 2.0)
     run = SimpleNamespace(listeners=[record])
     line = timeline(run, SimpleNamespace(listener=listener('/a', 58_209.0, [0.5, 1.5])))
@@ -327,7 +327,7 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
 
 
 def test_timeline_of_the_last_seconds_leaves_older_messages_out():
-    """`seconds` limits the axis to its newest part."""
+    """`seconds` limits the axis to its last part."""
     line = timeline(listener('/a', 0.0, [0.0, 4.0, 5.0]), seconds=2.0)
 
     assert line.rows[0].times == (4.0, 5.0)
@@ -335,7 +335,7 @@ def test_timeline_of_the_last_seconds_leaves_older_messages_out():
 
 
 def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message():
-    """The last step is shown first; live messages have none."""
+    """The slider starts at the last message; live messages have no slider."""
     one = TopicRecord('/a', STRING, (1.0, 3.0), ({'data': 'x'}, {'data': '<y>'}), 4.0)
     other = TopicRecord('/b', STRING, (2.0,), ({'data': 'z'},), 4.0)
     page = timeline(SimpleNamespace(listeners=[one, other]))._repr_html_()
@@ -354,7 +354,7 @@ def test_timeline_of_a_recorded_run_has_a_slider_with_the_state_at_each_message(
 
 
 def test_slider_of_many_moments_is_short_and_keeps_the_last():
-    """A run of an hour has thousands of messages."""
+    """A run of an hour may have thousands of messages."""
     page = slider('Run', [(n, f'step {n}') for n in range(1001)], (0.0, 1000.0), 1000.0)
     held = json.loads(html.unescape(re.search('data-moments="([^"]*)"', page)[1]))
 
@@ -371,7 +371,7 @@ def test_slider_of_many_moments_is_short_and_keeps_the_last():
     ],
 )
 def test_timeline_of_something_else_says_what_it_expected(sources, marks, said):
-    """A name is not a listener, and a string is not a time."""
+    """A topic name is not a listener, and a string is not a time."""
     with pytest.raises(RoslabError, match=re.escape(said)):
         timeline(*sources, marks=marks)
 
@@ -400,7 +400,7 @@ def test_value_that_is_not_finite_is_a_gap():
 
 
 def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
-    """The marks are warnings after readings; the description contains both."""
+    """The marks are warnings after readings; the description mentions both of them."""
     made = Curve('/t data', ((1.0, 20.0), (2.0, 33.0)), 3.0, 30.0, {'WARN': (2.0, 2.0)})
     page = curve_html(made)
 
@@ -411,13 +411,13 @@ def test_plot_shows_marks_at_their_times_and_those_of_one_time_as_a_pile():
 
 
 def test_plot_without_messages_says_that_it_waits():
-    """An empty plot is not an empty picture."""
+    """The picture of an empty plot contains this message."""
     assert 'waiting for messages' in words(curve_html(curve(threshold=3.0)))
     assert curve_text(curve()) == '/t data: waiting for messages.'
 
 
 def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
-    """Ten thousand values make a picture of some kilobytes that still shows the one peak."""
+    """A picture of ten thousand values is small, and still shows the single peak."""
     values = [0.0] * 10_000
     values[7_777] = 9.0
     page = curve_html(
@@ -431,7 +431,7 @@ def test_plot_of_many_values_stays_small_and_keeps_the_extremes():
 
 @pytest.mark.parametrize(('low', 'high'), [(0, 1), (-3.2, 17), (1e-6, 2e-6), (5, 5.001), (0, 9e8)])
 def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
-    """Every range gets between two and twelve numbers."""
+    """Every range gets between two and twelve ticks."""
     found = svg.ticks(low, high)
 
     assert 2 <= len(found) <= 12
@@ -439,7 +439,7 @@ def test_axis_has_a_few_round_ticks_inside_its_range(low, high):
 
 
 def test_field_paths_reach_nested_fields_and_items_of_arrays():
-    """Dots and brackets lead to a number; if an array is too short, there is none."""
+    """Dots and brackets lead to a number, or to None if an array is too short."""
     header = Header()
     header.stamp.sec = 7
 
@@ -472,7 +472,7 @@ def test_field_that_does_not_exist_or_is_no_number_is_answered_with_those_that_a
 
 
 def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
-    """Nested messages are indented, arrays are lists, awkward texts are quoted."""
+    """Nested messages are indented, arrays are lists, and ambiguous strings are quoted."""
     header = Header(frame_id='a: b')
     header.stamp.sec = 3
 
@@ -483,14 +483,14 @@ def test_messages_are_written_as_yaml_in_the_order_of_their_definition():
 
 
 def test_long_texts_and_arrays_are_cut_unless_all_is_asked_for():
-    """The first 128 elements are written, then three dots."""
+    """The first 128 characters or elements are written, then three dots."""
     assert message_yaml(String(data='x' * 200)) == f'data: {"x" * 128}...\n'
     assert message_yaml(String(data='x' * 200), COMPLETE) == f'data: {"x" * 200}\n'
     assert message_yaml(Int32MultiArray(data=range(200))).endswith("- 127\n- '...'\n")
 
 
 def test_rate_is_computed_from_the_gaps_between_messages():
-    """The window counts gaps, as the ROS tool does."""
+    """The window counts the gaps, as in ros2 topic hz."""
     assert hz_text([0.0, 1.0, 2.5]) == (
         'average rate: 0.800\n\tmin: 1.000s max: 1.500s std dev: 0.25000s window: 2'
     )

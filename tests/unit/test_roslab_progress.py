@@ -18,7 +18,7 @@ NONE = {'checks': {}, 'quizzes': {}, 'tries': {}}
 
 @pytest.fixture
 def file(tmp_path, monkeypatch):
-    """Return the path of the results file of an empty course; tests run in one of its folders."""
+    """Return the path of the results file of an empty course, and work in its lesson."""
     root = tmp_path / 'course'
     (root / 'notebooks' / '01_a').mkdir(parents=True)
     (root / 'course.toml').write_text("name = 'small'\nwork = '_work'\n")
@@ -52,7 +52,7 @@ class TestRemember:
         assert 'progress(forget=True)' in json.loads(file.read_text())['about']
 
     def test_notebooks_that_finish_together_lose_nothing(self, file):
-        """Each notebook adds to the results of the others."""
+        """Each notebook adds its results to those of the others."""
         with ThreadPoolExecutor(8) as pool:
             list(pool.map(lambda n: remember('checks', f'exam_{n}', n), range(32)))
 
@@ -100,7 +100,7 @@ BROKEN = [
 
 
 class TestBrokenFile:
-    """Whatever the file contains, the learner gets one sentence and loses no other file."""
+    """Whatever the file contains, the learner gets one sentence, and the file is kept."""
 
     @pytest.mark.parametrize('text', BROKEN)
     def test_result_is_not_remembered_and_the_file_stays(self, file, capsys, text):
@@ -115,7 +115,7 @@ class TestBrokenFile:
         assert file.read_text() == text
 
     def test_progress_says_how_to_delete_it(self, file):
-        """The function deletes nothing by itself."""
+        """progress() deletes the file only on request."""
         file.parent.mkdir()
         file.write_text('my own notes')
 
@@ -124,7 +124,7 @@ class TestBrokenFile:
         assert file.read_text() == 'my own notes'
 
     def test_folder_that_cannot_be_written_is_one_line(self, file, capsys):
-        """All students of a computer may share one read-only course."""
+        """All students on a computer may share one read-only course."""
         file.parent.write_text('a file in place of the folder')
         remember('checks', 'talker', 8)
 
@@ -160,7 +160,7 @@ class TestProgress:
         ]
 
     def test_unreadable_notebook_costs_only_its_own_row(self, file, capsys):
-        """The learner may have saved anything there."""
+        """The learner may have saved any file under the name of a lesson."""
         for name in ('01_a/a.ipynb', '02_b/b.ipynb'):
             path = file.parent.parent / 'notebooks' / name
             path.parent.mkdir(exist_ok=True)
@@ -171,7 +171,7 @@ class TestProgress:
         assert rows == ['01 a', '02 b.ipynb cannot be read']
 
     def test_forget_deletes_the_results(self, file, capsys):
-        """Forgetting twice does no harm."""
+        """A second call does no harm."""
         remember('checks', 'talker', 8)
         progress(forget=True)
         progress(forget=True)

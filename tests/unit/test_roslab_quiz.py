@@ -1,4 +1,4 @@
-"""Practice questions: their files, their errors, and the text for viewers without widgets."""
+"""Practice questions: their files, error messages, and the text for viewers without widgets."""
 
 from collections import Counter
 import random
@@ -57,7 +57,7 @@ QUESTION = {
 
 @pytest.mark.parametrize('path', files(), ids=lambda path: path.name)
 def test_questions_of_the_course_are_well_formed(path):
-    """Each has one correct option, and an explanation for each option; backticks are paired."""
+    """Each question has one correct option, an explanation per option, and paired backticks."""
     assert re.fullmatch(r'\d\d_[a-z0-9_]+\.yaml', path.name)
     for question in yaml.safe_load(path.read_text()):
         jsonschema.validate(question, QUESTION)
@@ -67,14 +67,14 @@ def test_questions_of_the_course_are_well_formed(path):
 
 
 def test_no_key_is_used_twice():
-    """A key names one question."""
+    """A key identifies one question."""
     keys = Counter(question.key for path in files() for question in load(path))
 
     assert [key for key, count in keys.items() if count > 1] == []
 
 
 def test_no_letter_is_right_so_often_that_choosing_it_would_pay():
-    """The order depends on the keys; change some keys if this fails."""
+    """The order of the options depends on the keys: if this test fails, change some keys."""
     questions = [question for path in files() for question in load(path)]
     places = Counter([option.right for option in one.options].index(True) for one in questions)
 
@@ -82,7 +82,7 @@ def test_no_letter_is_right_so_often_that_choosing_it_would_pay():
 
 
 def test_question_is_read_whole(folder):
-    """Everything is read; only the order of the options changes."""
+    """The whole question is read; only the order of the options changes."""
     question = find('03-matched', folder)
 
     assert question.text == 'Is `x` matched?'
@@ -95,7 +95,7 @@ def test_question_is_read_whole(folder):
 
 
 def test_order_depends_on_the_key_alone(folder):
-    """Two readers see the same letters, whatever other code has drawn random numbers."""
+    """All students see the same letters, even if other code has set the random seed."""
     first = find('03-matched', folder)
     random.seed(7)
 
@@ -103,7 +103,7 @@ def test_order_depends_on_the_key_alone(folder):
 
 
 def test_right_answers_are_spread_over_the_letters(folder):
-    """Authors who always write the correct option first do not reveal it."""
+    """If an author always writes the correct option first, the order does not reveal this."""
     path = folder / '03_topics.yaml'
     path.write_text(''.join(GOOD.replace('03-matched', f'03-m{n}') for n in range(300)))
     places = Counter(
@@ -128,7 +128,7 @@ def test_right_answers_are_spread_over_the_letters(folder):
     ],
 )
 def test_mistake_of_an_author_is_found(old, new):
-    """The rules for the course's questions are those of the schema."""
+    """The schema defines the rules for the course's questions."""
     assert GOOD.count(old) == 1, old
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(yaml.safe_load(GOOD.replace(old, new))[0], QUESTION)
@@ -136,7 +136,7 @@ def test_mistake_of_an_author_is_found(old, new):
 
 @pytest.mark.parametrize('text', ['', 'key: x', '- 1', '- {key: x}', '- `x'])
 def test_file_of_another_form_is_refused(folder, text):
-    """The error names the file, and the test that names each mistake."""
+    """The error names the file, and the test that reports each mistake."""
     (folder / '03_topics.yaml').write_text(text)
     with pytest.raises(QuizError, match=r'03_topics\.yaml: .*test_roslab_quiz'):
         load(folder / '03_topics.yaml')

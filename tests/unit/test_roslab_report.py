@@ -67,13 +67,13 @@ def test_report_is_true_only_if_every_check_passed():
 
 
 def test_plain_mode_is_said():
-    """The report always says if the run had no sandbox."""
+    """If a run had no sandbox, the report says this."""
     assert 'without a sandbox' in str(report(PASSED, mode='none'))
     assert 'sandbox' not in str(report(PASSED, mode='user'))
 
 
 def read(output, returncode=0):
-    """Return the report of a child that printed something."""
+    """Return the report on a child process with this output."""
     return checking._read('temperature_publisher', Outcome(returncode, output, 1.0))
 
 
@@ -84,7 +84,7 @@ def test_verdicts_are_read_from_the_last_line_of_json():
 
 
 def test_error_of_the_child_is_shown_as_one_line():
-    """The report repeats the engine's message about bad input."""
+    """The report shows the error message that the child process printed as JSON."""
     problem = {'where': 'check', 'expected': 'a known exam', 'got': 'x', 'try_this': 'another'}
     text = str(read(json.dumps({'error': problem}), 2))
 
@@ -104,7 +104,7 @@ def test_deadline_is_named():
 
 
 def test_unfinished_files_are_named():
-    """The report names a remaining stub first."""
+    """The report names files that still contain a stub."""
     assert 'x.py is not finished' in str(CheckReport('x', unfinished=('x.py',)))
 
 
@@ -159,12 +159,12 @@ def test_missing_files_are_named_with_their_folder_and_the_cells_to_run():
     ],
 )
 def test_progress_of_a_build_is_its_last_mark(output, how_far):
-    """Ninja counts its steps, make prints a percentage, and CMake neither."""
+    """Ninja counts its steps, make prints a percentage, and CMake prints neither."""
     assert messages._progress(output) == how_far
 
 
 def test_output_of_a_running_command_is_seen_and_stays_whole(tmp_path):
-    """Reading it does not move the position in the file to which the command writes."""
+    """Reading the output does not move the position at which the command writes."""
     seen = []
 
     def on_tick(seconds, output):

@@ -20,7 +20,7 @@ autograder/_work/submitted was empty, so the 3 example submissions from tests we
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Replace the project's rows and page by two rows and a small page."""
+    """Replace the project's rows and page with two rows and a small page."""
     row = {'route': 'r', 'system': 's', 'type': 't', 'date': '', 'result': 'no time'}
     rows = [{'name': 'see-it', **row}, {'name': '-', **row}]
     monkeypatch.setattr(routes.tempfile, 'tempdir', str(tmp_path))
@@ -40,7 +40,7 @@ def test_the_table_of_environment_md_agrees_with_its_data():
 
 
 def test_each_route_has_one_row_and_each_date_a_route():
-    """A row without a command has no date, and a route that was never executed has none yet."""
+    """A row without a command has no date; a route that was never executed has none yet."""
     rows = json.loads(routes.ROWS.read_text(encoding='utf-8'))
     assert sorted(row['name'] for row in rows if row['name'] != '-') == sorted(routes.ROUTES)
     for row in rows:
@@ -100,7 +100,7 @@ def test_sample_class_result_refuses_less(old, new, words):
 
 
 def test_commands_of_the_hubs_page_end_with_its_start():
-    """The route types what the page says, without comments and without the output."""
+    """The route types the commands on the page, without comments and output."""
     page = (routes.PROJECT / 'docs' / 'hub.md').read_text(encoding='utf-8')
     commands = routes.commands_of(page)
     assert 'git clone /course course && cd course' in commands
@@ -109,7 +109,7 @@ def test_commands_of_the_hubs_page_end_with_its_start():
 
 
 def printed_by(command, folder):
-    """Return what a route reads from the output of a shell's command."""
+    """Return what a route reads from the output of a shell command."""
     pipe = subprocess.PIPE
     with subprocess.Popen(['sh', '-c', command], stdin=pipe, stdout=pipe, text=True) as system:
         return routes.printed(folder, system, routes.OPENED)

@@ -17,7 +17,7 @@ def started(path: Path, gate: bytes = b'x') -> subprocess.CompletedProcess[bytes
 
 
 def test_nothing_runs_before_the_gate_is_opened(tmp_path):
-    """If the input ends, the grader has ended."""
+    """If the input ends without the byte, the grader has ended."""
     path = tmp_path / 'node.py'
     path.write_text('print("ran")', encoding='utf-8')
 

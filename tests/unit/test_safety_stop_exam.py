@@ -1,4 +1,4 @@
-"""The exam of the safety stop, without a program: its rule, its inputs and a cause."""
+"""The exam of the safety stop, without a program: its rule, its inputs and its causes."""
 
 import pytest
 
@@ -53,7 +53,7 @@ def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
     ('kept', 'cause_id'), [(-1, 'only_the_last'), (0, 'the_rest_dropped'), (1, None)]
 )
 def test_burst_of_which_one_command_is_left_is_explained(kept, cause_id):
-    """The silence after it still causes a stop."""
+    """The silence after the burst still causes a stop."""
     asked = safety_stop.exam.facts['commands']
     one = asked.inputs[-safety_stop.BURST :][kept]
 

@@ -38,7 +38,7 @@ STEPS = [
 
 
 def test_every_step_is_json():
-    """The probe reads back the same steps that were written."""
+    """The probe reads the same steps that were written."""
     data = Scenario(steps=STEPS).to_json()
 
     assert json.loads(json.dumps(data))['steps'] == data['steps']
@@ -58,7 +58,7 @@ def test_ros_time_is_that_of_the_last_message_on_its_topic(virtual_s, ros_s):
 
 
 def test_service_is_named_after_its_node_unless_it_is_full():
-    """A full name begins with a slash."""
+    """A full service name begins with a slash."""
     assert state('/lab/thermometer').to_json()['service'] == '/lab/thermometer/get_state'
     assert Call('/talker', '/reset', 'a/srv/B').to_json()['service'] == '/reset'
 

@@ -31,7 +31,7 @@ class FakeEngine:
         return self.known
 
     def run(self, exam, files):
-        """Judge by a word."""
+        """Return one point if an answer contains the word."""
         points = float('right' in ''.join(files.values()))
         verdict = Verdict.PASSED if points else Verdict.FAILED
         return ExamResult(exam.name, (CheckResult('c', 'C.', verdict, points, 1),))
@@ -84,21 +84,21 @@ def test_reference_that_fails_its_exam_is_reported(course):
 
 
 def test_lesson_without_exams_has_nothing_to_grade(course):
-    """The report names the lesson, so that it does not seem to be missing."""
+    """The report mentions the lesson, which would otherwise seem to be missing."""
     lines = list(self_check(course('right', 'x', checked=False), FakeEngine()))
 
     assert lines == [(True, '01_x: nothing to grade, as expected.')]
 
 
 def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
-    """Otherwise a lost exam would go unnoticed."""
+    """Otherwise a missing exam would go unnoticed."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
     assert lines == [(False, '01_x: check_talker has no exam.')]
 
 
 def test_a_run_without_a_verdict_has_no_points_to_compare(course):
-    """0 of 0 points would look as if the release were correct."""
+    """A report of 0 of 0 points would suggest that the release is correct."""
 
     class BrokenEngine(FakeEngine):
         """Fails because its probe stops early."""

@@ -98,7 +98,7 @@ def score(one, two):
 
 
 def test_other_names_spacing_and_comments_make_no_difference():
-    """The code is equal after normalising, and the share of renamed lines is reported."""
+    """The normalised code is equal, and the share of renamed lines is reported."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
 
     assert (pair.first, pair.second, pair.score) == (('ann', 'bob'), (), 1.0)
@@ -111,13 +111,13 @@ def test_another_order_makes_little_difference():
 
 
 def test_another_solution_of_the_same_exercise_is_not_listed():
-    """Every solution of the exercise shares some words."""
+    """All solutions of an exercise share some words."""
     assert score(ORIGINAL, OTHER) < 0.6
     assert found(ann=ORIGINAL, bob=OTHER).pairs == ()
 
 
 def test_what_everybody_received_does_not_count():
-    """Two unchanged releases are not similar, because they contain no code of their own."""
+    """Two unchanged releases are not compared, because they contain no student's code."""
     result = found(given_text=ORIGINAL, ann=ORIGINAL, bob=ORIGINAL, eve=OTHER)
 
     assert result.short == ('ann', 'bob')
@@ -125,7 +125,7 @@ def test_what_everybody_received_does_not_count():
 
 
 def test_received_lines_do_not_make_others_alike():
-    """Two different answers share a long stub."""
+    """Lines from the release do not count, so a long stub does not make answers similar."""
     assert score(ORIGINAL + OTHER, ORIGINAL) > 0.6
     result = found(0.0, given_text=ORIGINAL, ann=ORIGINAL + OTHER, bob=ORIGINAL + RENAMED)
 
@@ -133,7 +133,7 @@ def test_received_lines_do_not_make_others_alike():
 
 
 def test_the_common_part_is_shown_as_each_wrote_it():
-    """The line numbers are shown too."""
+    """The common lines are shown with their line numbers."""
     (pair,) = found(ann=ORIGINAL, bob=RENAMED).pairs
     (part,) = pair.common
 
@@ -143,7 +143,7 @@ def test_the_common_part_is_shown_as_each_wrote_it():
 
 
 def test_three_copies_are_one_entry():
-    """They are not three pairs."""
+    """Three equal submissions give one entry, not three pairs."""
     result = found(ann=ORIGINAL, bob=RENAMED, eve=ORIGINAL, max=OTHER)
 
     assert [pair.first for pair in result.pairs] == [('ann', 'bob', 'eve')]
@@ -151,7 +151,7 @@ def test_three_copies_are_one_entry():
 
 
 def test_the_most_alike_come_first_and_too_many_are_counted(monkeypatch):
-    """The list stays short enough to read."""
+    """The list is limited, so that it stays short enough to read."""
     texts = {
         f's{n}': ORIGINAL + f'        self.x{n} = {"+".join("12345"[:n])}\n' for n in range(6)
     }
@@ -198,7 +198,7 @@ def test_a_name_of_ros_is_no_name_of_the_students():
 
 @pytest.mark.parametrize('text', ['def broken(:\n  x', 'x = (', '\x00', '"""open', '  if x:\n y'])
 def test_text_that_is_no_python_is_compared_as_words(text):
-    """The text is compared as submitted, and no code in it runs."""
+    """Text that cannot be parsed is compared word by word."""
     long = '\n'.join([text, *('some words of nobody else here',) * 10])
 
     assert score(long, long.replace('words', 'terms')) > 0.8
@@ -207,20 +207,20 @@ def test_text_that_is_no_python_is_compared_as_words(text):
 @settings(deadline=None, max_examples=40)
 @given(strategies.text(max_size=200), strategies.text(max_size=200))
 def test_any_text_can_be_compared(one, two):
-    """No text raises an error, and every score is from 0 to 1."""
+    """No string causes an error, and every score is between 0 and 1."""
     for pair in found(0.0, one=one, two=two).pairs:
         assert 0 <= pair.score <= 1
 
 
 def test_other_files_are_read_as_words():
-    """Comments and spacing are ignored."""
+    """Comments and spacing in other files are ignored."""
     (line,) = lines_of('msg/T.msg', '# all comment\nfloat64 value   # in C\n')
 
     assert (line.number, line.raw) == (2, ('float64', 'value'))
 
 
 def test_the_release_gives_away_its_cells_without_their_magic():
-    """Lines with magic or shell commands are not code."""
+    """Lines with magics or shell commands are not code."""
     cells = [
         {'cell_type': 'code', 'source': '%%node talker\nimport rclpy\n'},
         {'cell_type': 'code', 'source': '!ls\nx = 1'},

@@ -48,7 +48,7 @@ def test_plan_watches_every_topic_that_the_program_publishes():
 
 
 def test_inputs_of_one_second_are_a_burst_in_the_given_order():
-    """No time passes between them."""
+    """No time passes between the inputs of a burst."""
     steps = steps_of(
         inputs={'in': [(2.0, {'data': 'b'}), (1.0, {'data': 'a'}), (2, {'data': 'c'})]}
     )
@@ -61,7 +61,7 @@ def test_inputs_of_one_second_are_a_burst_in_the_given_order():
 
 
 def test_late_subscription_asks_for_what_the_publisher_offers():
-    """So it receives stored messages if there are any."""
+    """With the offered QoS, the subscription also receives stored messages."""
     steps = steps_of(late={'out': 3.0})
     qos = Qos('RELIABLE', 'TRANSIENT_LOCAL', depth=100)
 
@@ -73,7 +73,7 @@ def test_late_subscription_asks_for_what_the_publisher_offers():
 
 
 def test_program_that_ends_at_once_gets_no_inputs():
-    """Its crash is the result, not an error of the inputs."""
+    """The result is the crash of the program, not an error about its inputs."""
     order = order_of('echo.py', 10, inputs={'nowhere': [(1, {})]})
 
     assert planned(order, Scenario(), Recording({}, [])).steps == (Advance(10.0),)
@@ -159,7 +159,7 @@ def test_recording_becomes_messages_with_times():
 
 
 def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
-    """A test of silence must not pass because of a misspelt name."""
+    """A test that expects no message must not pass because of a misspelt topic."""
     run = recorded()
 
     assert run.times('/out') == []
@@ -168,7 +168,7 @@ def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():
 
 
 def test_end_of_a_program_is_reported_with_its_last_line():
-    """A crash names its exception."""
+    """For a crash, the line contains the exception."""
     printed = 'Traceback\nValueError: too much\n'
     run = recorded(reason='student_exited', over_ns=3 * 10**9, exit_code=1, printed=printed)
 
@@ -186,7 +186,7 @@ def test_limit_keeps_what_was_observed_until_then():
 
 
 def test_modules_next_to_a_program_come_along(tmp_path):
-    """They can be imported by name, and as a package named after the folder."""
+    """Modules can be imported by name, and from a package that is named after the folder."""
     folder = tmp_path / 'my_package'
     folder.mkdir()
     for name in ('my_node.py', 'helper.py'):
@@ -204,7 +204,7 @@ def test_modules_next_to_a_program_come_along(tmp_path):
 
 
 def test_entry_point_calls_its_function(tmp_path, monkeypatch):
-    """The program is found in the same way as by Python."""
+    """The module is found on Python's module path."""
     (tmp_path / 'some_node.py').write_text('def run():\n    pass\n', encoding='utf-8')
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -216,6 +216,6 @@ def test_entry_point_calls_its_function(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize('program', ['nowhere.py', 'nowhere:main', 'nowhere.inner:main'])
 def test_missing_program_is_refused(program):
-    """The refusal comes before any run."""
+    """A missing program is refused before any run."""
     with pytest.raises(UsageError, match=r'there is no such file|has no such module'):
         files_of(program)

@@ -36,7 +36,7 @@ class TestTexts:
         ],
     )
     def test_only_code_is_left(self, code, left):
-        """The code in the braces of an f-string stays."""
+        """The code in the braces of an f-string is kept."""
         found = without_strings(code)
 
         assert found.count('\n') == code.count('\n')
@@ -54,7 +54,7 @@ class TestTexts:
         assert set(Code(files).calls) == {'isnan'}
 
     def test_an_escape_that_python_warns_of_is_the_learners(self):
-        """The grader prints no warning about it."""
+        """The grader prints no warning about an invalid escape."""
         assert Code({'n.py': "a = '\\d'"}).texts == {'\\d'}
 
 
@@ -73,7 +73,7 @@ class TestTexts:
     ],
 )
 def test_what_is_done_with_a_field(code, use):
-    """A variable with the name of the field does not count."""
+    """A variable with the name of the field is not an assignment to the field."""
     assert use_of_field({'n.py': code}, 'timestamp') == use
 
 
@@ -93,7 +93,7 @@ class TestPauses:
     )
     @pytest.mark.parametrize('code', ['time.sleep(1.0)', 'sleep(PAUSE_S)', 'self.rate.sleep()'])
     def test_a_callback_that_sleeps_is_found_with_its_line(self, made, code):
-        """The callback is found, whatever it is passed to and whichever call sleeps."""
+        """The callback is found, whatever function gets it and whichever call sleeps."""
         assert pause_in_callback(node(code, made)) == Pause('tick', 5)
 
     def test_what_a_callback_calls_belongs_to_it(self):
@@ -102,7 +102,7 @@ class TestPauses:
         assert pause_in_callback(files) == Pause('tick', 7)
 
     def test_callbacks_of_one_name_in_two_classes_are_all_looked_at(self):
-        """Two classes may have a callback with one name, and both are read."""
+        """Two classes may have callbacks with the same name, and both are read."""
         other = 'class M(Node):\n    def tick(self):\n        pass\n'
         code = node('time.sleep(1.0)')['n.py']
 
@@ -136,7 +136,7 @@ class TestPauses:
         assert pause_in_callback({'n.py': BROKEN}) is None
 
     def test_each_function_is_looked_at_once(self, monkeypatch):
-        """A file with thousands of callbacks takes no time."""
+        """Otherwise a file with thousands of callbacks would take a long time."""
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []
@@ -194,5 +194,5 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
     ],
 )
 def test_loggers_of_python_are_distinguished_from_those_of_nodes(line, names, found):
-    """A logger of Python is named only if nothing else logs at that level."""
+    """A Python logger is blamed only if nothing else logs at that level."""
     assert logs_with_python({'n.py': LOGGING.format(line)}, names) is found

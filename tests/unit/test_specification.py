@@ -1,4 +1,4 @@
-"""A specification computes the correct answers and those of slips; inputs separate them."""
+"""A specification computes the correct answers and those of slips; inputs distinguish them."""
 
 import math
 import operator
@@ -11,7 +11,7 @@ from autograder.exam.specification import each, same, Slip, Specification
 
 
 def above(hot=operator.gt, limit=30.0):
-    """Return the rule that counts one warning for each number above 30."""
+    """Return the rule that expects one warning for each number above the limit."""
     return each(lambda value: int(hot(value, limit)))
 
 
@@ -49,7 +49,7 @@ class TestCause:
         assert (slip and slip.cause_id) == cause_id
 
     def test_what_was_not_sent_is_no_answer(self):
-        """If the run ended early, only the answers until then are compared."""
+        """If the run ended early, only the answers up to its end are compared."""
         found = asked(31.0, 30.0, 45.0)
 
         assert found.wrong([1, 1, None]) == [1]
@@ -81,7 +81,7 @@ class TestCause:
         assert found.cause([0, 3], 1).cause_id == 'warns_at_threshold'
 
     def test_throttled_warnings_are_one_of_a_burst(self):
-        """Throttled warnings are correct for single inputs, but a burst gives only one."""
+        """Throttled warnings are correct for single inputs, but a burst gives only one warning."""
         inputs, (*_, slip) = (31.0, 20.0, 45.0, 31.0, 20.0), warning_slips(above, '30.0', 3)
         found = Specification(inputs, above(), [slip], burst=3)
 
@@ -90,14 +90,14 @@ class TestCause:
         assert slip.cause_id not in {one.cause_id for one in SLIPS}
 
     def test_equal_message_that_is_skipped_is_not_a_change_only(self):
-        """A different value above the limit gets a separate warning."""
+        """A node that skips only equal messages also warns about a different hot value."""
         found = asked(31.0, 31.0, 45.0, 20.0)
 
         assert found.cause([1, 0, 1, 0], 1).cause_id == 'skips_equal'
         assert found.cause([1, 0, 0, 0], 1).cause_id != 'skips_equal'
 
     def test_tuples_of_a_burst_come_in_any_order(self):
-        """The tuples are sorted on both sides."""
+        """Expected and observed tuples are both sorted."""
         found = Specification((3.0, 1.0), each(lambda one: (one,)), burst=2)
 
         assert found.answers == [(1.0, 3.0)]
@@ -114,7 +114,7 @@ class TestMistakes:
         )
 
     def test_two_slips_that_look_alike(self):
-        """With one hot value, two slips give the same answers."""
+        """With only one hot value, two slips give the same answers."""
         assert (
             'no input distinguishes warns_of_changes from warns_once'
             in asked(20.0, 31.0).mistakes()

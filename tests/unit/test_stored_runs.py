@@ -50,7 +50,7 @@ def test_a_kept_recording_is_read_and_nothing_is_run(path):
 
 @pytest.mark.parametrize('left', [0, 1, 40, -1], ids=['empty', 'a byte', 'a piece', 'all but one'])
 def test_a_recording_that_was_cut_off_is_made_again(path, left):
-    """A power cut can leave a truncated file, which is run again."""
+    """A power cut can leave a truncated recording, so the program is run again."""
     runs = Runs()
     WHOLE.save(path)
     path.write_bytes(path.read_bytes()[:left])
@@ -124,7 +124,7 @@ FILES = {'talker.py': 'x = 1'}
 
 
 def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
-    """A recording has its duration and versions, and a rerun does not change them."""
+    """A recording contains its duration and versions, and a rerun does not change them."""
     first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
     again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
 
@@ -137,7 +137,7 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
 
 
 def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):
-    """A run that was repeated, for example because the probe failed, stays marked."""
+    """A recording of a repeated run, for example after a probe failure, remains marked."""
     whole, ended = module.observe, []
 
     def ends_once(*given):
@@ -155,7 +155,7 @@ def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatc
 
 
 def test_a_run_for_which_the_machine_was_too_busy_is_not_repeated():
-    """It took ten minutes, and so would the next one."""
+    """Such a run took ten minutes, and the next one would take as long."""
     runs = []
 
     def once():
@@ -179,7 +179,7 @@ def test_a_run_for_which_the_machine_was_too_busy_is_not_repeated():
     ],
 )
 def test_a_run_is_repeated_once_if_something_outside_may_have_ended_it(process, builds, count):
-    """A program chooses its output, so the word of a compiler counts only for a build."""
+    """A program can print anything, so a compiler's error message counts only in a build."""
     runs = []
 
     def once():

@@ -102,7 +102,7 @@ class TestPacking:
         ]
 
     def test_the_same_course_gives_the_same_bytes(self, layout, tmp_path):
-        """Only a changed course changes the bundle."""
+        """The bundle changes only if the course changes."""
         first, second = tmp_path / 'a.zip', tmp_path / 'b.zip'
 
         assert student_bundle.pack(layout, first) == student_bundle.pack(layout, second) == 13
@@ -123,7 +123,7 @@ class TestPacking:
         assert (tmp_path / 'a.zip').read_bytes() == before
 
     def test_its_readme_is_the_page_for_students(self, layout, tmp_path):
-        """The project's README describes grading, and links to pages that students lack."""
+        """The project's README describes grading, and links to pages that students do not have."""
         student_bundle.pack(layout, tmp_path / 'a.zip')
 
         bundle = zipfile.ZipFile(tmp_path / 'a.zip')
@@ -133,7 +133,7 @@ class TestPacking:
 
 @pytest.fixture(scope='module')
 def copy(tmp_path_factory):
-    """Return the folder of this course's bundle, unpacked as a student does it."""
+    """Return the folder of this course's bundle, unpacked as by a student."""
     folder = tmp_path_factory.mktemp('student')
     student_bundle.pack(Layout.here(), folder / 'bundle.zip')
     with zipfile.ZipFile(folder / 'bundle.zip') as bundle:
@@ -149,7 +149,7 @@ def names_in(copy):
 
 class TestThisCourse:
     def test_every_named_file_and_folder_is_there(self):
-        """A name without a file would be a part that students lack."""
+        """A name without a file would mean that students lack a part."""
         missing = [one for one in student_bundle.ALLOWED if not (ROOT / one).exists()]
 
         assert missing == []
@@ -173,13 +173,13 @@ class TestThisCourse:
         assert [name for name in names_in(copy) if part in name] == []
 
     def test_github_finds_the_workflow(self, copy):
-        """The workflow is in the top folder's .github, with the module that it runs."""
+        """The workflow is in the top folder's .github; the bundle has the module that it runs."""
         assert {'.github/workflows/classroom.yml', 'autograder/workflow/__main__.py'} <= {
             *names_in(copy)
         }
 
     def test_it_has_the_list_of_further_messages(self, copy):
-        """The set-up of a student's copy installs them too."""
+        """The set-up of a student's copy installs these message packages too."""
         assert 'environment/messages.txt' in names_in(copy)
 
     def test_no_answer_of_lesson_07_is_a_readable_file(self, copy):
@@ -202,7 +202,7 @@ class TestThisCourse:
         assert done.stdout == f'{copy}/autograder/__init__.py\n'
 
     def test_no_page_of_it_leads_to_a_file_that_is_not_in_it(self, copy):
-        """The text cells of lessons are tested too; the project's README would fail."""
+        """Text cells of lessons are tested too. The project's README would fail this test."""
         files = names_in(copy)
         dead = [link for name, path in files.items() for link in dead_links(name, path, files)]
 
@@ -222,7 +222,7 @@ class TestThisCourse:
         assert set(re.findall(r'\bmake ([a-z]+)', page)) <= {*goals, 'help'}
 
     def test_a_goal_that_it_does_not_have_is_one_line(self, copy):
-        """The line says how to list the available targets."""
+        """The error says how to list the available targets."""
         done = subprocess.run(
             ['make', 'grade'], cwd=copy, capture_output=True, text=True, env=without_make()
         )
@@ -255,7 +255,7 @@ def without_make():
 
 
 class TestPackedPackage:
-    """The finished package in a form that shows no answer."""
+    """The finished package, packed so that students cannot read the answers."""
 
     def test_it_unpacks_to_the_same_package_without_words(self, tmp_path):
         """A build of the unpacked package gives the same files as a build of the sources."""
@@ -281,5 +281,5 @@ class TestPackedPackage:
         ],
     )
     def test_docstrings_and_comments_are_left_out(self, text, bare):
-        """Other strings stay."""
+        """Other strings are kept."""
         assert packed_package.without_words(text) == bare

@@ -1,4 +1,4 @@
-"""The words that docs/style.md keeps out are in no page, message, Python file or lesson."""
+"""No page, message, Python file or lesson contains a word that docs/style.md rejects."""
 
 import io
 import json
@@ -14,7 +14,7 @@ STYLE = ROOT / 'docs' / 'style.md'
 WORDS = re.findall(
     r'^\| ([A-Za-z ]+) \|', STYLE.read_text(encoding='utf-8').partition('| not | but |')[2], re.M
 )
-# Capitals in the table are significant: "cannot tell whether" is good English.
+# Capitals in the table matter: "cannot tell whether" is good English.
 ANY_CASE = [word if word[0].isupper() else f'(?i:{word})' for word in WORDS]
 PHRASES = re.compile(rf'\b({"|".join(ANY_CASE)})\b'.replace(' ', r'\s+'))
 # The samples imitate students, CHANGELOG.md is history, and notebooks/ and the tables are
@@ -27,7 +27,7 @@ CODE = {tokenize.OP, tokenize.NAME, tokenize.NUMBER}
 
 
 def prose_of(path: Path) -> str:
-    """Return what people read in a file: all of a page, texts and comments of Python."""
+    """Return the prose in a file: a whole page, or the strings and comments of Python code."""
     text = path.read_text(encoding='utf-8')
     if path.suffix == '.ipynb':
         cells = json.loads(text)['cells']
@@ -40,7 +40,7 @@ def prose_of(path: Path) -> str:
 
 @pytest.mark.skipif(not (ROOT / '.git').exists(), reason='asks git which files are tracked')
 def test_the_words_that_the_style_keeps_out_are_nowhere():
-    """A phrase may be broken over two lines."""
+    """A phrase is found even if it is broken over two lines."""
     listed = ['git', 'ls-files', '*.md', '*.py', 'autograder/*.txt', 'solutions/*.ipynb']
     names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     found = {

@@ -64,7 +64,7 @@ class TestUnusable:
         ],
     )
     def test_work_without_a_readable_cell_is_unusable(self, data, got, release):
-        """Whatever the reason, no line says that each locked cell is missing."""
+        """Whatever the reason is, no flag says that locked cells are missing."""
         before = (Problem('submitted/ann', 'a folder', 'no notebook', 'submit again'),)
         opened = open_submission(data, release, 'n.ipynb', before if data is None else ())
         result = SubmissionResult('ann', 'a', problems=opened.problems)
@@ -105,7 +105,7 @@ class TestReadNotebook:
         ],
     )
     def test_bytes_that_are_no_notebook_get_one_clear_line(self, data, got):
-        """The line names the file, expected and found content, and what to try."""
+        """The line shows the file, the expected and the actual content, and what to try."""
         cells, problems = read_notebook(data, 'submitted/ann/x.ipynb')
 
         assert cells is None
@@ -150,7 +150,7 @@ class TestReadNotebook:
         assert {one.grade_id for one in found} == {''}
 
     def test_a_byte_order_mark_and_windows_line_ends_are_fine(self):
-        """Editors on Windows add them."""
+        """Editors on Windows add both."""
         data = json.dumps({'cells': [cell('a', 'x\r\ny\rz')]}).encode('utf-8-sig')
 
         found, problems = read_notebook(data, 'x')
@@ -159,7 +159,7 @@ class TestReadNotebook:
         assert found[0].source == 'x\ny\nz'
 
     def test_half_a_surrogate_pair_becomes_writable_text(self):
-        """JSON can contain a lone surrogate, which a file cannot."""
+        """JSON can contain a lone surrogate, but a text file cannot."""
         found, _ = read_notebook(b'{"cells": [{"source": "a\\ud800b"}]}', 'x')
 
         assert found[0].source.encode('utf-8') == b'a?b'
@@ -208,7 +208,7 @@ class TestRebuild:
         assert json.dumps(release) == before
 
     def test_a_missing_cell_leaves_the_stub_and_is_named(self, release):
-        """Only this answer is missing."""
+        """The other answers are not affected."""
         notebook, problems = rebuild(release, [StudentCell('why', 'markdown', 'because')], 'x')
 
         assert [problem.cells for problem in problems] == [('talker',)]
@@ -228,7 +228,7 @@ class TestRebuild:
         assert "talker.py with grade id 'talker-Copy1'" in problems[0].got
 
     def test_of_duplicated_cells_the_first_counts_and_nothing_is_lost(self, release):
-        """The message says which one counts."""
+        """The message says which of the cells counts."""
         student = [
             StudentCell('talker', 'code', 'first'),
             StudentCell('talker', 'code', 'second'),
@@ -242,7 +242,7 @@ class TestRebuild:
         assert problems[0].cells == ()
 
     def test_a_changed_cell_type_is_repaired(self, release):
-        """Pressing m in Jupyter costs no points."""
+        """Pressing m in Jupyter, which changes the cell type, costs no points."""
         student = [
             StudentCell('talker', 'markdown', '%%node talker\npass'),
             StudentCell('why', 'code', 'because'),
@@ -274,7 +274,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_537, 'x\r\n' * 40_000, '\u00e9' * 40_000])
     def test_an_answer_above_64_kib_is_missing(self, release, text):
-        """A compiler and a database get the answer, so it is never truncated and then graded."""
+        """An answer is never truncated: truncated code would be a different answer."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')

@@ -1,4 +1,4 @@
-"""The grader holds one notebook of a class in memory at a time, and keeps only the answers."""
+"""The grader holds one notebook of a class in memory at a time, and keeps only answers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ FILE = 'talker.ipynb'
 
 
 def cell(source):
-    """Return the one answer cell of a notebook."""
+    """Return an answer cell with this source."""
     marks = {'grade_id': 'talker', 'solution': True}
     return {'cell_type': 'code', 'metadata': {'nbgrader': marks}, 'source': source}
 
@@ -42,7 +42,7 @@ class FakeEngine:
 
 
 def large_notebook(picture=MEGABYTE):
-    """Return an answer with a picture below it."""
+    """Return a notebook whose answer has a large picture as its output."""
     output = {'output_type': 'display_data', 'data': {'image/png': 'A' * picture}}
     return json.dumps({'cells': [{**cell('%%node talker\npass'), 'outputs': [output]}]}).encode()
 
@@ -86,7 +86,7 @@ def test_a_class_takes_the_memory_of_one_notebook(tmp_path):
 
 
 def test_of_a_text_that_is_too_long_almost_nothing_is_kept():
-    """A cell of many megabytes is one problem."""
+    """A cell of many megabytes gives one problem, and its content is not kept."""
     data = json.dumps({'cells': [cell('x' * 10 * MEGABYTE)]}).encode()
 
     with traced() as memory:

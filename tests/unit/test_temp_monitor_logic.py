@@ -1,4 +1,4 @@
-"""Properties of the temperature logic for any input, and the files that describe the package."""
+"""Properties of the temperature logic for any input, and files that describe the package."""
 
 import ast
 import math
@@ -28,14 +28,14 @@ plausible_c = st.floats(min_value=-100.0, max_value=200.0)
 @untimed
 @given(value_c=plausible_c, unit=st.sampled_from(UNITS))
 def test_units_there_and_back_is_the_same_temperature(value_c, unit):
-    """Converting to any unit and back changes nothing that a sensor could measure."""
+    """Converting to any unit and back changes less than any sensor can measure."""
     assert to_celsius(from_celsius(value_c, unit), unit) == pytest.approx(value_c, abs=1e-9)
 
 
 @untimed
 @given(value=any_float, unit=st.one_of(st.sampled_from(UNITS), st.text()), limit_c=plausible_c)
 def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
-    """No reading, however odd, stops the monitor, and the verdict fits the reading."""
+    """No reading, however odd, causes an exception, and the verdict fits the reading."""
     finding = judge(value, unit, limit_c).finding
 
     assert (finding is Finding.UNKNOWN_UNIT) == (unit not in UNITS)
@@ -47,7 +47,7 @@ def test_judge_any_reading_is_judged_without_an_exception(value, unit, limit_c):
 @untimed
 @given(limit_c=plausible_c)
 def test_judge_threshold_itself_is_normal_and_the_next_number_is_not(limit_c):
-    """The smallest number above the threshold is too hot, the threshold itself is not."""
+    """The smallest number above the threshold is too hot; the threshold itself is not."""
     above_c = math.nextafter(limit_c, math.inf)
 
     assert judge(limit_c, 'Celsius', limit_c).finding is Finding.NORMAL
@@ -120,7 +120,7 @@ def test_package_xml_declares_what_interfaces_need():
 
 
 def test_launch_file_is_python_with_the_expected_entry():
-    """PyPI has no launch system, so the test can only read the file, not run it."""
+    """The launch system is not on PyPI, so the test can only parse the file, not run it."""
     source = (PACKAGE / 'launch' / 'temp_monitor.launch.py').read_text(encoding='utf-8')
     functions = [node.name for node in ast.parse(source).body if hasattr(node, 'name')]
 

@@ -36,7 +36,7 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
     """
     Return a run of the publisher with readings at these moments.
 
-    :param moments_s: system time [s]; the run lasts ten ROS seconds, which are eight of these
+    :param moments_s: system time [s]; the run lasts ten ROS seconds or eight system seconds
     """
     events = [{'event': 'mark', 'name': 'minute', 'clock_ns': round(BEGIN_S * 1e9)}]
     for moment_s in moments_s:
@@ -56,7 +56,7 @@ def published(moments_s, code='', stamp=lambda clock_ns: CLOCK.at(clock_ns)):
 
 
 def every(ros_s, begin_s=0.8, until_s=BEGIN_S + 8.0):
-    """Return moments at equal distances in ROS seconds [s]."""
+    """Return system times [s] at equal intervals of the ROS clock."""
     count = math.ceil((until_s - begin_s) / ros_s * CLOCK.rate)
     return [begin_s + ros_s / CLOCK.rate * number for number in range(count)]
 
@@ -70,7 +70,7 @@ class TestRhythm:
         publisher.publishes_once_per_second(published(every(1.0, begin_s)))
 
     def test_message_may_be_a_step_late(self):
-        """A loop that polls the clock notices a step only some time later."""
+        """A loop that polls the clock notices a step of the clock only some time later."""
         late = [one + 0.07 * (number % 2) for number, one in enumerate(every(1.0))]
 
         publisher.publishes_once_per_second(published(late))
@@ -88,7 +88,7 @@ class TestRhythm:
         ],
     )
     def test_other_rhythm_is_explained(self, moments_s, cause_id, observed):
-        """The messages alone show the cause."""
+        """The messages alone reveal the cause."""
         with pytest.raises(Failed) as failed:
             publisher.publishes_once_per_second(published(moments_s))
 
@@ -104,18 +104,18 @@ class TestRhythm:
         ],
     )
     def test_code_tells_why_a_period_is_longer(self, code, cause_id):
-        """A clock in the code need not be the one that sets the pace."""
+        """A clock that the code mentions need not set the period."""
         found = why(publisher.publishes_once_per_second, published(every(2.0), code))
 
         assert found.cause_id == cause_id
 
 
 class TestStamps:
-    """Between two steps, the clock shows the same time."""
+    """Between two steps, the clock shows an unchanged time."""
 
     @pytest.mark.parametrize('steps', [0, 1])
     def test_reported_step_is_the_time(self, steps):
-        """The previous step is correct too, if both happen at the same moment."""
+        """The time of the previous step is correct too, if a step and the message coincide."""
         run = published(every(1.0), stamp=lambda now: CLOCK.at(now) - steps * 10**8)
 
         publisher.stamps_follow_the_clock(run)
@@ -216,7 +216,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
 
 
 def right(reading):
-    """Log as the lesson requires."""
+    """Return the lines that the lesson requires."""
     lines = [(INFO, f'{reading.celsius:.2f}')]
     return [*lines, (WARN, 'too hot')] if reading.hot else lines
 
@@ -229,7 +229,7 @@ CHECKS = (
 
 
 def warnings_only(reading):
-    """Log only readings that are too hot."""
+    """Return only the warnings."""
     return right(reading)[1:]
 
 
@@ -251,7 +251,7 @@ def ended(readings, sent, answer):
 
 
 class TestEndOfTheProgram:
-    """An exception explains what is missing from then on, and not what was wrong before."""
+    """An exception explains what is missing afterwards, not what was wrong earlier."""
 
     @pytest.mark.parametrize(
         ('check', 'cause_id'),
@@ -267,7 +267,7 @@ class TestEndOfTheProgram:
         assert why(check, run).cause_id == cause_id
 
     def test_answer_that_the_exception_cut_off_does_not_hide_the_mistake(self):
-        """The hot reading at the end has no warning, unlike any other."""
+        """The hot reading at the end has no warning, because the exception came first."""
         run = ended([COOL, EDGE, HOT, COOL], 3, lambda one: at_or_above(one)[: 1 + (one is EDGE)])
 
         assert why(subscriber.stays_quiet_otherwise, run).cause_id == 'warns_at_threshold'
@@ -292,7 +292,7 @@ class TestEndOfTheProgram:
 
 
 def at_or_above(reading):
-    """Log as a program that also warns about the limit itself."""
+    """Return the lines of a program that also warns about the limit itself."""
     value = reading.value
     return [(INFO, f'{value:.2f}'), *[(WARN, 'hot')] * (value >= 30.0 and not reading.odd)]
 
@@ -301,7 +301,7 @@ OWN = '[WARN] [temperature_subscriber]: Too warm: 45.25 degC is above 30.0 degC\
 
 
 class TestUnlogged:
-    """Some lines are missing, and the others are on standard output as well."""
+    """Some lines are missing; the others are on standard output as well."""
 
     @pytest.mark.parametrize('check', [subscriber.logs_every_reading, CHECKS[2]])
     @pytest.mark.parametrize(
@@ -314,7 +314,7 @@ class TestUnlogged:
         ],
     )
     def test_own_warnings_are_no_printed_readings(self, check, printed, code, cause_id):
-        """The course sends log lines to standard output."""
+        """ROS also writes the log lines to standard output in this course."""
         run = heard([COOL, HOT, COOL], warnings_only, code, printed=OWN + printed)
 
         assert why(check, run).cause_id == cause_id
@@ -329,7 +329,7 @@ class TestUnlogged:
         ],
     )
     def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
-        """The readings are logged correctly, but the warning has the wrong level or place."""
+        """The readings are logged correctly, but the warning is missing or is not logged."""
         run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
 
         assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id
@@ -350,7 +350,7 @@ class TestUnlogged:
         ],
     )
     def test_error_that_nobody_gets_is_looked_for_where_all_is_silent(self, printed, cause_id):
-        """The program logs nothing at all."""
+        """Here the program logs nothing at all."""
         run = heard([COOL, ODD, COOL], lambda _: [], printed=printed)
 
         found = why(subscriber.reports_an_unknown_unit, run)
@@ -424,7 +424,7 @@ class TestErrors:
         assert len(found.text) < 200
 
     def test_name_of_an_attribute_carries_nothing_out_of_a_hidden_exam(self):
-        """A student might log such a line on purpose."""
+        """A student might log such a line on purpose to learn a hidden value."""
         text = "'N' object has no attribute 'v4525'"
 
         found = why(CHECKS[0], heard([COOL], lambda _: [(ERROR, text)], secret=True))
@@ -434,7 +434,7 @@ class TestErrors:
 
 
 class TestFahrenheit:
-    """Readings in Fahrenheit are refused, while Celsius is accepted."""
+    """Readings in Fahrenheit are refused, but readings in Celsius are accepted."""
 
     @staticmethod
     def refusing(code, text='unknown unit'):
@@ -457,7 +457,7 @@ class TestFahrenheit:
         ],
     )
     def test_no_other_level_is_advised(self, check, code, hint):
-        """A warning instead of that ERROR would fail the check of unknown units."""
+        """If the node logged a warning instead, the check of unknown units would fail."""
         if code.startswith('elif'):
             code = f"if msg.unit == 'Celsius':\n    pass\n{code}\n    pass\n"
 
@@ -478,7 +478,7 @@ class TestFahrenheit:
         assert '86 °F must give 30' in found.try_this
 
     def test_comparison_that_is_wrong_in_celsius_too_is_blamed_for_both(self):
-        """A warning that comes once explains the missing one as well."""
+        """A node that warns only once misses the warning about Fahrenheit too."""
         run = heard([HOT, HOT, WARM_F, COOL], right)
         first, *others = run.recording.logs(level=WARN)
         events = [event for event in run.recording.events if event not in others]

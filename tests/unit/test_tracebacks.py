@@ -35,7 +35,7 @@ def ended(stderr, code=CODE):
     ['Exception: unknown unit', 'Exception', '__main__.SensorFault: 3', 'KeyboardInterrupt'],
 )
 def test_an_exception_of_any_name_is_seen(error):
-    """Learners raise Exception, and their own exceptions with any name."""
+    """Learners raise Exception, and exceptions of their own with any name."""
     trace = traceback_of(ended(part(error)))
 
     assert trace.error == error
@@ -43,7 +43,7 @@ def test_an_exception_of_any_name_is_seen(error):
 
 
 def test_the_usual_last_line_is_no_exit_of_the_program():
-    """Every package contains sys.exit(main()); the cause is the exception that ended main()."""
+    """Every package contains sys.exit(main()), but the cause is the exception in main()."""
     raised = why_it_ended(ended(part('Exception: unknown unit')))
     silent = why_it_ended(ended(''))
     exits = why_it_ended(ended('', CODE.replace('main())', '1)')))
@@ -80,7 +80,7 @@ def test_of_chained_exceptions_the_last_ended_the_program(between):
     ],
 )
 def test_cleaning_up_what_was_never_made_hides_no_exception(last):
-    """The first exception is the reason why nothing exists to destroy."""
+    """Because of the first exception, the node that the program destroys does not exist."""
     between = '\nDuring handling of the above exception, another exception occurred:\n\n'
     stderr = part('TypeError: no name') + between + part(last, 6)
 
@@ -90,7 +90,7 @@ def test_cleaning_up_what_was_never_made_hides_no_exception(last):
 
 
 def test_an_exception_that_python_ignores_ended_nothing():
-    """Python prints an exception from a destructor below the real cause."""
+    """Python prints exceptions from destructors below the exception that ended the program."""
     ignored = 'Exception ignored in: <function Destroyable.__del__ at 0x7f>\n'
     after = part("AttributeError: 'NoneType' object has no attribute 'x'", 6)
 
@@ -131,7 +131,7 @@ def test_suggestion_behind_a_path_is_kept():
     ],
 )
 def test_a_library_is_no_module_of_the_same_name(library, module):
-    """A package has an __init__.py and may have a node.py; so do Python and rclpy."""
+    """A package has an __init__.py and may have a node.py, and so do Python and rclpy."""
     own = f'/tmp/ws/install/lib/python3.12/site-packages/my_talker/{module}'
     places = ((own, 2), (library, 900))
     frames = ''.join(f'  File "{path}", line {line}, in f\n    x\n' for path, line in places)

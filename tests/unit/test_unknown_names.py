@@ -1,4 +1,4 @@
-"""The feedback on an undefined name says where the name comes from."""
+"""Feedback on an undefined name says where the name may come from."""
 
 import pytest
 
@@ -36,7 +36,7 @@ def at(line, error, above=''):
     ],
 )
 def test_the_import_that_is_missing_is_written_out(line, said, words):
-    """The repair shows the import, and why an import in a different cell does not help."""
+    """The fix shows the import, and says why an import in a different cell does not help."""
     found = at(line, f'NameError: {said}')
 
     assert found.cause_id == 'missing_import'
@@ -52,7 +52,7 @@ def test_the_import_that_is_missing_is_written_out(line, said, words):
     ],
 )
 def test_name_with_two_origins_is_reported_with_both(name, lines):
-    """The learner knows which origin the line needs."""
+    """Only the learner knows which of the two the line needs."""
     found = at(f'stamp = {name}()', f"NameError: name '{name}' is not defined")
 
     assert all(line in found.try_this for line in lines)

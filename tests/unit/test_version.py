@@ -30,7 +30,7 @@ def git(folder, *arguments):
 
 @pytest.fixture
 def repository(tmp_path):
-    """Return a repository with one commit, which has a tag."""
+    """Return a repository with one commit that has a tag."""
     root = tmp_path / 'course'
     root.mkdir()
     (root / 'file').write_text('1', encoding='utf-8')
@@ -43,7 +43,7 @@ def repository(tmp_path):
 
 @GIT
 def test_a_commit_is_named_and_whether_files_were_changed_since(repository, monkeypatch):
-    """Even a hook of a different repository does not change the result."""
+    """Even the environment of a different repository's git hook does not change the result."""
     monkeypatch.setenv('GIT_DIR', '/nowhere')
     clean = commit(repository)
     (repository / 'file').write_text('2', encoding='utf-8')
@@ -88,7 +88,7 @@ def test_what_is_known_is_named():
 
 
 def an_environment(folder: Path, *, toys: str = '', lock: str = '1.0') -> str:
-    """Return the Python of an environment: with one package of the lock, and perhaps two more."""
+    """Return the Python of an environment with one locked package, and perhaps two others."""
     site = folder / 'lib' / 'python3.11' / 'site-packages'
     names = [f'ros_std_msgs-{lock}']
     if toys:
@@ -134,7 +134,7 @@ def test_package_of_the_lock_counts_for_every_run(tmp_path):
 
 
 def test_worker_without_a_message_package_differs(tmp_path):
-    """It could not run programs that use the package; the error names the file to edit."""
+    """Such a worker cannot run programs that use the package; the error names the file to edit."""
     without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
 
     assert difference(version(added), version(without)) == (

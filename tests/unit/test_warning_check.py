@@ -1,4 +1,4 @@
-"""The exam of lesson 11: prepared runs, and causes for checks that misjudge them."""
+"""The exam of lesson 11: prepared runs, and the causes if a check misjudges them."""
 
 from dataclasses import replace
 import json
@@ -36,7 +36,7 @@ def results(answers, exam=EXAM, stderr=''):
 
 
 def of_rule(rule, exam=EXAM):
-    """Return the exam's results for a check that answers by a rule."""
+    """Return the exam's results for a check that follows a rule."""
     return results(rule(exam.asks['answers'].inputs), exam)
 
 
@@ -50,7 +50,7 @@ def test_right_answers_get_all_points():
 
 @pytest.mark.parametrize('answer', [True, False, 'NoneType', 'exception', ()])
 def test_one_answer_for_all_runs_earns_nothing_but_its_form(answer):
-    """A check with the same answer for every run has judged none of them."""
+    """A check that gives the same answer for every run has judged no run."""
     found = results([answer] * len(RUNS))
 
     points = {name: one.points for name, one in found.items() if one.points}
@@ -71,7 +71,7 @@ def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
 def test_missed_run_is_explained_by_what_its_node_does():
     """The learner reads the run's number and the description of the node's slip."""
     missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]
-    # Another mistake, so that no slip of a check explains both.
+    # Add another mistake, so that no slip of a check explains both.
     missed[5] = False
     found = results(missed)['refuses_other_warnings']
 
@@ -82,7 +82,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 
 
 def test_no_mistake_of_a_node_reads_as_the_learners():
-    """A learner who writes a check has not written a node."""
+    """The node with the mistake is not the learner's: the learner has written a check."""
     slips = (*warning_check.OF_A_MONITOR, warning_check.LATE, warning_check.LAGS)
     known = {*warning_check.MISSES, *warning_check.UNITS, *warning_check.WRONG}
     texts = [warning_check._of_a_node(slip) for slip in slips if slip.cause_id in known]
@@ -92,7 +92,7 @@ def test_no_mistake_of_a_node_reads_as_the_learners():
 
 
 def test_warning_that_comes_a_reading_late_is_explained():
-    """The node with this slip keeps its reading too long, and the learner is told so."""
+    """The cause is the check, which accepts a node that warns one reading late."""
     missed = [one.slip is None or one.slip.cause_id == 'one_late' for one in RUNS]
     missed[5] = False
     found = results(missed)
@@ -163,7 +163,7 @@ def test_run_survives_the_way_to_the_sandbox():
 
 
 def test_run_that_does_not_show_its_slip_is_refused():
-    """No check could detect the slip in such a run."""
+    """No check could detect a slip that the run does not show."""
     assert made_run('the limit', celsius(30.0), 'warns_at_threshold').answers == [1]
     with pytest.raises(ExamInvalid, match='do not reveal a slip warns_at_threshold'):
         made_run('cool readings', celsius(20.0), 'warns_at_threshold')

@@ -1,4 +1,4 @@
-"""The budgets of real time in which no process of a run computes."""
+"""The budgets of real time for waiting while no process of a run computes."""
 
 from types import SimpleNamespace
 
@@ -13,7 +13,7 @@ FOR_5_S, FOR_20_S = 101, 401
 
 @pytest.fixture
 def world(monkeypatch):
-    """Return a machine on which nothing computes, with a watchdog that the test advances."""
+    """Return a simulated machine on which nothing computes, with a watchdog."""
     world = SimpleNamespace(now=0.0, used_s=0.0, state={PROGRAM: b'S', PROBE: b'S'})
     monkeypatch.setattr(watchdog.time, 'monotonic', lambda: world.now)
     monkeypatch.setattr(watchdog, 'states', lambda pid: world.state[pid])
@@ -43,13 +43,13 @@ def world(monkeypatch):
 
 @pytest.mark.parametrize('state', [b'S', b'D', b'T'])
 def test_a_program_that_waits_outside_the_clock_has_five_seconds(world, state):
-    """A program that waits for a disk looks like one that waits for a child of vfork."""
+    """From outside, waiting for a disk looks like waiting for a child after vfork."""
     assert world.look(FOR_5_S - 2, state) == ''
     assert world.look(2, state) == 'waits_outside'
 
 
 def test_computing_renews_no_budget(world):
-    """Short waits with some work between them take as long as one wait."""
+    """Short waits with some work between them add up to one long wait."""
     for _ in range(49):
         assert world.look(2) == ''
         assert world.look(1, b'R') == ''
@@ -57,7 +57,7 @@ def test_computing_renews_no_budget(world):
 
 
 def test_a_program_that_computes_or_waits_for_a_processor_uses_no_budget(world):
-    """Between two checks in which it waits, it used nearly all of the time."""
+    """A program that waits at the moment of each check may have computed between the checks."""
     assert world.look(2 * FOR_5_S, b'R') == ''
     for _ in range(2 * FOR_5_S):
         world.used_s += 0.05
@@ -70,7 +70,7 @@ def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
 
 
 def test_a_build_has_its_own_budget(world):
-    """Only a package that is built and run uses both."""
+    """A build uses its own budget, and the program has a separate one afterwards."""
     world.dog.builds = True
     assert world.look(FOR_20_S - 2, begun=False) == ''
     assert world.look(FOR_5_S - 2) == ''

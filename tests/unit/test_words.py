@@ -15,11 +15,11 @@ USERS = {
     'readings': [GRADER / 'exams/visible/temperature_subscriber.py'],
     'check_your_understanding': [GRADER / 'submission/cells.py'],
 }
-"""Other modules that name causes of a table."""
+"""Other modules that use the causes in a table."""
 
 
 def words_in(module):
-    """Return the names by which a module takes causes, and all of its strings."""
+    """Return the names of the causes that a module uses, and all of its strings."""
     names, strings = set(), set()
     for node in ast.walk(ast.parse(module.read_text(encoding='utf-8'))):
         key = None
@@ -36,7 +36,7 @@ def words_in(module):
 
 @pytest.mark.parametrize('table', TABLES, ids=lambda path: path.stem)
 def test_table_has_the_causes_of_its_module_and_no_other(table):
-    """A name without a row would break the check as soon as a learner makes the mistake."""
+    """Without a row for a cause, the check would break as soon as a learner makes the mistake."""
     users = [table.with_suffix('.py'), *USERS.get(table.stem, ())]
     rows = importlib.import_module(_name_of(table)).WHY._rows
     closer = {name for row in rows.values() for name in ' '.join(row[3:]).split()}
@@ -51,7 +51,7 @@ def _name_of(table):
 
 
 def test_row_gives_all_fields_of_a_cause(tmp_path):
-    """Constants are inserted first, the other values when the cause is used."""
+    """The exam's constants and the given values are inserted; double braces become braces."""
     (tmp_path / 'exam.txt').write_text(
         'late\nIt is\n  {how} late.\nRun {TOPIC}.\n'
         'act: reset()\nabout: a {TOPIC}\ncloser: late_too\n\n'
@@ -74,7 +74,7 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
 
 
 def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
-    """The error names the file."""
+    """The error names the text file."""
     table, module = tmp_path / 'exam.txt', str(tmp_path / 'exam.py')
     table.write_text('late\nIt is late.\nRun.\n', encoding='utf-8')
     with pytest.raises(ExamInvalid, match=r"exam\.txt: there is no cause 'early'.*Known: late"):

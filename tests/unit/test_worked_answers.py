@@ -1,4 +1,4 @@
-"""A worked answer opens after full points or three tries, and only if the instructor packs it."""
+"""A worked answer opens after full points or three tries, if the instructor has packed it."""
 
 import json
 import zipfile
@@ -26,8 +26,8 @@ MOST = catalog.load('talker', hidden=False).max_points
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """Return a students' copy with the worked answer of one exercise, from which tests run."""
-    catalog.names(hidden=False)  # the exams are those of the course
+    """Return a students' copy with one worked answer, and make it the current folder."""
+    catalog.names(hidden=False)  # load the exams of the course, not those of the copy
     root = tmp_path / 'copy'
     (root / FOLDER).mkdir(parents=True)
     (root / 'course.toml').write_text("work = '_work'\n")
@@ -38,7 +38,7 @@ def copy(tmp_path, monkeypatch):
 
 
 def check(monkeypatch, points, **facts):
-    """Check an answer that gets some of three points, and return the report."""
+    """Check an answer that gets these points, and return the report."""
     verdict = Verdict.PASSED if points == MOST else Verdict.FAILED
     result = ExamResult('talker', (CheckResult('c', 'C.', verdict, points, MOST),))
     monkeypatch.setattr(checking, '_run', lambda *_: CheckReport('talker', result=result, **facts))
@@ -47,7 +47,7 @@ def check(monkeypatch, points, **facts):
 
 class TestOpening:
     def test_third_try_opens_it(self, copy, monkeypatch, capsys):
-        """The line below a check counts down, and then leads to the answer."""
+        """The line below a check counts the tries down, and then offers the answer."""
         said = [str(check(monkeypatch, 0)).splitlines()[-1] for _ in range(TRIES)]
         answer('talker')
 
@@ -57,7 +57,7 @@ class TestOpening:
         assert capsys.readouterr().out.endswith(f'{WORDS}\n')
 
     def test_full_points_open_it_at_once(self, copy, monkeypatch):
-        """In JupyterLab, a click on the line shows the unchanged text."""
+        """In JupyterLab, a click on the line shows the text of the answer unchanged."""
         page = check(monkeypatch, MOST)._repr_html_()
 
         assert '<details><summary>Show me a worked answer</summary>' in page
@@ -73,7 +73,7 @@ class TestOpening:
         assert 'details' not in report._repr_html_()
 
     def test_check_of_a_stub_is_no_try(self, copy, monkeypatch):
-        """A learner has to write an answer first."""
+        """A learner has to write an answer before a check counts as a try."""
         for _ in range(TRIES):
             report = check(monkeypatch, 0, unfinished=('talker.py',))
 
@@ -87,7 +87,7 @@ class TestOpening:
         assert 'gives full points' in offer('talker')[0]
 
     def test_results_from_before_tries_were_counted_are_kept(self, copy):
-        """An older file has only two tables."""
+        """An older file has no table of tries."""
         file = copy / '_work' / 'progress.json'
         file.parent.mkdir()
         file.write_text(json.dumps({'checks': {'talker': 1}, 'quizzes': {}}))
@@ -115,7 +115,7 @@ class TestCopies:
             answer('talker')
 
     def test_bundle_holds_answers_on_request_only(self, tmp_path):
-        """After one readable line, the content cannot be read by accident."""
+        """Only the first line of the file is readable, so no answer is read by accident."""
         for wanted in (False, True):
             pack(COURSE, tmp_path / 'copy.zip', answers=wanted)
             with zipfile.ZipFile(tmp_path / 'copy.zip') as archive:
@@ -140,7 +140,7 @@ class TestCopies:
             if cell.cell_type == 'code' and (marks := marks_of(cell)).get('grade')
         }
 
-        # Its visible check passes with wrong letters.
+        # check_your_understanding has no worked answer: wrong letters pass its visible check.
         assert found.keys() == checked - {'check_your_understanding'}
         assert not any('SOLUTION' in text or 'YOUR CODE HERE' in text for text in found.values())
         assert "create_publisher(String, 'chatter'" in found['talker']

