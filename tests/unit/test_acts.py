@@ -201,7 +201,7 @@ class TestPlace:
         assert place('round() int()') == (18, '')
 
     def test_what_a_callback_calls_belongs_to_it(self):
-        """Line 2 is found because the callback calls its function; line 9 is never called."""
+        """The callback calls hot(), so line 2 belongs to the callback; line 9 does not."""
         code = (
             'def hot(value):\n    return value > 30.0\ndef judge(message):\n'
             '    if hot(message.data):\n        warn()\ndef warn():\n    log.warning(1)\n'

@@ -1,4 +1,4 @@
-"""An exam that cannot be imported or a check that raises is reported with file and line."""
+"""A failed import of an exam, or an exception in a check, is reported with file and line."""
 
 import re
 import sys

@@ -53,7 +53,7 @@ def test_names_of_the_list_are_shown_but_not_saved(listed):
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):
-    """A missing student has no mark, which is not a mark of zero."""
+    """A missing student has no mark, rather than a mark of zero."""
     here = ClassResults(TALK, (submission('ann'), submission('eve')))
     found = marks(listed, here, AUTOMATIC)
 

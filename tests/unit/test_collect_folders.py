@@ -35,7 +35,7 @@ class TestFolders:
 
     @pytest.mark.parametrize('around', ['', 'ros2-week-7-submissions/'])
     def test_repositories_of_github_classroom(self, around, tmp_path, layout):
-        """A repository of a whole course is named after its assignment and its student."""
+        """A repository with the whole course is named after the assignment and the student."""
         files = {}
         for student in ('ann-x', 'bob'):
             name = f'{around}ros2-week-7-{student}'
@@ -142,7 +142,7 @@ class TestIdsOfFolders:
             assert found.get('ros2-cy', 'ros2-cy') == 'ros2-cy'
 
     def test_the_longest_name_of_an_assignment_is_taken_off(self, tmp_path, layout):
-        """The longest name of an assignment is removed, but never the whole name."""
+        """The longest matching assignment name is removed, but never the whole folder name."""
         files = {'06_talk_more/talk_more.ipynb': OTHER}
         laid(layout.notebooks, files)
         names = ('talk-more-ann', 'talk-bob', 'talk-', 'talkative-cy')

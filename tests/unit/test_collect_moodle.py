@@ -58,7 +58,7 @@ class TestMoodle:
         return packed(path, {f'{one}_assignsubmission_file/{file}': data for one in who})
 
     def test_two_of_one_name_are_not_guessed(self, tmp_path, layout):
-        """Namesakes are left out, and stay left out when only one of them hands in again."""
+        """Namesakes are left out, even if later only one of them hands in again."""
         first = self.of_moodle(tmp_path / '1.zip', 'Li Wei_313', 'Ann_311')
         both = self.of_moodle(tmp_path / '2.zip', 'Li Wei_313', 'Li Wei_314', 'Ann_311')
         other = notebook('listener')
@@ -105,7 +105,7 @@ class TestMoodle:
         assert taken(layout)[f'Li Wei/{TALK}/talk.ipynb'] == GOOD
 
     def test_another_lesson_has_other_numbers(self, tmp_path, layout):
-        """Numbers change with the lesson, and a dry run saves none."""
+        """A student's number differs between lessons, and a dry run saves no numbers."""
         one = self.of_moodle(tmp_path / '1.zip', 'Ann_311', 'Bo_312')
         two = self.of_moodle(
             tmp_path / '2.zip', 'Ann_312', 'Bo_311', file='listen.ipynb', data=notebook('listener')

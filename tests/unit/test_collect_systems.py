@@ -117,7 +117,7 @@ class TestCanvas:
         ],
     )
     def test_numbers_in_names_are_distinguished_from_ids(self, name, student, tmp_path, layout):
-        """The user's number is near those of other users, and belongs to one name."""
+        """A user's id is close to the ids of other users, and belongs to only one name."""
         files = {
             name: GOOD,
             'exampleann_1001_55001_talk.ipynb': notebook('talker', text='of ann'),

@@ -183,7 +183,7 @@ class TestStampBesideANotebook:
         assert set(taken(layout)) == {f'ann/{TALK}/talk.ipynb'}
 
     def test_elsewhere_it_is_some_file(self, tmp_path, layout):
-        """A stamp counts only where nbgrader writes it."""
+        """A stamp counts only in the folder in which nbgrader writes it."""
         files = {
             f'ann/notebooks/{TALK}/talk.ipynb': GOOD,
             f'ann/notebooks/{TALK}/timestamp.txt': b'2020-01-01 00:00:00 UTC',

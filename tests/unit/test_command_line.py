@@ -343,7 +343,7 @@ def test_a_grading_that_is_stopped_says_how_to_go_on(number, tmp_path, capsys, m
 
 
 def test_starting_imports_neither_nbgrader_nor_ros():
-    """Starting a command imports neither, so help and errors appear at once."""
+    """Starting a command imports neither nbgrader nor ROS: help and errors appear at once."""
     code = (
         'import sys, autograder.__main__; from autograder.grading import pipeline; '
         'from autograder.submission import inbox; '

@@ -1,4 +1,4 @@
-"""Find the event at which a check first deviates: the check names it, or a short run shows it."""
+"""Find the first event that makes a check fail: the check names it, or a shorter run shows it."""
 
 from autograder.exam.exam import Check, Failed, Run
 from autograder.judging.deviation import deviation

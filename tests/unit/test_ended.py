@@ -27,7 +27,7 @@ def end(topic=TOPIC, kind='publisher', type_name=TYPE):
 
 
 def traceback(line, error):
-    """Return a traceback with a frame of the runner and one of the student."""
+    """Return a traceback with a frame in the runner and one in the student's code."""
     return (
         'Traceback (most recent call last):\n'
         '  File "/grader/inside/run_node.py", line 40, in main\n    runpy\n'
@@ -91,7 +91,7 @@ def test_missing_publisher_is_explained_from_the_graph(seen, cause_id, words):
     ],
 )
 def test_exception_is_named_with_its_line(error, cause_id):
-    """The line is that of the learner's file."""
+    """The line number is counted in the learner's file."""
     found = causes.why_it_ended(run(exit=1, stderr=traceback(7, error)))
 
     assert found.cause_id == cause_id

@@ -35,7 +35,7 @@ def test_lock_every_line_is_an_exact_pin():
 
 
 def test_lock_is_what_render_writes():
-    """The lock was not edited by hand."""
+    """The lock file was not edited by hand."""
     lines = sorted(PINS, key=lambda line: line.split('==')[0])
     releases = re.search(f'{lock.RESOLVED}(.*)', TEXT)[1].split(', ')
 
@@ -128,7 +128,7 @@ def test_pins_of_report_uses_one_spelling():
 
 
 def test_a_line_has_the_files_of_every_python_and_the_set_up_reads_it():
-    """Each Python has its wheel, and the marker comes before the digests."""
+    """Each Python gets the digest of its wheel, and the marker precedes the digests."""
     one, two = 'a' * 64, 'b' * 64
     line = 'x==1 ; python_version == "3.11"'
     (whole,) = lock.with_digests([line], [{'x==1': two}, {'x==1': one}, {'x==1': two}])

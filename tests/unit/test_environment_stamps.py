@@ -17,7 +17,7 @@ def places(tmp_path):
 
 
 def write_ready(places, environ, python_version):
-    """Note that the current project was prepared."""
+    """Record that the current project was prepared."""
     stamps.write_ready(places, environ, python_version, stamps.whole_digest(places))
 
 
@@ -57,7 +57,7 @@ def test_is_ready_edited_while_preparing_is_false(places):
 
 
 def test_is_ready_moved_project_is_false(places, tmp_path):
-    """Scripts of a venv name its folder, so a moved project is prepared again."""
+    """The scripts of a venv contain its path, so a moved project is prepared again."""
     write_ready(places, {}, '3.12')
     moved = tmp_path.with_name('moved')
     tmp_path.rename(moved)

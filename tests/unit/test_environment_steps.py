@@ -238,7 +238,7 @@ def test_make_plan_sourced_asked_for_but_absent_is_refused(tmp_path):
 
 
 def test_run_steps_optional_failure_is_reported_and_the_rest_goes_on(fake):
-    """A failed step must not print "done", because users believe it."""
+    """A failed step must not print "done", because users would believe the message."""
     one, two, three = fake.steps()
     fake.fail_in = 'two'
     steps = [one, dataclasses.replace(two, optional=True), three]

@@ -21,7 +21,7 @@ STRING = 'std_msgs/msg/String'
 
 
 def exam(**scenario) -> Exam:
-    """Return an exam with a scenario."""
+    """Return an exam with this scenario."""
     facts = {'file': 'a.py', **scenario}
     return Exam(
         'sample',
@@ -171,7 +171,7 @@ class TestWithRos:
         assert "'integer_value'" in line
 
     def test_what_can_be_sent_is_fine(self):
-        """A float may be a string, as in JSON, and constants are not fields."""
+        """The value of a float may be a string, as in JSON, and constants are not fields."""
         fine = [
             ('std_msgs/msg/Float64', {'data': 'nan'}),
             ('std_msgs/msg/Float32', {'data': float('inf')}),
@@ -196,11 +196,11 @@ HEADINGS = {'01_x': {'Part 1: Doors', 'Summary'}, '02_y': {'Part 2: Timers'}}
 
 
 class TestWithTheLessons:
-    """The sections that learners are sent to."""
+    """The lesson sections that checks tell learners to read."""
 
     @staticmethod
     def reads(section='', own=''):
-        """Return an exam with one check; both can name a section to read."""
+        """Return an exam with one check; the exam and the check may name a section to read."""
         made = exam()
         made.read = section
 

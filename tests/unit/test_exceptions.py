@@ -506,7 +506,7 @@ def test_what_nobody_can_explain_is_reported_with_its_line():
 
 
 def test_raise_that_passes_an_exception_on_is_reported():
-    """A program that raises its exception again does not lack an except."""
+    """A program that re-raises its exception does not lack an except clause."""
     code = 'try:\n    f()\nexcept UnknownUnit:\n    raise  # again\nraise UnknownUnit(unit)'
 
     found = at(code, 'UnknownUnit: K')

@@ -140,7 +140,7 @@ def test_the_column_is_named_by_header_title_or_id(column):
 
 @pytest.mark.parametrize('column', ['Final Score', 'Notes', 'ID', 'Talkers', ''])
 def test_only_an_assignment_can_be_filled(column):
-    """A total is refused, and the error lists the assignments."""
+    """A column with totals is refused, and the error lists the assignments."""
     with pytest.raises(GraderError, match=r'Columns: Quiz 1 \(101\); Talker \(102\)'):
         fill(marks(ada=1.0), column=column)
 

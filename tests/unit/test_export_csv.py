@@ -100,7 +100,7 @@ def test_a_mark_that_is_not_complete_is_an_empty_cell():
 
 @pytest.mark.parametrize('start', FORMULA_STARTS)
 def test_no_cell_begins_like_a_formula(start):
-    """No cell begins with a sign that OWASP lists for CSV injection, or its full-width form."""
+    """No cell begins with a character that OWASP lists for CSV injection, or a full-width form."""
     for text in (f'{start}1+1', f' {start}cmd', f'\n{start}x', start):
         ((shown,),) = rfc4180(csv_bytes(['a'], [[text]]))[1:]
         assert shown.startswith("'"), repr(text)

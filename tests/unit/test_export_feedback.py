@@ -72,7 +72,7 @@ def test_file_named_link_is_renamed_for_canvas():
 
 
 def test_other_students_have_folders_of_their_own():
-    """An id cannot lead out of the zip, and equal pages give equal bytes."""
+    """An id cannot become a path out of the zip, and equal pages give equal bytes."""
     data = feedback_zip({'../x': b'<p>', 'ann': b'<p>'}, {})
 
     assert data == feedback_zip({'ann': b'<p>', '../x': b'<p>'}, {})

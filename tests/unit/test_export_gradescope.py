@@ -174,7 +174,7 @@ class TestZip:
         assert imported <= {name.partition('/')[0] for name in names}
 
     def test_it_has_the_same_hidden_inputs(self, archive):
-        """The zip contains only the secret from the work folder."""
+        """From the work folder, the zip contains only the secret."""
         work = [name for name in archive.namelist() if name.startswith('autograder/_work')]
 
         assert work == ['autograder/_work/course_secret']

@@ -79,7 +79,7 @@ def test_the_schema_refuses_what_contradicts_itself(document, number, change):
 
 
 def test_every_field_is_required(document):
-    """All fields are required, so that a reader can rely on them."""
+    """All fields are required, so that programs can rely on them."""
     parts = [
         (document, '$'),
         (document['submissions'][0], 'submission'),

@@ -40,7 +40,7 @@ def said(second, topic=TOPIC, **more):
 
 
 def fed(count, topic='/t'):
-    """Return the inputs of a run."""
+    """Return this many input events."""
     facts = {'event': 'input', 'topic': topic, 'clock_ns': None, 'data': {}}
     return [{**facts, 'index': number} for number in range(count)]
 
@@ -179,7 +179,7 @@ class TestGraph:
 
     @pytest.mark.parametrize('matched', [True, False])
     def test_a_publisher_that_is_meant_to_be_refused_is_no_mistake(self, matched):
-        """If the subscription has a matching publisher, it is correct that it refuses this one."""
+        """If another publisher matches, the subscription is right to refuse this one."""
         facts = {'event': 'offered', 'clock_ns': 0, 'topic': '/scan'}
         lazy = {**facts, 'publisher': 'lazy', 'matched': False, 'refused': ['DEADLINE']}
         right = {**facts, 'publisher': 'right', 'matched': matched, 'refused': []}

@@ -43,7 +43,7 @@ def watches(level=lambda number: INFO if number % 5 else WARN, text='watch {}', 
 
 
 def cause_of(check, run):
-    """Return the cause for which a check fails."""
+    """Return the id of the cause for which a check fails."""
     with pytest.raises(Failed) as failed:
         check(run)
     return failed.value.why and failed.value.why.cause_id
@@ -189,7 +189,7 @@ class TestHarbour:
 
     @pytest.mark.parametrize('moments', [(2.0, 4.0, 6.0, 8.0), (1.1, 3.1, 5.1, 7.1)])
     def test_it_does_not_matter_in_which_second_the_rhythm_begins(self, moments):
-        """The exercise requires one line every two seconds, but not when the first one is due."""
+        """The exercise requires one line every two seconds, from any moment on."""
         harbour.keeper_reports_every_two_seconds(self.keeper(*moments))
 
     @pytest.mark.parametrize(
@@ -294,7 +294,7 @@ class TestCourier:
 
         :param heard: phase and subscription of each parcel
         :param lost: number of parcels that were sent earlier, without a subscription
-        :param lives: the graphs that contain its publisher
+        :param lives: the graphs that contain the courier's publisher
         """
         end = {
             'topic': courier.TOPIC,

@@ -125,7 +125,7 @@ def empty(path):
 
 
 def truncate(path):
-    """Keep the first half."""
+    """Keep the first half of the file."""
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
@@ -190,7 +190,7 @@ def test_without_a_copy_a_backup_is_asked_for(course):
 
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
-    """If such a file is empty or missing, the next grading run creates a gradebook."""
+    """If a gradebook was never filled, it may be empty or missing: the next run creates it."""
     journal = course.work / 'entered' / '01.jsonl'
     journal.unlink()
     empty(gradebook(course))

@@ -102,7 +102,7 @@ def test_the_trial_of_a_world_reads_no_file_of_the_project(
 def test_the_set_up_reports_a_system_without_namespaces(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Kernels then share the network of the machine."""
+    """On such a system, kernels share the network of the machine."""
     found: list[bool] = []
 
     def prepared(*_: str, cwd: Path) -> None:
@@ -192,7 +192,7 @@ def test_only_the_pid_file_of_a_running_proxy_is_kept(tmp_path: Path) -> None:
 
 
 def test_the_documentation_shows_the_screenshots_that_the_tests_of_the_hub_take() -> None:
-    """So every screenshot comes from the last ``make test-hub``."""
+    """Therefore, every screenshot comes from the last ``make test-hub``."""
     shown = {
         name
         for page in (ROOT / 'README.md', *(ROOT / 'docs').glob('*.md'))

@@ -167,7 +167,7 @@ def test_a_banner_says_what_is_not_protected():
 
 
 def test_a_weak_mode_runs_one_submission_at_a_time():
-    """The banner is printed and the number of runs is one; full isolation keeps the number."""
+    """A banner is printed, and runs are not parallel; full isolation permits parallel runs."""
     console = Console(file=io.StringIO(), width=200)
 
     def engine(mode):
@@ -236,7 +236,7 @@ def test_landlock_opens_everything_but_the_course_s_own_answer(built, tmp_path):
 
 
 def test_bubblewrap_covers_the_course_s_own_answer(built):
-    """The modules and the folder of executables become empty."""
+    """In the sandbox, the modules and the folder of executables are empty."""
     workspace = Path(built.workspace)
     options = sandbox.Sandbox('bwrap-root', built)._masks(Program(['p']))
 

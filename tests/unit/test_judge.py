@@ -199,7 +199,7 @@ class TestExam:
             exam.check(points=1, needs=['pases'])(fails)
 
     def test_name_used_twice_is_refused(self):
-        """Two checks with one name could not be distinguished."""
+        """Two checks with the same name could not be distinguished."""
         exam = make_exam()
         exam.check(points=1)(passes)
 

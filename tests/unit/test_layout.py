@@ -72,7 +72,7 @@ class TestHere:
         assert Layout.here().root == tmp_path
 
     def test_a_folder_without_a_course_is_refused(self, tmp_path, monkeypatch):
-        """The refusal prevents the grading of a different course."""
+        """Without this error, a different course could be graded."""
         monkeypatch.setenv(CHOSEN, str(tmp_path))
         with pytest.raises(GraderError, match=f'this is not a course folder; it has no {FILE}'):
             Layout.here()

@@ -35,7 +35,7 @@ def vscode_slug(text):
 
 @pytest.fixture
 def solutions(tmp_path):
-    """Return the sources of a course of three lessons; the last one needs the first one."""
+    """Return the sources of a course with three lessons; the last one needs the first one."""
     folder = tmp_path / 'solutions'
     for name, facts in (('01_a', None), ('02_b', None), ('03_c', {'needs': ['01']})):
         cells = [new_markdown_cell(f'# Title {name[3:]}'), new_markdown_cell('## Part 1: Go')]

@@ -57,7 +57,7 @@ DEFAULTS = {
 
 
 def failure(check, *given):
-    """Return how a check fails."""
+    """Return the failure of a check."""
     with pytest.raises(Failed) as failed:
         check(*given)
     return failed.value
@@ -126,7 +126,7 @@ class TestDeclarations:
         assert '<test_depend>' in failure(require_declarations, text, 'words').why.text
 
     def test_what_is_no_xml_is_said_to_be_none(self):
-        """The cause has the line of the mistake."""
+        """The failure shows the line of the mistake."""
         failed = failure(require_declarations, MANIFEST.replace('</name>', '<name>'), 'words')
 
         assert failed.why.cause_id == 'xml'

@@ -17,7 +17,7 @@ def run_of(*events, code='', **process):
 
 
 def why(run, found=(), level=INFO, belongs=lambda text: '37.42' in text):
-    """Return the id of the cause why no line that shows 37.42 was logged."""
+    """Return the id of the cause for the missing line that should show 37.42."""
     cause = unlogged.why_not_logged(run, found, level, belongs)
     return cause and cause.cause_id
 

@@ -67,7 +67,7 @@ class TestThreads:
         assert 'The type String has no field dat' in found.text
 
     def test_another_thread_explains_a_node_that_nobody_ever_spins(self):
-        """The thread may have spun the node; if the node answers, it was only a helper."""
+        """The thread may have spun the node; if the node answers, the thread was only a helper."""
         helper = died(frames='')
 
         never = why_silent(run(stderr=helper, code=''))

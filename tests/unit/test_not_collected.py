@@ -122,7 +122,7 @@ class TestShown:
             assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
 
     def test_table_has_a_row_for_each(self, missing):
-        """The rows come after those with points."""
+        """The rows of missing students follow those with points."""
         console = Console(record=True, width=120, file=None)
         print_table(console, TALK, [submission('cho')], missing=missing)
         text = console.export_text()

@@ -1,4 +1,4 @@
-"""Runs are spread over the processors, and each stays on one."""
+"""Runs are spread over the processors, and each run stays on one processor."""
 
 import os
 import subprocess

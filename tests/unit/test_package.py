@@ -147,7 +147,7 @@ class TestWhatAZipMayNotHold:
             read_upload(path)
 
     def test_a_bomb_is_counted_while_it_is_read(self, tmp_path, monkeypatch):
-        """The unpacked bytes are counted, because a zip bomb is a thousand times smaller."""
+        """Unpacked bytes are counted, because a zip bomb is small until it is unpacked."""
         monkeypatch.setattr(package, 'BOUNDS', package.BOUNDS._replace(file_bytes=1 << 16))
         path = zip_of(tmp_path / 'a.zip', [('package.xml', 'a' * (1 << 24))])
 
@@ -310,7 +310,7 @@ def test_odd_bytes_are_replaced(tmp_path):
 
 
 def test_an_exam_gets_no_nodes_of_other_exercises():
-    """So editing a node repeats no build, as in grading, and line numbers are unambiguous."""
+    """Otherwise editing a node would repeat a build, and line numbers would be ambiguous."""
     files = {'package.xml': '', 'msg/Temperature.msg': '', 'temp_publisher.py': 'a node'}
     other = {'temp_subscriber.py': 'another node'}
     message = catalog.load('temperature_message', hidden=False)

@@ -258,7 +258,7 @@ class TestWords:
         assert headline(submission(checks=again)).startswith('Another id')
 
     def test_headline_names_a_missing_cell_only_if_that_costs_most(self):
-        """A cause that costs more than the cell comes first."""
+        """A cause that costs more points than the missing cell takes precedence."""
         cell = Problem('y', 'a', 'b', 'c', ('talker',))
         absent = CheckResult('id', 'T', Verdict.FAILED, 0, 1, cause='x', cause_id='missing_file')
 

@@ -329,7 +329,7 @@ def test_late_parcel_is_blamed_on_what_the_code_has(period_s, cause):
 
 
 def watched(*events):
-    """Return a run of the sensor's listener."""
+    """Return a run of the node that listens to the sensor."""
     qos = {'deadline_ns': sensor_watch.DEADLINE_NS}
     end = {'kind': 'subscription', 'topic': '/distance', 'node': sensor_watch.NODE, 'qos': qos}
     graph = {'event': 'graph', 'when': 'end', 'nodes': [sensor_watch.NODE]}

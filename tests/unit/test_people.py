@@ -15,7 +15,7 @@ CANVAS = {'exampleann_1001_55001_talk.ipynb': GOOD, 'berg_1002_55002_essay.pdf':
 
 
 def test_names_of_what_was_taken_are_kept(tmp_path, layout):
-    """The names of all sources are saved, and the last one counts."""
+    """The names from all sources are saved; a student's latest name counts."""
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
     assert read_people(layout) == {'1001': 'exampleann'}
 

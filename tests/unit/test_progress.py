@@ -20,7 +20,7 @@ def done(points: float) -> ExamResult:
 
 
 def test_full_marks_less_and_reviews_are_counted():
-    """A submission for review counts neither as full marks nor as less."""
+    """A submission for review counts neither as full marks nor as less than full marks."""
     counts = Counter(map(kind_of, (done(2), done(1), done(2))))
     assert text_of(counts) == '2 full marks, 1 less'
 

@@ -20,7 +20,7 @@ def let_others_run(*_):
 
 @pytest.fixture
 def crowded():
-    """Switch threads after every few objects."""
+    """Switch threads after every few new objects."""
     before = gc.get_threshold()
     gc.callbacks.append(let_others_run)
     gc.set_threshold(50)

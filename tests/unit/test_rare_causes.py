@@ -138,7 +138,7 @@ def warming(values, code=''):
 
 
 def test_formula_is_not_blamed_for_a_flood():
-    """Surplus readings are not judged: only the first ones, one per second, count."""
+    """If a node floods the topic, only as many readings as expected are judged."""
     temperature_publisher.readings_are_plausible(warming(range(20, 220)))
 
     found = why(temperature_publisher.readings_are_plausible, warming(range(110, 130)))
@@ -189,7 +189,7 @@ class TestCausesOfBlindPrograms:
     def test_reader_is_told_which_of_its_messages_are_wrong(
         self, numbers, values, names, check, cause_id
     ):
-        """The cause names the messages below zero, without a description, or with any number."""
+        """The wrong messages are below zero, lack a description, or contain an int."""
         facts = milli_reader.build(numbers, ('a', '' if 'unknown' in names else 'b', 'c')).facts
         events = [
             {'event': 'input', 'index': place, 'clock_ns': 0, 'data': {}} for place in range(3)

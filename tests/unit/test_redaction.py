@@ -188,7 +188,7 @@ class Played:
         self.clock_ns += round(seconds * 1e9)
 
     def say(self) -> None:
-        """Log and publish the last input, with the stamp of the first moment."""
+        """Log and publish the last input, always with the same stamp."""
         if self.program.says is None:
             return
         try:

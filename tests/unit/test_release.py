@@ -1,7 +1,7 @@
 """
 The check of a release: notebooks, exams and the students' files match.
 
-``make check`` runs it on this course.
+``make check`` runs this check on the course.
 """
 
 from dataclasses import dataclass

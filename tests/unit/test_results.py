@@ -1,4 +1,4 @@
-"""Results survive a round trip through JSON, and add up."""
+"""Results survive a round trip through JSON, and their points add up."""
 
 import json
 

@@ -252,7 +252,7 @@ def test_definition_puts_parts_below_their_field(files):
     ],
 )
 def test_interface_names_are_explained(name, words, monkeypatch):
-    """The form, the package and the file are three different mistakes."""
+    """An invalid form, an unknown package and a missing file give different errors."""
     monkeypatch.setenv('AMENT_PREFIX_PATH', ros_environment().variables['AMENT_PREFIX_PATH'])
     with pytest.raises((ValueError, LookupError), match=words):
         interface.interface_file(name)

@@ -22,7 +22,7 @@ sys.stdin.read()
 
 
 class Shell:
-    """An IPython shell that calls functions before a cell."""
+    """An IPython shell that calls registered functions before a cell."""
 
     def __init__(self):
         self.events = self
@@ -43,7 +43,7 @@ class Shell:
 
 @pytest.fixture
 def name(monkeypatch):
-    """Use names that no other process claims, in a process without a claim."""
+    """Use names that no other process claims, and begin without a claim."""
     name = f'test-{os.getpid()}-{random.SystemRandom().getrandbits(64)}-'
     monkeypatch.setattr(ros_domain, 'NAME', name)
     monkeypatch.setattr(kernel_domain, '_claimed', None)
@@ -54,7 +54,7 @@ def name(monkeypatch):
 
 @pytest.fixture
 def claiming(name):
-    """Return a function that starts a process that claims domain 7 and prints its domain."""
+    """Return a function that starts a process, which claims domain 7 and prints the result."""
     processes = []
 
     def start():

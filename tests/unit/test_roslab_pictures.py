@@ -131,7 +131,7 @@ def test_only_the_refused_one_of_two_listeners_is_dashed():
 
 
 def test_listener_of_the_notebook_is_not_drawn_but_counts():
-    """With listen() in a cell, a publisher is not alone, and the picture says so."""
+    """If a cell calls listen(), a publisher has a subscription, which the picture mentions."""
     facts = chatter([end('/a')], [end('/_roslab')])
 
     assert 'this notebook listens' in str(Graph(facts))
@@ -391,7 +391,7 @@ def test_values_above_the_threshold_have_another_shape_and_are_counted():
 
 
 def test_value_that_is_not_finite_is_a_gap():
-    """NaN breaks the line in two and is mentioned."""
+    """NaN breaks the line in two, and the text mentions the gap."""
     page = curve_html(curve(1, 2, math.nan, 3, 4))
 
     assert page.count('<polyline') == 2

@@ -80,7 +80,7 @@ def test_an_unknown_route_is_refused(files, capsys):
 
 
 def test_sample_class_result_counts_submissions():
-    """A submission for review counts too."""
+    """A submission for review is counted too."""
     assert routes.sample_class_result(REPORT) == '3 submissions, `bwrap-user`'
 
 
@@ -94,7 +94,7 @@ def test_sample_class_result_counts_submissions():
     ],
 )
 def test_sample_class_result_refuses_less(old, new, words):
-    """With missing submissions, lost points or weak isolation, a route does not count."""
+    """A route does not count if submissions are missing, points are lost or isolation is weak."""
     with pytest.raises(routes.RouteFailed, match=words):
         routes.sample_class_result(REPORT.replace(old, new))
 

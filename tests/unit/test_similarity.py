@@ -169,7 +169,7 @@ REFERENCE = {'nodes': {'talker.py': ORIGINAL}, 'all': {'talker.py': ORIGINAL, 'b
 
 
 def test_a_copy_of_the_finished_package_is_listed():
-    """The package does not count as a student, and its two forms are not compared."""
+    """The package is not a student, and its two forms are not compared with each other."""
     texts = {'ann': {'talker.py': RENAMED}, 'bob': {'talker.py': OTHER}}
     result = compare('01_talker', texts, frozenset(), 0.85, REFERENCE)
 

@@ -108,7 +108,7 @@ def test_wrong_wish_is_refused_with_its_place(wishes, words):
 
 @pytest.mark.parametrize('seconds', [0, -1, 86_401, float('nan'), float('inf')])
 def test_impossible_length_is_refused(seconds):
-    """A simulation takes some time, and at most a day."""
+    """A simulation must be longer than 0 s and at most a day."""
     with pytest.raises(UsageError, match='seconds: expected more than 0 and at most 86400'):
         order_of('echo.py', seconds)
 
@@ -138,7 +138,7 @@ def message(at_ns, text, **facts):
 
 
 def test_recording_becomes_messages_with_times():
-    """Events at the last instant are included, later ones are not."""
+    """Events at the last instant are included; later ones are not."""
     log = {'event': 'log', 'clock_ns': 5, 'level': 30, 'name': 'echo', 'text': 'hot'}
     sent = {'event': 'input', 'clock_ns': 10**9, 'topic': '/in', 'data': {'data': 'a'}}
     joined = {'event': 'joined', 'clock_ns': 2 * 10**9, 'topic': '/out', 'listener': 'late/out'}
@@ -178,7 +178,7 @@ def test_end_of_a_program_is_reported_with_its_last_line():
 
 
 def test_limit_keeps_what_was_observed_until_then():
-    """An end caused by a limit of the grader has no time."""
+    """If a limit of the grader ends the run, the end event has no time."""
     run = recorded(message(4 * 10**9, 'a'), reason='cpu_limit', over_ns=None)
 
     assert (run.times('out'), run.seconds) == ([4.0], 4.0)

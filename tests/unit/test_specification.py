@@ -56,7 +56,7 @@ class TestCause:
         assert found.cause([1, 1, None], 1).cause_id == 'warns_at_threshold'
 
     def test_part_explains_where_a_second_mistake_spoils_the_rest(self):
-        """A part without the wrong answer explains nothing."""
+        """A part of the answers that lacks the wrong one explains nothing."""
         found, came = asked(math.nan, 20.0, 31.0, 30.0), [1, 0, 1, 1]
 
         assert found.cause(came, 3) is None
@@ -64,7 +64,7 @@ class TestCause:
         assert found.cause(came, 0, [1, 2, 3]) is None
 
     def test_slip_that_happens_sometimes_explains_two_wrong_answers(self):
-        """A single wrong answer has too many explanations."""
+        """A single wrong answer could have many explanations."""
         late = Slip('late', '', '', each(lambda value: 1), sometimes=True)
         question = Specification((1, 2, 3, 40), above(), [late])
 
@@ -121,7 +121,7 @@ class TestMistakes:
         )
 
     def test_two_of_one_name_may_look_alike(self):
-        """Two slips with one id have the same text, so they may give the same answers."""
+        """Two slips with the same id have the same text, so they may give the same answers."""
         rule = each(lambda one: 0)
         slips = (Slip('none', 'text', 'try', rule), Slip('none', 'text', 'try', rule))
 

@@ -169,7 +169,7 @@ class TestThisCourse:
         + ['collect', 'commands/grade', 'instructors', 'nbgrader_config', 'self_check', 'similar'],
     )
     def test_it_has_nothing_of_the_instructors(self, copy, part):
-        """It contains no hidden exams, no solutions and no code for classes."""
+        """The bundle contains no hidden exams, no solutions and no code for whole classes."""
         assert [name for name in names_in(copy) if part in name] == []
 
     def test_github_finds_the_workflow(self, copy):

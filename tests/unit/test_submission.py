@@ -285,7 +285,7 @@ class TestRebuild:
 
     @pytest.mark.parametrize('text', ['x' * 65_536, 'x\r\n' * 32_768, '\u00e9' * 32_768])
     def test_an_answer_of_64_kib_counts_whole(self, release, text):
-        """The limit applies to bytes, with Unix line ends."""
+        """The limit applies to the bytes after conversion to Unix line ends."""
         data = json.dumps(student_file(release, talker=text)).encode()
 
         opened = open_submission(data, release, 'x')

@@ -111,7 +111,7 @@ class TestRhythm:
 
 
 class TestStamps:
-    """Between two steps, the clock shows an unchanged time."""
+    """Between two steps, the clock does not advance."""
 
     @pytest.mark.parametrize('steps', [0, 1])
     def test_reported_step_is_the_time(self, steps):
@@ -329,7 +329,7 @@ class TestUnlogged:
         ],
     )
     def test_warning_alone_may_be_elsewhere(self, printed, code, cause_id):
-        """The readings are logged correctly, but the warning is missing or is not logged."""
+        """The readings are logged correctly, but the warning is missing or went elsewhere."""
         run = heard([COOL, HOT, COOL], lambda one: right(one)[:1], code, printed=printed)
 
         assert why(subscriber.warns_when_too_hot, run).cause_id == cause_id

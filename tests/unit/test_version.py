@@ -108,7 +108,7 @@ USES, DOES_NOT = 'from toy_msgs.msg import Toy', 'from std_msgs.msg import Strin
 
 
 def test_added_message_package_counts_only_where_it_is_named(tmp_path):
-    """The program or the scenario may name it; all other recordings remain valid."""
+    """The program or the scenario may name the package; all other recordings remain valid."""
     without, added = an_environment(tmp_path / 'a'), an_environment(tmp_path / 'b', toys='1.0')
 
     assert environment_digest(without, [DOES_NOT]) == environment_digest(added, [DOES_NOT])
