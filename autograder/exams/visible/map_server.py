@@ -285,7 +285,7 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
                 Join('late', '/map', TYPE, HISTORY, LISTEN_S),
             ),
         ),
-        read='Part 4: Those who come late',
+        read='Part 4: Late subscriptions',
         asks={'maps': Specification(surveys, passed_on(), SLIPS, burst)},
     )
     needs = ['starts_its_node']
