@@ -1,7 +1,7 @@
 """
-Specify a temperature monitor: readings, the expected warnings, and causes of mistakes.
+Specify a temperature monitor: readings, the expected warnings, and typical mistakes.
 
-The exam ``temperature_subscriber`` compares recordings with this specification.
+The exams ``temperature_subscriber`` and ``warning_check`` use this specification.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +45,7 @@ class Reading:
 
     @property
     def hot(self) -> bool:
-        """Return whether a warning is due: strictly above the threshold."""
+        """Return whether the reading is strictly above the threshold, so that a warning is due."""
         return self.celsius is not None and self.celsius > THRESHOLD_C
 
     @property
@@ -66,7 +66,7 @@ class Reading:
         return self.value, self.value if self.celsius is None else self.celsius
 
     def is_in(self, text: str) -> bool:
-        """Return whether a text contains the value, raw or in Celsius, with any rounding."""
+        """Return whether a text shows the value, as received or in Celsius, within about 0.05."""
         return shows(text, *self.numbers)
 
     def message(self, number: int) -> dict[str, Any]:
@@ -78,7 +78,7 @@ class Reading:
             'temperature_value': self.value,
             'unit': self.unit,
             'timestamp': {'sec': 100 + pair, 'nanosec': 250_000_000},
-            # A monitor has no rule about the sensor, which may have no name.
+            # The specification has no rule about the sensor, whose name may be empty.
             'sensor_id': SENSORS[pair % len(SENSORS)],
         }
 
@@ -115,7 +115,7 @@ def _with_factor(factor: float, reading: Reading) -> float | None:
 
 
 def keeps_last(readings: Sequence[Reading]) -> list[int]:
-    """Return the warnings of a monitor that judges the reading before an unknown unit again."""
+    """Return the warnings of a monitor that repeats its last verdict after an unknown unit."""
     warnings, hot = [], False
     for one in readings:
         hot = hot if one.celsius is None else one.hot

@@ -282,7 +282,7 @@ def test_node_that_is_not_spun_beside_one_that_is_explains_silence():
     found = causes.why_silent(seen)
 
     assert found.cause_id == 'other_node_spun'
-    assert 'helper is spun and n is not' in found.text
+    assert 'spins the node helper but not n' in found.text
 
 
 def test_helper_that_nobody_spins_explains_nothing():

@@ -69,7 +69,7 @@ def at(code, error, below=''):
             'rclpy._rclpy_pybind11.InvalidHandle: cannot use Destroyable because destruction was '
             'requested',
             'destroyed_early',
-            'after it was destroyed',
+            'already destroyed',
         ),
         ('ValueError: generator already executing', 'nested_spin', 'A callback spins'),
         ('RuntimeError: Executor is already spinning', 'nested_spin', 'A callback spins'),
@@ -107,7 +107,7 @@ def at(code, error, below=''):
         (
             "AttributeError: property 'publishers' of 'Talker' object has no setter",
             'reserved_name',
-            'Every node already has',
+            'every node already has',
         ),
         (
             "AttributeError: type object 'module' has no attribute '_TYPE_SUPPORT'",
@@ -397,7 +397,7 @@ def test_whole_message_of_several_fields_or_of_text_is_reported():
             'if value < LOWEST_C:',
             "TypeError: '<' not supported between instances of 'str' and 'float'",
             'compares_types',
-            'look at the name of each',
+            'check the name of each',
         ),
         (
             "self.get_logger.info('x')",

@@ -109,7 +109,7 @@ def test_part_of_a_burst_is_not_taken_for_a_depth():
     ('late_s', 'came', 'says'),
     [
         ([[0.0, 0.0], [0.0]], [('a', 'a'), ('b',)], 'Publish once in the callback, and nowhere'),
-        ([[0.0, 0.4], [0.0]], [('a', 'a'), ('b',)], 'no timer, loop or thread publishes it'),
+        ([[0.0, 0.4], [0.0]], [('a', 'a'), ('b',)], 'never again from a timer, loop or thread'),
         ([[0.0], [0.0]], [('a',), ('c',)], 'depth 10'),
         ([[0.03], [0.01]], [('a',), ('c',)], 'depth 10'),
         ([[0.03], [0.04]], [('a',), ('c',)], 'not in a timer'),
@@ -319,7 +319,8 @@ class TestHeartbeat:
 
 
 @pytest.mark.parametrize(
-    ('period_s', 'cause'), [(0.1, 'its checks become rarer'), (5.0, 'waits for something else')]
+    ('period_s', 'cause'),
+    [(0.1, 'it checks less and less often'), (5.0, 'waits for something else')],
 )
 def test_late_parcel_is_blamed_on_what_the_code_has(period_s, cause):
     """If a node already checks often, the cause of the delay is different."""

@@ -312,19 +312,19 @@ class TestWords:
                 'night_watch',
                 'has another name',
                 'starts_in_the_namespace',
-                'There is a node called night_watcher.',
+                'Your program has a node called night_watcher, but none called night_watch.',
             ),
             (
                 'talker',
                 'keeps and asks for old messages',
                 'offers_reliable_qos',
-                'The publisher on chatter has a different durability.',
+                'The publisher on chatter does not have the required durability.',
             ),
             (
                 'map_server',
                 'repeats in other words',
                 'publishes_each_survey',
-                'a map for each survey, in their order',
+                'a map for each survey, in the same order',
             ),
             (
                 'map_server',

@@ -169,8 +169,8 @@ def test_quarter_of_the_readings_is_enough_to_judge_each(count, judged):
     ('code', 'cause_id', 'words'),
     [
         ('timestamp = self.get_clock().now().to_msg()', 'missing_stamp', 'a separate variable'),
-        ('# msg.timestamp = now', 'missing_stamp', 'never set'),
-        ('msg.timestamp = Time()', 'empty_time', 'An empty Time is 0'),
+        ('# msg.timestamp = now', 'missing_stamp', 'never sets the field timestamp'),
+        ('msg.timestamp = Time()', 'empty_time', 'an empty Time, which is 0'),
         ('msg.timestamp = self.start', 'stale_stamp', 'before the clock ran, as in __init__.'),
         ('msg = Temperature(timestamp=self.start)', 'stale_stamp', 'it was never set'),
     ],

@@ -77,7 +77,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 
     assert found.cause_id == 'accepts_nan'
     assert found.cause.startswith('The node of this run is wrong. It logs a WARN line for NaN')
-    assert found.observed == 'False for 3 of them; not for run 9, with a reading that is NaN'
+    assert found.observed == 'False for 3 of 4 runs; not for run 9, with a reading that is NaN'
     assert found.points == 2.25
 
 
@@ -117,7 +117,7 @@ def test_graded_exam_names_no_place_and_no_value():
     found = of_rule(lambda runs: [True] * len(runs), exam)['refuses_other_warnings']
     slipped = {one.kind for one in exam.asks['answers'].inputs if one.slip}
 
-    assert found.observed.removeprefix('False for 0 of them; not for a run with ') in slipped
+    assert found.observed.removeprefix('False for 0 of 9 runs; not for a run with ') in slipped
 
 
 def test_two_answers_for_a_run_are_none():

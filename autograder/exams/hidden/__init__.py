@@ -1,1 +1,1 @@
-"""Hidden exams, which are never shipped and never enter a sandbox."""
+"""Hidden exams, which students never receive and which never enter a sandbox."""

@@ -1,7 +1,7 @@
 """
 Hidden exam of lesson 09: one point per question, and a reason for each wrong option.
 
-The answer key is in a YAML file next to this module and is never shipped.
+The answer key is in a YAML file next to this module, which students never receive.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +16,7 @@ from autograder.exams.visible.check_your_understanding import build, letter_of, 
 from autograder.submission.cells import LETTERS
 
 KEY = Path(__file__).with_suffix('.yaml')
-RUN_IT = 'Run the cells of that section again, and predict before each.'
+RUN_IT = 'Run the cells of that section again, and predict the result of each cell first.'
 
 
 def key() -> Mapping[str, Mapping[str, Any]]:
@@ -31,7 +31,7 @@ def key() -> Mapping[str, Mapping[str, Any]]:
     for question, entry in found.items():
         if {entry['right'], *entry['why']} != set(LETTERS) or entry['right'] in entry['why']:
             raise ExamInvalid(
-                f'{KEY.name}, {question}: expected one right letter, and why the others are wrong.'
+                f'{KEY.name}, {question}: expected one right letter, and why the rest are wrong.'
             )
     return dict(found)
 
@@ -45,7 +45,7 @@ def judge(question: str, entry: Mapping[str, Any]) -> Callable[[Run], None]:
             return
         raise Failed(
             expected='the option that is true',
-            observed=f'{letter!r}',
+            observed=f'the letter {letter!r}',
             why=Cause(f'{question}_{letter}', entry['why'][letter], RUN_IT),
         )
 

@@ -7,7 +7,7 @@ from autograder.exams.visible.managed_pressure import build, BURST
 
 _draw = generator('managed_pressure', 'limits and pressures')
 # Rounding or truncating a pressure just above one of these limits gives at most the limit; a
-# pressure 0.01 below it is above the rounded limit.
+# pressure 0.01 below the limit is above the rounded limit.
 _first = _draw.choice((3.12, 3.13, 3.22, 3.23, 3.32, 3.33))
 _second = round(_draw.uniform(0.1, 0.4), 2)
 
@@ -33,7 +33,7 @@ _edges = [
 ]
 _draw.shuffle(_edges)
 _again = _high()
-# A log line with three digits, or without decimals, does not show this limit.
+# A log line with only three significant digits, or without decimals, does not show this limit.
 _refused = -_draw.randint(100, 400) - _draw.choice((0.35, 0.45, 0.55, 0.65))
 exam = build(
     refused=(-1.0, 0.0, _refused),

@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 03, part 4: many secret numbers, a pause, two NaN, and a burst."""
+"""Hidden exam of lesson 03, part 4: many secret numbers, a pause, NaN twice, and a burst."""
 
 import math
 
@@ -12,7 +12,7 @@ def _numbers(count: int) -> list[float]:
     return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
 
 
-# The first mean is below zero, the third one above it.
+# The first mean is below zero, and the third one is above zero.
 _first = [-round(_draw.uniform(1.0, 290.0), 3), round(_draw.uniform(600.0, 900.0), 3)]
 MANY = 104
 exam = build(

@@ -30,7 +30,7 @@ def edges(draw: random.Random) -> list[Reading]:
 
 
 def fahrenheit(draw: random.Random) -> list[Reading]:
-    """Return warm and cool readings in Fahrenheit, in turn, some very close to the threshold."""
+    """Return alternating warm and cool readings in Fahrenheit, some close to the threshold."""
     limit = THRESHOLD_C * 1.8 + 32.0
     warm = [
         Reading(round(draw.uniform(limit + 0.1, limit + 0.4), 2), 'a warm reading in °F', UNIT),
@@ -56,7 +56,7 @@ def odd(draw: random.Random) -> list[Reading]:
     units = [
         *[(f'C{rest}', UNKNOWN)] * 2,
         (f'F{rest[::-1]}', UNKNOWN),
-        ('celsius', 'a reading in celsius, in lower case'),
+        ('celsius', 'a reading in celsius, spelled in lower case'),
         ('', 'a reading without a unit'),
     ]
     draw.shuffle(units)
@@ -88,7 +88,7 @@ exam = build(
         cool(_draw),
         # A repeated reading and a different one: each needs its own warning.
         *(_again, _again, hot(_draw)),
-        # A log line with three digits does not show this reading.
+        # A log line with only three significant digits does not show this reading.
         Reading(int(_draw.uniform(200.0, 900.0)) + 0.4, f'a reading far above {THRESHOLD_C:g} °C'),
         *(cool(_draw), cool(_draw)),
         *edges(_draw),
@@ -96,8 +96,8 @@ exam = build(
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
-        # A node that goes on after an unknown unit judges this reading again; one that compares
-        # values in any unit does not warn about the cool reading in an unknown unit.
+        # A node that does not return after an unknown unit judges this reading again; a node that
+        # compares values in any unit does not warn about the cool reading in an unknown unit.
         hot(_draw),
         *_units,
         replace(cool(_draw), kind=UNKNOWN, unit='Rankine'),

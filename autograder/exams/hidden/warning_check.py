@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 11: different runs, of nodes with every slip, in a secret order."""
+"""Hidden exam of lesson 11: secret runs of nodes with every slip, in a secret order."""
 
 from dataclasses import replace
 

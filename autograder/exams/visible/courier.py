@@ -43,7 +43,7 @@ def parcels(run: Run, listener: str) -> list[Event]:
 
 
 def _lives(run: Run, when: str) -> bool:
-    """Return whether the node's publisher is in the graph ``delivered`` or ``end``."""
+    """Return whether the node's publisher is in the graph labelled ``delivered`` or ``end``."""
     return bool(endpoints_at(run, when, 'publisher', TOPIC))
 
 
@@ -76,7 +76,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
         when = 'seconds' if run.secret else f'{late_s:.2g} s'
         raise Failed(
             expected='the parcel as soon as a subscription is connected',
-            observed=f'a parcel that arrives {when} later',
+            observed=f'a parcel that arrives {when} after the subscription has connected',
             why=replace(_why_late(run, late_s), about=[str(late_s)]),
         )
 
@@ -128,7 +128,7 @@ def delivers_once(run: Run) -> None:
     if early:
         raise Failed(
             expected='nothing before a subscription is connected',
-            observed=f'{early} before',
+            observed=f'{early} parcel{"" if early == 1 else "s"} before a subscription connected',
             why=WHY['also_early'],
         )
     counts = [len(parcels(run, listener)) for listener in ('first', 'second', 'third')]
@@ -137,10 +137,10 @@ def delivers_once(run: Run) -> None:
     if counts == [1, 0, 0] and lives:
         return
     expected = '1 message for the first subscription, none for later ones'
-    observed = f'{first} for the first, {second or "none"} for the second'
+    observed = f'messages for the first subscription: {first}, for the second: {second or "none"}'
     if third and not second:
-        expected = 'none for a subscription that connects after the others have left'
-        observed = str(third)
+        expected = 'no message for a subscription that connects after the others have left'
+        observed = f'messages for the third subscription: {third}'
     elif counts == [1, 0, 0]:
         expected, observed = 'a node that keeps running after the delivery', GONE
     ended = 'Your node delivered the parcel, and ended some time later.'

@@ -2,8 +2,8 @@
 Lesson 01, first exercise: two nodes in one program.
 
 Specification from the lesson: the nodes ``lookout`` and ``keeper`` in the namespace ``harbour``;
-the first logs one INFO line per second and the second one every two seconds, each with its own
-logger; one executor serves both.
+the first logs one INFO line per second and the second logs one every two seconds, each with its
+own logger; one executor serves both.
 """
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
@@ -38,14 +38,14 @@ def both_nodes_exist(run: Run) -> None:
     if others := [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]:
         raise Failed(
             expected='two nodes, and no other',
-            observed=f'{others[0][:60]} as well',
+            observed=f'a further node, {others[0][:60]}',
             why=WHY.of('further_node', about=[others[0]]),
         )
     ends = run.recording.endpoints('publisher', '/rosout')
     if len({end['process'] for end in ends if end['node'] in (LOOKOUT, KEEPER)}) > 1:
         raise Failed(
             expected='both nodes in one process',
-            observed='a separate process for each',
+            observed='a separate process for each node',
             why=WHY['two_processes'],
         )
 

@@ -78,13 +78,13 @@ def inspects_one_at_a_time(run: Run) -> None:
     if any(end - begun < INSPECT_S - GRAIN_S for begun, end in zip(sent, ends)):
         raise Failed(
             expected=f'a result {INSPECT_S:g} s after its picture, or later',
-            observed='an earlier result',
+            observed=f'a result less than {INSPECT_S:g} s after its picture',
             why=WHY['not_inspected'],
         )
     if any(later - earlier < INSPECT_S - GRAIN_S for earlier, later in pairwise(ends)):
         raise Failed(
             expected=f'{INSPECT_S:g} s or more between two results',
-            observed='two results closer together',
+            observed=f'two results less than {INSPECT_S:g} s apart',
             why=WHY['overlaps'],
         )
 

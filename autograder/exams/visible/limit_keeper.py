@@ -1,8 +1,8 @@
 """
-Lesson 07, part 5: a limit that accepts only sensible changes.
+Lesson 07, part 5: a node that accepts only sensible limits.
 
 Specification from the lesson: node ``limit_keeper`` with the parameters ``limit_c``, a float with
-the default 30.0, and ``place``, any text; the node refuses a new ``limit_c``, with a reason,
+the default 30.0, and ``place``, any string; the node refuses a new ``limit_c``, with a reason,
 unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/Float64`` on
 ``motor_temperature`` above the limit in force causes one WARN line.
 """
@@ -104,7 +104,7 @@ def warning(above: Callable[[Reading], bool] = lambda one: one.value > one.limit
 
 def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
     """
-    Yield temperatures: some before the first change, two near the limit after each, a burst.
+    Yield temperatures before the first change, two near the limit after each, and a burst.
 
     :param start: limit at the start, with one decimal; its fraction is below 0.5 [degC]
     """
@@ -189,7 +189,7 @@ def gives_a_reason(run: Run) -> None:
         if not str(field_of(one, 'results.0.reason')).strip():
             raise Failed(
                 expected='a reason in each refusal',
-                observed='an empty text',
+                observed='a refusal with an empty reason',
                 why=WHY.of('no_reason', value=kind_of(value)),
             )
     if not refused:

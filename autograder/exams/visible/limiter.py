@@ -91,7 +91,7 @@ def takes_the_file(run: Run) -> None:
     if value != IN_FILE:
         raise Failed(
             expected=f'max_speed {IN_FILE}',
-            observed='no finite float' if value is None else f'max_speed {value}',
+            observed='no finite float in max_speed' if value is None else f'max_speed {value}',
             why=why_silent(run) or _why_other_value(run, kind, value),
         )
 
@@ -109,7 +109,7 @@ def _why_other_value(run: Run, kind: int, value: float | None) -> Cause | None:
 def _require_speeds(run: Run, first: bool) -> None:
     asked, number = run.asked('speeds'), run.facts['before']
     _, value = parameter(run)
-    if value is not None:  # a different check compares it with the file
+    if value is not None:  # a different check compares the value with the file
         changed = [
             one._replace(most=value if place < number else one.most, start=value)
             for place, one in enumerate(asked.inputs)
@@ -117,7 +117,7 @@ def _require_speeds(run: Run, first: bool) -> None:
         asked = replace(asked, inputs=changed)
     found = published(run, 'speeds', run.facts['target'])
     places = range(number) if first else range(number, len(found))
-    require_values(run, asked, found, places, 'at most max_speed')
+    require_values(run, asked, found, places, 'a speed of at most max_speed')
     require_all_sent(run, found)
 
 

@@ -67,14 +67,14 @@ def creates_its_publisher(run: Run) -> None:
     require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
     if publishers(run, 'fresh'):
         raise Failed(
-            expected='no publisher on beacon_signal before it is configured',
-            observed='one',
+            expected='no publisher on beacon_signal before the node is configured',
+            observed='a publisher before the node is configured',
             why=WHY['published_too_early'],
         )
     if not publishers(run, 'configured'):
         raise Failed(
-            expected='a publisher on beacon_signal after it was configured',
-            observed='none yet',
+            expected='a publisher on beacon_signal after the node was configured',
+            observed='no publisher yet',
             why=why_silent(run) or WHY['too_late'],
         )
 
@@ -119,14 +119,14 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     if not found:
         require_endpoint(run, 'publisher', run.facts['topic'], TYPE)
         raise Failed(
-            expected=f'messages on beacon_signal while it is {phase}',
-            observed='none',
+            expected=f'messages on beacon_signal while the node is {phase}',
+            observed='no message',
             why=why_silent(run) or why_none or why_no_message(run),
         )
     at_once = [one for one in found if one['clock_ns'] == found[0]['clock_ns']]
     later = len(at_once) > 1 and len(found) - len(at_once) <= active_s
     more = WHY['sent_later'] if later else why_more if len(found) > active_s + 1 else None
-    when = f' while it is {phase}'
+    when = f' while the node is {phase}'
     found = with_unheard(run, found)
     waited_s = seconds_between(part.of('mark'), found)
     require_period(run, found, 1.0, active_s, 'message', lambda: more, when, waited_s)
@@ -138,15 +138,16 @@ def is_silent_otherwise(run: Run) -> None:
         found = run.recording.phase(phase).messages(run.facts['topic'])
         if found:
             raise Failed(
-                expected='no message while it is not active',
-                observed=f'{len(found)} while it was {phase}',
+                expected='no message while the node is not active',
+                observed=f'{len(found)} message{"" if len(found) == 1 else "s"} while the node '
+                f'was {phase}',
                 why=WHY['stays_on'] if phase == 'paused' else WHY['not_managed'],
             )
     kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:
         raise Failed(
             expected='no message for a subscription that connects while the node is inactive',
-            observed=f'{len(kept)}, sent while it was active',
+            observed=f'{len(kept)} message{"" if len(kept) == 1 else "s"} from the active phase',
             why=WHY['keeps_old'],
         )
 
@@ -157,14 +158,14 @@ def cleans_up(run: Run) -> None:
     if left:
         raise Failed(
             expected='no publisher on beacon_signal after cleanup',
-            observed=str(left),
+            observed=f'{left} publisher{"" if left == 1 else "s"} after cleanup',
             why=WHY['not_cleaned'],
         )
     again = len(publishers(run, 'configured again'))
     if again != 1:
         raise Failed(
-            expected='one publisher after it was configured again',
-            observed=str(again) if again else 'none',
+            expected='one publisher after the node was configured again',
+            observed=f'{again} publishers' if again else 'no publisher',
             why=why_silent(run)
             or (WHY['configured_once'] if publishers(run, 'configured') else WHY['too_late']),
         )

@@ -85,7 +85,7 @@ class Pressure:
         if math.isnan(self.value):
             return 'a pressure of NaN'
         if self.value == self.limit:
-            return 'a pressure of exactly the limit'
+            return 'a pressure equal to the limit'
         return f'a pressure {"above" if self.value > self.limit else "below"} the limit'
 
 
@@ -127,7 +127,7 @@ def refuses_a_senseless_limit(run: Run) -> None:
     for event in run.recording.phase('refused').messages(EVENTS):
         if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
-                expected='FAILURE: back to unconfigured, ready for another try',
+                expected='FAILURE: the node returns to unconfigured, ready for another try',
                 observed='an error: the node went to errorprocessing',
                 why=lifecycle.ERROR_NOT_FAILURE,
             )
@@ -172,7 +172,7 @@ def _why_not_logged(run: Run, found: Sequence[str], refused: Sequence[float]) ->
 
 
 def recovers(run: Run) -> None:
-    """With a valid limit, it configures and activates."""
+    """With a valid limit, it can be configured and activated."""
     taken, done = {'results.0.successful': True}, {'success': True}
     what = 'setting the parameter limit'
     require_answers(run, SETTING, [taken], what, 'accepted', lambda place: lifecycle.NO_PARAMETER)
@@ -205,8 +205,8 @@ def ignores_while_not_active(run: Run) -> None:
         quiet = [place for place, one in enumerate(asked.inputs) if not one.active]
         causes = (asked.cause(came, place, quiet) for place in asked.wrong(came, quiet)[:1])
         raise Failed(
-            expected='no WARN line while it is inactive',
-            observed=f'{len(found)}',
+            expected='no WARN line while the node is inactive',
+            observed=f'{lines(len(found), WARN)} while the node is inactive',
             why=next(causes, None) or WHY['subscription_not_managed'],
         )
     sent = {one['index'] for phase in INACTIVE for one in run.recording.phase(phase).of('input')}
@@ -214,7 +214,7 @@ def ignores_while_not_active(run: Run) -> None:
     if later:
         raise Failed(
             expected='no WARN line for a pressure that arrives while the node is inactive',
-            observed=f'{len(later)}, as soon as it is active again',
+            observed=f'{lines(len(later), WARN)} as soon as the node is active again',
             why=WHY['judged_later'],
         )
 
@@ -235,7 +235,7 @@ def _require_warnings(run: Run, phase: str) -> None:
     part = run.recording.phase(phase)
     if part.of('not_connected') or not part.of('input'):
         raise Failed(
-            expected=f'a subscription on {TOPIC} of type {TYPE} while it is active',
+            expected=f'a subscription on {TOPIC} of type {TYPE} while the node is active',
             observed='no subscription',
             why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )

@@ -99,7 +99,7 @@ def has_a_map_from_the_start(run: Run) -> None:
     if seen_s < FIRST_S:
         raise Failed(
             expected=f'the map {FIRST!r} as soon as the node exists',
-            observed='the node publishes it later',
+            observed=f'the map {FIRST!r} some time after the node exists',
             why=WHY['first_map_late'],
         )
 
@@ -108,7 +108,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     """
     Explain why the first map is missing or wrong.
 
-    :param before: received texts that are not the text of a survey
+    :param before: received texts that are not surveys
     """
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
@@ -116,7 +116,7 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
         return WHY['replaces_empty'] if _replaces_empty(run) else WHY['first_repeats']
     if not before:
         return WHY['no_first_map']
-    if before[0] == FIRST:  # it came after a survey
+    if before[0] == FIRST:  # this map arrived after a survey
         return WHY['first_map_late']
     return WHY['wrong_form' if before[0].strip().lower() == FIRST else 'first_text']
 
@@ -150,7 +150,7 @@ def publishes_each_survey(run: Run) -> None:
     asked, found = run.asked('maps'), compared(run)
     if None in found or asked.wrong(found):
         raise Failed(
-            expected='a map for each survey, in their order'
+            expected='a map for each survey, in the same order'
             if run.secret
             else f'the maps {_shown(run, asked.inputs)} after surveys with the same texts',
             observed=_shown(run, _all_new(run)),
@@ -200,7 +200,7 @@ def keeps_only_the_newest(run: Run) -> None:
     lifespans = [end['qos']['lifespan_ns'] for end in run.recording.endpoints('publisher', '/map')]
     if any(lifespans):
         raise Failed(
-            expected='the newest map for a late subscription, however late',
+            expected='the newest map for a late subscription, however late it joins',
             observed=f'maps that expire after {next(filter(None, lifespans)) / SECOND:g} s',
             why=WHY['lifespan'],
         )

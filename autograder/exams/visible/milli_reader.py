@@ -125,7 +125,7 @@ def names_unit_and_sensor(run: Run) -> None:
         unnamed = all('' in asked.answers[one] for one in wrong)
         raise Failed(
             expected='the description of the Num in sensor_id',
-            observed=safe_quotation(run, next(others, ''), 'a different text')[:60],
+            observed=safe_quotation(run, next(others, ''), 'a different sensor_id')[:60],
             why=asked.cause(came, place) or (WHY['fills_empty'] if unnamed else WHY['sensor_id']),
         )
 

@@ -79,7 +79,7 @@ def watches(run: Run) -> list[Event]:
 
 
 def levels_by_second(found: Sequence[Event]) -> list[Levels]:
-    """Return the levels of the lines in each second, empty if a line is off the second."""
+    """Return the levels of the lines in each second, empty if a line is not at a full second."""
     rows: dict[int, list[int]] = {}
     for entry in found:
         seconds = (entry['clock_ns'] - found[0]['clock_ns']) / SECOND
@@ -141,7 +141,7 @@ def lines_are_numbered(run: Run) -> None:
     if len(first) > 1:
         raise Failed(
             expected='one line for watch 1',
-            observed=f'{len(first)} lines',
+            observed=f'{len(first)} lines for watch 1',
             why=WHY.of('first_twice', line=first[0]['line']),
             shown_by=first,
         )
@@ -161,7 +161,7 @@ def every_fifth_is_a_warning(run: Run) -> None:
         level = found[place]['level']
         raise Failed(
             expected=f'level {LEVELS[asked.answers[place][0]]} for watch {place + 1}',
-            observed=f'level {LEVELS.get(level, level)}',
+            observed=f'level {LEVELS.get(level, level)} for watch {place + 1}',
             why=_why_shifted(run) or _why_level(asked, found, came, place),
         )
 

@@ -2,8 +2,8 @@
 Lesson 02, part 5: the latest values of two topics, published by a timer.
 
 Specification from the lesson: node ``pilot`` subscribes to ``std_msgs/msg/Float64`` on ``speed``
-and ``turn``, and publishes ``geometry_msgs/msg/Twist`` on ``cmd_vel``: nothing until both topics
-have had a message; then, every 0.5 s, the latest speed as ``linear.x`` and the latest turn as
+and ``turn``, and publishes ``geometry_msgs/msg/Twist`` on ``cmd_vel``: nothing until messages
+have arrived on both; then, every 0.5 s, the latest speed as ``linear.x`` and the latest turn as
 ``angular.z``; zeros in both while the latest speed or the latest turn is older than 2 s.
 
 The rules return the commands after each input.  Repetitions of a command are merged, because their
@@ -83,8 +83,7 @@ def joining(
         ages [s]; None publishes nothing
     :param for_good: whether the node stays stopped after its first stop
     :param timer: whether the node publishes from a timer; otherwise it publishes once per input
-    :param same_is_old: the topics on which a value that equals the one before does not renew the
-        age
+    :param same_is_old: the topics on which a repeated value does not reset the age
     :param keeps: returns the values of a topic that remain when the node stops
     :param clock: returns the time that the node reads, given the time since the first input [s]
     """
@@ -183,7 +182,7 @@ SLIPS = (
     WHY.slip(
         'whole_seconds',
         joining(old=lambda ages: math.floor(max(ages)) > OLD_S),
-        # If a clock begins at another part of a second, each stop is only shorter.
+        # If a clock starts at a different fraction of a second, each stop is only shorter.
         *(joining(clock=partial(_whole_seconds, one / 10)) for one in range(4, 9)),
     ),
     WHY.slip(
@@ -220,19 +219,19 @@ def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
 
 
 def first_complete(asked: Specification) -> int:
-    """Return the index of the first input, above 0, after which both topics had a message."""
+    """Return the index of the first input, above 0, after which both topics have had a message."""
     return next(place for place, due in enumerate(asked.answers) if due)
 
 
 def waits_for_both(run: Run) -> None:
     """It publishes nothing until a speed and a turn have arrived."""
     asked, _ = commands(run)
-    what = 'a command once both have arrived'
+    what = 'a command once a speed and a turn have arrived'
     first = require_messages(run, what=what, topic=TARGET)[0]['after_input']
     if first is None or first < first_complete(asked):
         raise Failed(
             expected='no command before a speed and a turn have arrived',
-            observed='a command before that',
+            observed='a command before both have arrived',
             why=WHY['begins_early'],
         )
 
@@ -274,8 +273,8 @@ def build(inputs: Sequence[PilotInput]) -> Exam:
     Return the exam for some inputs.
 
     :param inputs: speeds (topic 0) and turns (topic 1).  The expected command must not change
-        twice within one period: then at least one command arrives in between, whenever the timer
-        was created
+        twice within one period, so that at least one command arrives in between, whenever the
+        timer was created
     """
     feeds = [
         Feed(SOURCES[one.topic], [{'data': one.value}], every_s=one.lasts_s, rest_s=0.0)
@@ -311,7 +310,7 @@ def journey(values: Sequence[float], first: int = 0) -> list[PilotInput]:
     """
     Return inputs in which the messages of each topic begin, pause, resume and repeat a value.
 
-    :param values: fifteen different numbers other than 0.0; the third and fourth are beyond 1.0
+    :param values: fifteen different numbers other than 0.0; the third and fourth are beyond ±1.0
     :param first: topic of the first message
     """
     one, two = first, 1 - first

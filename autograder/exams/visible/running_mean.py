@@ -100,12 +100,12 @@ def dividing(add: Callable[[float], float]) -> Rule:
 
 
 def of_the_last(few: int) -> Rule:
-    """Return the rule of a program that computes the mean of only the last numbers."""
+    """Return the rule of a program that computes the mean of only the last few numbers."""
     return averaging(lambda seen: fmean(seen[-few:]))
 
 
 def kept(change: Change) -> Rule:
-    """Return the rule of a program that computes each mean from the last one, changed."""
+    """Return the rule of a program that changes each mean and computes the next one from it."""
 
     def answer(seen: list[float]) -> float:
         return reduce(
@@ -170,10 +170,12 @@ def ignores_nan(run: Run) -> None:
     if not wrong and found[-1] is not None:
         return
     if any(found[place] for place in wrong if asked.answers[place] == ()):
-        raise Failed(expected='nothing after NaN', observed='a message', why=WHY['answers_nan'])
+        raise Failed(
+            expected='nothing after NaN', observed='a message after NaN', why=WHY['answers_nan']
+        )
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
-    how_many = f'{count or "no"} mean values' + (', not all correct' if count == due else '')
+    how_many = f'mean values: {count or "none"}' + (', not all correct' if count == due else '')
     why = why_silent(run)
     if wrong and not why:
         why = why_other_answer(asked, found, wrong[0], delays(run, 'means', TARGET))

@@ -1,5 +1,5 @@
 """
-Lesson 05, part 6: a node between a driver and a robot, which notices silence.
+Lesson 05, part 6: a node that stops a robot when the commands of its driver cease.
 
 Specification from the lesson: node ``safety_stop``; it publishes each ``geometry_msgs/msg/Twist``
 from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 to 0.5 and
@@ -110,12 +110,12 @@ def skipping(instead: Sequence[Pair]) -> Rule:
 
 
 def bursting(kept: int) -> Rule:
-    """Return the rule of a safety stop that passes on one command of the burst, by its index."""
+    """Return the rule of a safety stop that passes on only one command of the burst."""
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
         due = guarding()(inputs)
         burst = due[-BURST:]
-        others = [row[1:] for row in burst]  # a stop in the silence remains
+        others = [row[1:] for row in burst]  # a stop during the silence remains
         others[kept] = burst[kept]
         return [*due[:-BURST], *others]
 
@@ -175,8 +175,8 @@ def places(asked: Specification, silent: bool, fast: bool = False) -> list[int]:
     """
     Return the indices of the commands before a silence, or of other fast or slow commands.
 
-    :param silent: whether to return those before a silence, with the burst
-    :param fast: whether the others are those above the speed limit
+    :param silent: whether to return the commands before a silence, and the burst
+    :param fast: whether the other commands are those above the speed limit
     """
     singles = asked.inputs[: len(asked.inputs) - asked.burst]
     if silent:
@@ -198,20 +198,20 @@ def passes_commands_on(run: Run) -> None:
         if STOP in (came[place] or ())[1:]:
             raise Failed(
                 expected='no stop while the commands are less than 0.5 s apart',
-                observed='a stop',
+                observed='a stop between commands less than 0.5 s apart',
                 why=asked.cause(came, place, plain) or WHY['early_stop'],
             )
     require_values(run, asked, came, plain, fields=FIELDS)
 
 
 def limits_the_speed(run: Run) -> None:
-    """It limits the speed to -0.5 to 0.5, but not the turn."""
+    """It limits the speed to the range -0.5 to 0.5, but does not limit the turn."""
     asked, came = _came(run)
     require_values(run, asked, came, places(asked, silent=False, fast=True), fields=FIELDS)
 
 
 def stops_in_silence(run: Run) -> None:
-    """In each silence longer than 0.5 s, it publishes exactly one Twist with zeros."""
+    """During each silence longer than 0.5 s, it publishes exactly one Twist with zeros."""
     asked, came = _came(run)
     silent = places(asked, silent=True)
     for place in silent:
@@ -236,7 +236,7 @@ def keeps_its_times(run: Run) -> None:
         if values != STOP and late_s > GRAIN_S:
             raise Failed(
                 expected='a command that is published when it arrives',
-                observed=f'a command {late_s:.2g} s later',
+                observed=f'a command that is published {late_s:.2g} s after it arrives',
                 why=WHY['passed_late'],
             )
         if values == STOP and late_s > GRAIN_S:
@@ -248,7 +248,7 @@ def keeps_its_times(run: Run) -> None:
             rarely = min(stops_s) >= least_s and max(stops_s) - min(stops_s) > GRAIN_S
             raise Failed(
                 expected=f'a stop {SILENCE_S:g} s to {SILENCE_S + LATE_S:g} s after the command',
-                observed=f'a stop {late_s:.2g} s after it',
+                observed=f'a stop {late_s:.2g} s after the command',
                 why=WHY['looks_rarely'] if rarely else WHY['other_moment'],
             )
 

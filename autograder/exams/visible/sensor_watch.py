@@ -73,7 +73,7 @@ def deadlines_ns(run: Run) -> list[int | None]:
 
 
 def missed_deadlines(run: Run) -> int:
-    """Return how many deadlines are missed in the silence, given the requested deadline."""
+    """Return how many deadlines are missed during the silence, given the requested deadline."""
     asked = [one for one in deadlines_ns(run) if one]
     return int(SILENCE_S * SECOND // min(asked)) if asked else 0
 
@@ -92,7 +92,7 @@ def logs_each_distance(run: Run) -> None:
             shown = f'the number of distance {index + 1}' if run.secret else f'{distance:g}'
             raise Failed(
                 expected=f'one INFO line with {shown}',
-                observed=f'{len(found) or "no"} such line{"" if len(found) == 1 else "s"}',
+                observed=f'{lines(len(found), INFO)} with {shown}',
                 why=WHY['logged_twice']
                 if len(found) > due
                 else _why_not_shown(run, index, bool(found)),
@@ -178,7 +178,7 @@ def _why_default(lines: Sequence[Event]) -> Cause | None:
 
 
 def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | None:
-    """Explain too many or too few WARN lines in the silence."""
+    """Explain too many or too few WARN lines during the silence."""
     found = sum(line['level'] == WARN for line in silence)
     if found >= max(due, 1):
         return WHY['warned_twice'] if due else WHY['warns_of_something_else']
@@ -198,8 +198,8 @@ def names_the_policy(run: Run) -> None:
         lazy = run.recording.of('offered', publisher=publisher)
         if lazy and lazy[0]['matched']:
             raise Failed(
-                expected='a publisher without a deadline is refused',
-                observed='your subscription accepts it',
+                expected='a subscription that refuses a publisher without a deadline',
+                observed='a subscription that accepts a publisher without a deadline',
                 why=WHY['nothing_refused'],
             )
         found = own_logs(run.during(publisher), NODE)

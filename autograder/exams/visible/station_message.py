@@ -2,8 +2,8 @@
 Lesson 04, part 1: the message of a weather station, and its package.
 
 The hash of a type does not cover constants and defaults, and a build needs less of package.xml
-than users of the package do.  So static checks read these in the files.  If the fields are right,
-the grader builds the package and reads the hash of the built type from the graph.
+than users of the package do.  So static checks read the .msg file and package.xml.  If the fields
+are right, the grader builds the package and reads the hash of the built type from the graph.
 """
 
 from collections.abc import Mapping, Sequence
@@ -84,7 +84,7 @@ def names_the_states(run: Run) -> None:
 
 
 def whole(text: str) -> int | None:
-    """Return the integer in a string, such as 2, 02, 0x2 or 0b10; None if there is none."""
+    """Return the integer in a string, such as 2, 02, 0x2 or 0b10; None if it is not an integer."""
     for base in (10, 0):
         try:
             return int(text, base)
@@ -132,7 +132,7 @@ def starts_at_the_lowest(run: Run) -> None:
 
 
 def number(text: str) -> float | None:
-    """Return the value of a text that is a number, otherwise None."""
+    """Return the number that a text consists of; None if it is not a number."""
     try:
         return float(text)
     except ValueError:

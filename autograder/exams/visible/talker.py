@@ -78,7 +78,7 @@ def counts_its_greetings(run: Run) -> None:
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} messages, enough to check the count',
-            observed=f'{len(found)}',
+            observed=f'{len(found)} message{"" if len(found) == 1 else "s"}',
             why=why_silent(run) or WHY['wrong_rate'],
         )
     texts = [str(event['data']['data']) for event in found]
@@ -122,7 +122,7 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     :param seconds: duration of the recording [s]
     :param comes: whether another subscription joins, and a service is called, halfway through
     """
-    # Neither may affect the messages, but each event ends the pause of a loop with spin_once().
+    # Neither event should change the messages, but each ends the pause of a spin_once() loop.
     service = 'rcl_interfaces/srv/GetParameters'
     name, topic = f'{space}/talker', f'{space}/chatter'
     guest = Join('guest', topic, TYPE, listen_s=0.0)

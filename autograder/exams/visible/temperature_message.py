@@ -80,8 +80,8 @@ def generates_the_interface(run: Run) -> None:
     missing = [text for text, there in wanted if not there]
     if missing:
         raise Failed(
-            expected='all commands of the lesson',
-            observed='missing: ' + ', '.join(missing),
+            expected='all CMake commands that a message package needs',
+            observed='missing commands: ' + ', '.join(missing),
             share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
             why=why_no_build(run)
             if CMAKE in mistake_in_build(run).where

@@ -61,7 +61,7 @@ def enough_readings(run: Run) -> list[Event]:
     if len(found) < due // 4:
         raise Failed(
             expected=f'{due} readings, because this check needs every reading',
-            observed=f'only {len(found)}',
+            observed=f'only {len(found)} reading{"" if len(found) == 1 else "s"}',
             why=why_silent(run),
         )
     return found

@@ -65,7 +65,8 @@ def logs_every_reading(run: Run) -> None:
         raise Failed(
             expected=f'one INFO line with its value for each of {len(proper)} finite readings in '
             '°C or °F',
-            observed=f'{found} of them; missing: {reading.kind}{ended}',
+            observed=f'INFO lines for {found} of {len(proper)} readings; missing: '
+            f'{reading.kind}{ended}',
             why=_why_not_logged(
                 while_running(run, run.asked('warnings'), row), proper, missing[0]
             ),
@@ -79,7 +80,7 @@ def logs_every_reading(run: Run) -> None:
     if plain and all(one.showing(one.inputs[0]) > 1 for one in plain):
         raise Failed(
             expected='one INFO line with the value for each reading',
-            observed='more than one such line for each cool reading',
+            observed='more than one INFO line with the value for each cool reading',
             why=WHY['logged_twice'],
         )
 
@@ -228,7 +229,7 @@ def _can_warn(run: Run) -> None:
 
 
 def reports_an_unknown_unit(run: Run) -> None:
-    """For an unknown unit, it logs one ERROR and no WARN, and continues; for others, no ERROR."""
+    """For an unknown unit, it logs one ERROR, no WARN, and continues; otherwise no ERROR."""
     groups = sent(run)
     for group in sent(run, 'unknown'):
         if group.count(WARN) or group.count(ERROR) != 1:
@@ -282,7 +283,7 @@ def _goes_on(run: Run) -> None:
     if not last.logs or no_node_answered(run):
         raise Failed(
             expected='a node that keeps running after every reading',
-            observed='no log line afterwards',
+            observed='no log line or no answer after the last reading',
             why=_why_deaf(run),
         )
 

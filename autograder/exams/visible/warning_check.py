@@ -270,14 +270,14 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
         right = len(places) - len(wrong)
         raise Failed(
             expected=f'{due} for {len(places)} runs of {_kind(due)} nodes',
-            observed=f'{due} for {right} of them; not for {_name(run, wrong[0])}',
+            observed=f'{due} for {right} of {len(places)} runs; not for {_name(run, wrong[0])}',
             why=_why(run, asked, came, wrong[0]),
             share=0.0 if due or one_sided else round(right / len(places), 2),
         )
     if one_sided:
         raise Failed(
             expected=f'{due} here, and {not due} for most runs of {_kind(not due)} nodes',
-            observed=f'{not due} for {known} of these {len(others)}',
+            observed=f'{not due} for {known} of {len(others)} runs of {_kind(not due)} nodes',
             why=WHY['one_sided'],
         )
 
