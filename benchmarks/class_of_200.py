@@ -5,7 +5,7 @@ No two submissions have the same files, so they share no recordings.  Half of th
 half are wrong in different ways.  CPU time is measured with a control group, in which the kernel
 accounts for every process that the command starts, including sandboxes.
 
-On a calm machine a run stays on one core, but any core may start it and read its output.  So two
+On an idle machine, a run stays on one core, but any core may start it and read its output.  So two
 workers are compared with one worker twice: on the same cores, and with one core per worker, as in
 a lab with identical machines.
 
@@ -81,7 +81,7 @@ def main() -> None:
     counting = [_two_that_count() for _ in range(COUNTED)]
     with tempfile.TemporaryDirectory(prefix='benchmark_') as folder:
         layout = class_in(Path(folder), size, seconds)
-        # Measure in the order two, one, two, so that a change of load becomes visible.
+        # Measure in the order two, one, two, to reveal a change in load.
         graded = [_grade(layout, jobs, anew=True) for jobs in (2, 1, 2)]
         on_one_core = _grade(layout, 1, anew=True, before=('taskset', '--cpu-list', '0'))
         again = _grade(layout, 2, anew=False)
@@ -130,7 +130,7 @@ def _count(number: int) -> int:
 
 def class_in(folder: Path, size: int, seconds: int = SECONDS) -> Layout:
     """
-    Make a class of publishers, each of which differs at least in a comment.
+    Create a class of publishers that differ at least in a comment.
 
     :param folder: an empty folder
     :param seconds: duration of the exam [virtual s]

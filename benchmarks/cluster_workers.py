@@ -1,9 +1,9 @@
 """
-Compare two cluster workers with one, each on a separate core, like machines of a lab.
+Compare two cluster workers with one, each on a separate core, like machines in a lab.
 
 The scheduler, the command and the workers run on this machine.  A worker and the sandboxes and
-probes that it starts share one core.  The command and the scheduler may use all cores, so the CPU
-time that they use is lost to the workers.  One and two workers alternate, with the same class.
+probes that it starts share one core.  The command and the scheduler may use all cores, so their
+CPU time is lost to the workers.  One and two workers alternate, with the same class.
 """
 
 import argparse

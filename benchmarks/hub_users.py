@@ -1,8 +1,8 @@
 """
 Measure a hub with one user, then with all users at once: time to the first plot, memory, messages.
 
-Needs a running hub with first-use passwords (``make hub``), whose users have not logged in yet or
-use this program's password, and root, which may read the memory of all processes.  Each user logs
+The program needs root, to read the memory of processes, and a running hub with first-use passwords
+(``make hub``).  Its users have not logged in yet or use this program's password.  Each user logs
 in, starts a server and a kernel and runs the first cells of lesson 00, without a browser.  Then
 each kernel publishes its user's name on one topic and lists the names that it receives.
 """
@@ -52,7 +52,7 @@ MIB = 2**20
 
 @dataclass
 class Measured(User):
-    """One user of the hub, with the times that are measured [s]."""
+    """One user of the hub, with the measured values."""
 
     ready_s: float = 0.0
     plot_s: float = 0.0
@@ -83,7 +83,7 @@ def work(user: Measured, together: threading.Barrier) -> Measured:
     run(kernel, CALLER.format(name=user.name))
     run(kernel, HEAR_ITSELF.format(name=user.name))
     together.wait(LIMIT_S)  # from now on, every kernel publishes
-    time.sleep(CALLING_S)  # counts the names that arrive in this time
+    time.sleep(CALLING_S)  # the node records the names that arrive meanwhile
     # Log lines of the node can be among the output.
     lines = run(kernel, HEARD).splitlines()
     user.heard = next(tuple(line.split()[1:]) for line in lines if line.startswith('heard '))
@@ -102,7 +102,7 @@ def _work_or_abort(user: Measured, together: threading.Barrier) -> Measured:
 
 
 def memory_of(name: str) -> float:
-    """Return the memory of all processes of a user, shared pages divided [MiB]."""
+    """Return the proportional set size (PSS) of all processes of a user [MiB]."""
     mine = [one for one in psutil.process_iter(['username']) if one.info['username'] == name]
     return sum(float(one.memory_full_info().pss) for one in mine) / MIB
 

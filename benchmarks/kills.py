@@ -1,11 +1,11 @@
 """
-Kill and restart a grading repeatedly: nothing may be lost, duplicated or left over.
+Kill and restart a grading run repeatedly: nothing may be lost, duplicated or left over.
 
-The program grades a class once without disturbance.  Then it grades the class from scratch and, at
-random moments, kills the command itself or a process of a run (sandbox, probe, student's program)
-without warning.  It starts the same command again until the command completes.  The results and
-the gradebook must be the same as after the undisturbed grading.  No sandbox may outlive its
-grader, and no temporary file may be left at the end.
+The program grades a class once without interruption.  Then it grades the class from scratch and,
+at random moments, kills the command itself or a process of a run (sandbox, probe, student's
+program) without warning.  It starts the same command again until the command completes.  The
+results and the gradebook must be the same as after the uninterrupted grading.  No sandbox may
+outlive its grader, and no temporary file may be left at the end.
 """
 
 import argparse
@@ -43,7 +43,7 @@ class Account:
 
     :param kills: number of kills by kind of process
     :param wrong: violations, one line each
-    :param gradings: number of gradings that completed
+    :param gradings: number of grading runs that completed
     """
 
     kills: Counter[str] = field(default_factory=Counter)
@@ -82,7 +82,7 @@ def main() -> int:
 
 def soak(root: Path, names: Sequence[str], kills: int, seed: int, seconds: int) -> Account:
     """
-    Kill a grading a number of times, and continue it each time.
+    Kill a grading run several times, and continue it each time.
 
     :param root: an empty folder
     :param names: names of sample submissions
@@ -120,7 +120,7 @@ def _start(layout: Layout) -> subprocess.Popen[str]:
 
 def _facts(layout: Layout, grading: subprocess.Popen[str], timeout: float | None = None) -> Facts:
     """
-    Return everything that a grading printed and wrote to the gradebook, by student.
+    Return everything that a grading run printed and wrote to the gradebook, by student.
 
     :raises RuntimeError: with the command's output, if it did not complete
     :raises subprocess.TimeoutExpired: if it is still running
@@ -135,10 +135,10 @@ def _killed_or_done(
     layout: Layout, within_s: float | None, chance: random.Random, account: Account
 ) -> Facts | None:
     """
-    Start a grading and kill one of its processes, unless the grading ends before that.
+    Start a grading run and kill one of its processes, unless the run ends earlier.
 
     :param within_s: delay before the kill [s], None for no kill
-    :returns: what the grading printed and wrote, None if it did not complete
+    :returns: everything that the run printed and wrote, None if it did not complete
     """
     grading = _start(layout)
     account.starts += 1
@@ -151,12 +151,12 @@ def _killed_or_done(
         with suppress(psutil.Error):  # the process has just ended
             chance.choice(of_runs).kill()
         account.kills['run'] += 1
-        # The grader runs a submission with a killed run again, or marks it for review until
+        # The grader repeats a killed run, or marks the submission for review until it is
         # restarted.
         try:
             found = _facts(layout, grading)
         except RuntimeError:
-            if grading.returncode != REFUSED:  # refused: the grader was trying out the sandbox
+            if grading.returncode != REFUSED:  # refused: the grader was testing the sandbox
                 raise
             return None
         return found if grading.returncode == DONE else None
@@ -189,7 +189,7 @@ def _words(process: psutil.Process) -> str:
 
 
 def _compare(peace: Facts, after: Facts, account: Account) -> None:
-    """Record the differences between the undisturbed grading and the interrupted one."""
+    """Record the differences between the uninterrupted grading and the interrupted one."""
     for part in ('results', 'entered'):
         for student in peace[part].keys() | after[part].keys():
             one, two = peace[part].get(student), after[part].get(student)

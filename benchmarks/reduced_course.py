@@ -1,5 +1,5 @@
 """
-Make a copy of this course with a single lesson part, to measure one exam alone.
+Copy this course with a single part of a lesson, to measure one exam alone.
 
 The copy contains an unchanged copy of the grader; only the other exams are missing, and the
 notebook contains only the publisher.  The copy has a separate gradebook and separate recordings,
@@ -107,9 +107,9 @@ def _left_out(folder: str, names: list[str]) -> list[str]:
 
 def replace_once(path: Path, old: str, new: str) -> None:
     """
-    Replace a text in a copied file.
+    Replace a string in a copied file.
 
-    :raises RuntimeError: if the file does not contain the text exactly once
+    :raises RuntimeError: if the file does not contain the string exactly once
     """
     text = path.read_text(encoding='utf-8')
     if text.count(old) != 1:
@@ -133,7 +133,7 @@ class Graded:
 
     :param results: its output with ``--json``
     :param wall_s: real time of the complete command [s]
-    :param running_s: the part in which programs ran [s], 0 if the command does not print it
+    :param running_s: the time during which programs ran [s], 0 if the command does not print it
     """
 
     results: list[Any]

@@ -1,4 +1,4 @@
-"""Print and save what all benchmarks have in common: machine, figures, file of results."""
+"""Print and save the common parts of all benchmarks: machine, figures and results file."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -81,13 +81,13 @@ def save(name: str, facts: Mapping[str, Any], figures: Mapping[str, Any], *, ful
     Print the figures of a benchmark, and write those of a full one to ``results/<name>.json``.
 
     :param facts: from :func:`machine`, taken before the first measurement
-    :param full: whether the benchmark ran at full size, as for the README
+    :param full: whether the benchmark ran at full size; otherwise the figures are only printed
     """
     data = {'benchmark': name, 'machine': {**facts, 'load_at_end': load()}, **figures}
     text = json.dumps(data, indent=2, ensure_ascii=False)
     print(text)
     if facts['grader'] != _grader():
-        print('Not written: the files of the grader changed meanwhile. Run this again.')
+        print('Not written: the files of the grader changed during the benchmark. Run it again.')
     elif not full:
         print('Not written: this was not the full benchmark.')
     else:

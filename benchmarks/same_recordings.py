@@ -1,9 +1,9 @@
 """
-Run three programs again and again, calm and under load, and compare what was recorded.
+Run three programs again and again, with and without load, and compare the recordings.
 
 One program publishes, one answers inputs, and one handles bursts in several threads.  Recordings
 are compared as sets of events for each instant of virtual time, because two events of the same
-instant may change places.
+instant may swap places.
 """
 
 import argparse
@@ -27,7 +27,7 @@ PROGRAMS = (
     '07_temperature_monitor/pass__functions_style/temperature_subscriber',
     '02_spinning/pass__tutorial_style/inspector',
 )
-"""Lesson, sample submission and exam of each program: tasks of the soak."""
+"""Lesson, sample submission and exam of each program, as in the soak benchmark."""
 REPEATS = 200
 CORES = os.cpu_count() or 1
 BURNERS = {'calm': 0, 'eight busy processes per core': 8 * CORES}
@@ -83,7 +83,7 @@ def _run_of(task: Task) -> Callable[[int], tuple[str, float]]:
 
 
 def _events(recording: Recording) -> str:
-    """Return the events for each instant, in any order within it, without the processor time."""
+    """Return the events, sorted within each virtual instant, without the processor time."""
     instants: defaultdict[int, list[str]] = defaultdict(list)
     for event in recording.events:
         kept = {key: value for key, value in event.items() if key != 'cpu_s'}

@@ -82,7 +82,7 @@ class Way:
 
 WAYS = (
     Way('calm', CORES),
-    # Most competing processes are runs instead of busy loops: each run has equally many
+    # Most competing processes are runs instead of busy loops: each run has the same number of
     # competitors, and twice as many runs are completed.
     Way('oversubscribed', 6 * CORES, burners=2 * CORES),
     Way('parallel', 8),
@@ -97,7 +97,7 @@ class Ran:
 
     :param outcome: the result without timing and pictures, as JSON
     :param shown: the pictures, as JSON
-    :param reason: what may have taken the time
+    :param reason: possible reasons for the duration
     """
 
     task: Task
@@ -269,7 +269,7 @@ def _run(task: Task, sandbox: Sandbox) -> Ran:
 
 def _reason(task: Task, ends: Sequence[Event]) -> str:
     """
-    Return what may have taken the time of a run.
+    Return possible reasons for the duration of a run.
 
     :param ends: the ``process`` event of each run of the program
     """

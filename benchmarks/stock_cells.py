@@ -31,7 +31,7 @@ WINDOW_S = 60
 # %% temperature_publisher
 ### BEGIN SOLUTION
 def main(args=None):
-    """Stand for the answer: the benchmark puts a submission here."""
+    """Stand in for the answer: the benchmark inserts a submission here."""
     raise NotImplementedError
 
 
@@ -76,7 +76,7 @@ def see():
 give_up = time.monotonic() + 10
 while not names and student.is_alive() and time.monotonic() < give_up:
     see()
-# Add half a second, so that the last expected tick is included and no further one is.
+# Add half a second, so that the window includes the last expected tick but no further one.
 end = time.monotonic() + WINDOW_S + 0.5
 while names and student.is_alive() and time.monotonic() < end:
     see()

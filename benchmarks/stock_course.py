@@ -155,7 +155,7 @@ def _nbgrader(root: Path, *arguments: str) -> None:
 def _variables(root: Path) -> dict[str, str]:
     """Return nbgrader's environment, without the user's settings and with one domain per class."""
     variables = {**os.environ, **ros_environment().variables}
-    # Other ROS programs of this machine could use the same domain, but few use 215 to 232.
+    # Other ROS programs on this machine could use the same domain, but few use 215 to 232.
     variables['ROS_DOMAIN_ID'] = str(215 + os.getpid() % 18)
     for name in ('HOME', 'JUPYTER_CONFIG_DIR', 'JUPYTER_DATA_DIR', 'IPYTHONDIR', 'ROS_LOG_DIR'):
         folder = root / 'home' / name.lower()

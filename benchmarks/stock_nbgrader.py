@@ -1,8 +1,8 @@
 """
-Grade the same six submissions with the same exam, by stock nbgrader and by this project.
+Grade six submissions with the same exam in stock nbgrader and in this project.
 
-Both run one after the other on this machine, and both write a gradebook.  Stock nbgrader executes
-the tests in the student's kernel and waits a real minute for each minute of messages.
+The two run one after the other on this machine, and both write a gradebook.  Stock nbgrader
+executes the tests in the student's kernel and waits a real minute for each minute of messages.
 """
 
 import argparse
@@ -33,8 +33,7 @@ def main() -> None:
             root.mkdir()
         stock_course.build(stock_root, answers, chosen.seconds)
         layout = reduced_course.build(project_root, answers, chosen.seconds)
-        # Measure this project before and after stock nbgrader, so that a change of load becomes
-        # visible.
+        # Measure this project before and after stock nbgrader, to reveal a change in load.
         for number in range(chosen.project_runs):
             for jobs, runs in ours.items():
                 print(f'this project, --jobs {jobs}, run {number + 1} ...', flush=True)

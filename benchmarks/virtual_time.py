@@ -1,10 +1,10 @@
 """
 Measure tests that use ``virtual_time``: how long they take, and whether they ever fail.
 
-The node publishes once per second, or logs a warning for each reading.  ``first`` is the first run
-of a program, which also finds its topics; ``next`` are further runs of the same length; ``hour``
-is one run of 3600 s.  Then a test that expects a reading and a log line at each of 60 seconds runs
-many times, half of them with four busy processes per core.
+The node publishes once per second, and in one version also logs a warning for each reading.
+``first`` is the first run of a program, which also finds its topics; ``next`` are further runs of
+the same length; ``hour`` is one run of 3600 s.  Then a test that expects a reading and a log line
+at each of 60 seconds runs many times, half of them with four busy processes per core.
 """
 
 import argparse
@@ -97,7 +97,7 @@ def repeated(program: Path, repeats: int) -> dict[str, Any]:
 
 
 def passes(program: Path) -> tuple[bool, float]:
-    """Return whether a reading and a log line came at each of 60 seconds, and the duration [s]."""
+    """Return whether a reading and a log line arrived in every second, and the duration [s]."""
     began = time.monotonic()
     run = run_program(program, 60)
     took = time.monotonic() - began

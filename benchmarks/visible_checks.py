@@ -1,9 +1,9 @@
 """
 Measure how long ``check(...)`` takes: every visible check, with the solution and the stub.
 
-Each check is a child process, as in a notebook, on a folder like that of a learner; the result is
+Each check is a child process, as in a notebook, on a folder like a learner's; the result is
 the median of three.  A check that builds messages is measured with three sets of files: the
-solution, built before (as when a learner repeats the check); files that were never built; and the
+solution, already built (as when a learner repeats the check); files that were never built; and the
 stub.
 """
 
