@@ -1,8 +1,8 @@
 """
 Provide the tests of claims with real nodes in an isolated ROS world.
 
-``world`` is a private context on a domain that no other test process uses; nodes made with it are
-destroyed at the end.  ``world.spin_until`` is the only way to wait; it has a time limit.
+``world`` is a private context on a domain that no other test process uses; nodes created with it
+are destroyed at the end.  ``world.spin_until`` is the only way to wait; it has a time limit.
 """
 
 from collections.abc import Callable, Iterator
@@ -39,7 +39,7 @@ class World:
     def spin_until(
         self, condition: Callable[[], object], timeout: float = 60.0, what: str = 'a condition'
     ) -> None:
-        """Run callbacks until a condition holds; fail after a time that no claim depends on."""
+        """Run callbacks until a condition holds; fail after a timeout."""
         deadline = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, f'waited {timeout:g} s for {what}'

@@ -1,7 +1,7 @@
 """
 Write ``docs/coverage.md``: the claims of the course, the cells that teach them and their tests.
 
-Three sources meet here: the claims in ``points.yaml`` and ``corrections.yaml``, the code
+The page combines three sources: the claims in ``points.yaml`` and ``corrections.yaml``, the code
 cells of ``solutions/`` that name claims in their metadata (``"covers": ["N1"]``), and tests that
 are marked ``@pytest.mark.claim('N1')``.  Nothing is imported or executed, so this is quick::
 
@@ -74,7 +74,7 @@ def _marks(test: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
 
 
 def problems(taught: Places, proven: Places) -> Iterator[str]:
-    """Yield what is missing, one line each."""
+    """Yield a line for each claim without a cell or a test, and for each unknown claim."""
     known = {**claims('points.yaml'), **claims('corrections.yaml')}
     for claim, entry in known.items():
         sentence = entry.get('claim') or entry['right']

@@ -49,7 +49,7 @@ def build(folder: Path, files: dict[str, str]) -> subprocess.CompletedProcess[st
 
 
 def configure(folder: Path, rules: str, group: str = GROUP) -> str:
-    """Return the error of CMake for a package with these rules, which it must refuse."""
+    """Return CMake's error for a package with these rules, which CMake must refuse."""
     built = build(
         folder,
         {

@@ -1,4 +1,4 @@
-"""Test claims about executors, timers, callbacks and clocks on the real rclpy."""
+"""Test claims about executors, timers, callbacks and clocks with the real rclpy."""
 
 from contextlib import suppress
 import gc
@@ -39,7 +39,7 @@ def in_thread(work):
 
 def to_the_end(executor):
     def spin():
-        # rclpy 7.1.6 may remove the guard condition while it prepares the next wait.
+        # In rclpy 7.1.6, shutdown() may destroy a guard condition that spin() is about to use.
         with suppress(AttributeError, rclpy_implementation.InvalidHandle):
             executor.spin()
 
@@ -388,7 +388,7 @@ def test_rate_in_a_callback_never_wakes(world):
     thread = in_thread(to_the_end(world.executor))
     entered.wait(0.5)
     assert not woken.wait(0.5)  # fifty periods
-    world.executor.shutdown(timeout_sec=0)  # first, or its next tick finds no rate
+    world.executor.shutdown(timeout_sec=0)  # first; otherwise, the next tick finds no rate
     rate.destroy()
     thread.join(SOON_S)
 

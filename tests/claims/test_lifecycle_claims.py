@@ -1,4 +1,4 @@
-"""Test claims about managed nodes on the real LifecycleNode."""
+"""Test claims about managed nodes with the real LifecycleNode."""
 
 from lifecycle_msgs.msg import State, Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState
@@ -106,7 +106,7 @@ def test_timers_go_on_while_inactive(world):
 
 @claim('L5')
 def test_failure_returns_and_error_is_processed(world, capfd):
-    """FAILURE leads back to inactive; ERROR and exceptions silently to another state."""
+    """FAILURE leads back to inactive; ERROR and exceptions lead silently to a different state."""
     node = world.node('fails', Managed)
     node.answer = TransitionCallbackReturn.FAILURE
     node.trigger_configure()

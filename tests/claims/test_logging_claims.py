@@ -1,4 +1,4 @@
-"""Test claims about logging, parameters and testing on the real rclpy."""
+"""Test claims about logging, parameters and testing with the real rclpy."""
 
 import math
 import os
@@ -205,7 +205,7 @@ def test_edges_of_a_threshold():
     """30.0 is not above 30.0, NaN never is, and a slow random walk rarely crosses 30."""
     assert not 30.0 > 30.0
     assert not math.nan > 30.0
-    # Steps of at most 0.5 from 20: two minutes can cross 30, and nearly all walks do not.
+    # With steps of at most 0.5 from 20, a walk of two minutes can cross 30, but rarely does.
     import random
 
     warm = sum(crosses(random.Random(seed), seconds=120) for seed in range(500))

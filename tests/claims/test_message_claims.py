@@ -1,4 +1,4 @@
-"""Test claims about messages on the real parser, generators and classes."""
+"""Test claims about messages with the real parser, generators and classes."""
 
 from array import array
 import keyword
@@ -49,7 +49,7 @@ def through_the_wire(message):
 
 @claim('M8', 'C3')
 def test_types_of_other_packages_are_written_with_one_slash():
-    """Dots and three parts are refused, a bare name means the same package."""
+    """Dots and three parts are refused; a bare name means the same package."""
     assert Type('builtin_interfaces/Time').pkg_name == 'builtin_interfaces'
     assert Type('Time', context_package_name='lab').pkg_name == 'lab'
     for wrong in ('builtin_interfaces.msg.Time', 'builtin_interfaces/msg/Time'):
@@ -60,7 +60,7 @@ def test_types_of_other_packages_are_written_with_one_slash():
 @claim('M9')
 @pytest.mark.parametrize('name', ['float', 'double', 'int', 'str', 'boolean'])
 def test_names_without_a_size_are_refused(name):
-    """The parser takes them for messages of the same package, which must begin with a capital."""
+    """The parser reads them as messages of the same package, which need a capital letter."""
     with pytest.raises(REFUSALS):
         parse(f'{name} value')
 
@@ -128,7 +128,7 @@ def test_comments_are_kept_with_their_field():
 
 @claim('M15', 'C31')
 def test_whole_number_in_a_float_field_is_garbage_without_checks():
-    """With checks it is refused; without them it becomes another number or ends the process."""
+    """With checks, the number is refused; without them, it changes or ends the process."""
     with pytest.raises(AssertionError):
         Float64(check_fields=True).data = 25
     text = """
@@ -148,7 +148,7 @@ print(deserialize_message(serialize_message(unchecked), Float64).data)
 
 @claim('M15')
 def test_checks_are_off_unless_they_are_asked_for():
-    """A plain Jazzy reports no error; this course sets a variable."""
+    """Plain Jazzy reports no error; this course sets a variable that switches the checks on."""
     text = 'from std_msgs.msg import Float64\nFloat64().data = 25\n'
     for value, code in (('', 0), ('1', 1)):
         run = subprocess.run(
@@ -205,7 +205,7 @@ def test_message_may_change_after_it_was_published(world):
 
 @claim('M20', 'C17')
 def test_stamp_is_printed_with_nine_digits():
-    """1.005 s read without leading zeros looks like a second and a half."""
+    """1.005 s printed without leading zeros looks like a second and a half."""
     stamp = Time(sec=1, nanosec=5_000_000)
 
     assert f'{stamp.sec}.{stamp.nanosec}' == '1.5000000'

@@ -1,4 +1,4 @@
-"""Test claims about nodes, the graph and the life of a node on the real rclpy."""
+"""Test claims about nodes, the graph and the life of a node with the real rclpy."""
 
 import gc
 from pathlib import Path
@@ -131,7 +131,7 @@ def test_init_takes_keywords_only():
 
 @claim('E3')
 def test_neither_init_nor_node_is_a_context_manager(world):
-    """Newer versions allow it, but Jazzy does not."""
+    """Newer versions allow a with statement, but Jazzy does not."""
     context = Context()
 
     assert rclpy.init(args=[], context=context) is None
@@ -152,7 +152,7 @@ def test_second_init_is_refused():
 
 @claim('E5', 'E6')
 def test_default_context_can_be_initialised_again():
-    """rclpy.ok shows whether it is needed; without rclpy's signal handlers, a notebook's stay."""
+    """rclpy.ok shows whether init is needed; with NO, rclpy installs no signal handlers."""
     for _ in range(2):
         assert not rclpy.ok()
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)

@@ -260,7 +260,7 @@ def test_old_messages_expire(world):
 
 @claim('Q14')
 def test_messages_in_a_queue_expire_by_the_lifespan_of_the_subscription(world):
-    """With a lifespan only on the publisher, they stay in the queue."""
+    """With a lifespan only on the publisher, messages stay in the queue."""
     node, sleeper = world.node(), Node('sleeper', context=world.context)
     world.nodes.append(sleeper)
     mortal, immortal = QoSProfile(depth=10, lifespan=Duration(seconds=0.1)), QoSProfile(depth=10)
@@ -338,7 +338,7 @@ def test_events_depend_on_the_middleware(world):
 
 @claim('Q19')
 def test_parameters_override_qos(world):
-    """A node that allows it takes its depth from a parameter."""
+    """A node that allows overrides takes its queue depth from a parameter."""
     node = world.node(
         parameter_overrides=[Parameter('qos_overrides./a.publisher.depth', value=42)]
     )

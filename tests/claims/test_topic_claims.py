@@ -1,4 +1,4 @@
-"""Test claims about topics, names and discovery on the real rclpy."""
+"""Test claims about topics, names and discovery with the real rclpy."""
 
 import os
 import subprocess
@@ -148,7 +148,7 @@ def test_domain_id_beyond_the_ports_ends_the_process():
 
 @claim('T11', 'T12')
 def test_other_programs_of_the_domain_are_found_unless_discovery_is_off(world):
-    """A neighbour of the same domain appears; a node with discovery range OFF does not."""
+    """A neighbour in the same domain appears; a node with discovery range OFF does not."""
     watcher = world.node('watcher')
     domain = {'ROS_DOMAIN_ID': str(world.context.get_domain_id())}
     deaf = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}
