@@ -1,5 +1,5 @@
 """
-ROS domains that no other test and no notebook on this machine uses at the same time.
+Claim ROS domains that no other test and no notebook on this machine uses at the same time.
 
 Two kinds of claims keep them apart, even between two checkouts: the course's own, which kernels
 respect, and the TCP port of ROS's ``domain_coordinator``, which the tests of the ROS package use.
@@ -22,13 +22,13 @@ def own_domain(until: ExitStack) -> int:
     """
     found = _claimed(until, random.SystemRandom().sample(DOMAINS, len(DOMAINS)), most=1)
     if not found:
-        raise RuntimeError('expected a free ROS domain, all of them are claimed')
+        raise RuntimeError('expected a free ROS domain, but all are claimed')
     return found[0]
 
 
 def other_domains(until: ExitStack) -> list[int]:
     """
-    Return all domains that no other program has claimed, without some for tests that begin later.
+    Return all unclaimed domains, except for some that are left for tests that begin later.
 
     :param until: the stack that returns the domains when it closes
     """

@@ -1,8 +1,8 @@
 """
-Zip files that were packed to do harm, each a function that packs one.
+Create malicious zip files, each with one function.
 
-What it tries is in its docstring, and what is said about it in :data:`REFUSED`.  What a zip may
-hold is in :mod:`autograder.submission.package`.
+The docstring of a function says what its zip tries; :data:`REFUSED` has the error messages.
+:mod:`autograder.submission.package` defines what a zip may contain.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ KEPT = {'package.xml': '<package/>', 'my_pkg/talker.py': 'print(1)'}
 
 
 def pack(folder: Path, *more: tuple[str | zipfile.ZipInfo, str | bytes]) -> Path:
-    """Write a zip with a right package and more: pairs of a name or ZipInfo, and the content."""
+    """Write a zip with a valid package and further entries: name or ZipInfo, and content."""
     path = folder / 'handed_in.zip'
     with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
         for name, content in (*PACKAGE, *more):
@@ -27,14 +27,14 @@ def pack(folder: Path, *more: tuple[str | zipfile.ZipInfo, str | bytes]) -> Path
 
 
 def entry(name: str, kind: int = stat.S_IFREG) -> zipfile.ZipInfo:
-    """Return an entry of a kind of file."""
+    """Return a zip entry for a type of file, such as a link."""
     info = zipfile.ZipInfo(name)
     info.external_attr = (kind | 0o666) << 16
     return info
 
 
 def set_bytes(path: Path, mark: bytes, offset: int, value: bytes) -> Path:
-    """Overwrite bytes behind the last of such marks, as no program that packs would."""
+    """Overwrite bytes at an offset from the last mark, to make the zip invalid."""
     data = bytearray(path.read_bytes())
     at = data.rindex(mark) + offset
     data[at : at + len(value)] = value
@@ -43,100 +43,100 @@ def set_bytes(path: Path, mark: bytes, offset: int, value: bytes) -> Path:
 
 
 def climbs_out(folder: Path) -> Path:
-    """Name a file above its own folder."""
+    """Name a file above the package's folder."""
     return pack(folder, ('../outside/gradebook.txt', 'mine'))
 
 
 def climbs_out_later(folder: Path) -> Path:
-    """Go down before it climbs out."""
+    """Name a file above the folder with a path that first descends."""
     return pack(folder, ('my_pkg/a/../../../outside/gradebook.txt', 'mine'))
 
 
 def is_absolute(folder: Path) -> Path:
-    """Name a file by its whole path."""
+    """Name a file by its absolute path."""
     return pack(folder, (f'{folder}/outside/gradebook.txt', 'mine'))
 
 
 def links_out(folder: Path) -> Path:
-    """Hold a link to a file outside, under the name of a module."""
+    """Contain a link to a file outside, under the name of a module."""
     link = entry('my_pkg/my_pkg/secret.py', stat.S_IFLNK)
     return pack(folder, (link, str(folder / 'outside' / 'gradebook.txt')))
 
 
 def writes_through_a_link(folder: Path) -> Path:
-    """Hold a link to a folder, and then a file below it."""
+    """Contain a link to a folder, and then a file below the link."""
     link = entry('my_pkg/door', stat.S_IFLNK)
     return pack(folder, (link, str(folder / 'outside')), ('my_pkg/door/gradebook.txt', 'mine'))
 
 
 def holds_a_pipe(folder: Path) -> Path:
-    """Hold something that would never end when it is read."""
+    """Contain a pipe, from which reading would never end."""
     return pack(folder, (entry('my_pkg/my_pkg/pipe.py', stat.S_IFIFO), ''))
 
 
 def holds_a_device(folder: Path) -> Path:
-    """Hold a device under the name of a module."""
+    """Contain a device under the name of a module."""
     return pack(folder, (entry('my_pkg/my_pkg/zero.py', stat.S_IFCHR), ''))
 
 
 def is_encrypted(folder: Path) -> Path:
-    """Say of a file that it is encrypted."""
+    """Declare that a file is encrypted."""
     path = pack(folder, ('my_pkg/my_pkg/locked.py', 'x = 1'))
     return set_bytes(path, b'PK\x01\x02', 8, struct.pack('<H', 1))
 
 
 def is_a_bomb(folder: Path) -> Path:
-    """Hold a thousand times its own size."""
+    """Expand to a thousand times its own size."""
     return pack(folder, ('my_pkg/my_pkg/bomb.py', b'#' * (16 << 20)))
 
 
 def lies_about_its_size(folder: Path) -> Path:
-    """Hold a megabyte that its table of contents calls one byte."""
+    """Contain a megabyte that its table of contents declares as one byte."""
     path = pack(folder, ('my_pkg/my_pkg/liar.py', b'#' * (1 << 20)))
     return set_bytes(path, b'PK\x01\x02', 24, struct.pack('<I', 1))
 
 
 def has_two_of_a_name(folder: Path) -> Path:
-    """Hold a harmless module and a second one under its name."""
+    """Contain a harmless module and a second module of the same name."""
     with warnings.catch_warnings():
         warnings.simplefilter('ignore')
         return pack(folder, (TALKER[0], 'print(2)'))
 
 
 def has_a_file_that_is_a_folder(folder: Path) -> Path:
-    """Hold a module, and a file below it."""
+    """Contain a module, and a file whose path uses the module as a folder."""
     return pack(folder, (f'{TALKER[0]}/inner.py', 'print(2)'))
 
 
 def has_thousands_of_files(folder: Path) -> Path:
-    """Hold more names than anybody can look at."""
+    """Contain thousands of files."""
     return pack(folder, *((f'my_pkg/{number}.png', '') for number in range(3000)))
 
 
 def is_a_maze(folder: Path) -> Path:
-    """Hold folders in folders in folders."""
+    """Contain deeply nested folders."""
     return pack(folder, (f'my_pkg/{"deeper/" * 60}end.py', ''))
 
 
 def has_terminal_codes_in_a_name(folder: Path) -> Path:
-    """Hold a file whose name clears the screen of whoever lists it."""
+    """Contain a file whose name clears the terminal that lists it."""
     return pack(folder, ('my_pkg/\x1b[2Jclean.py', ''))
 
 
 def turns_its_name_round(folder: Path) -> Path:
-    """Hold a file whose name reads backwards, so that it seems to be another one."""
+    """Contain a file whose name is displayed backwards, so that it looks like a Python file."""
     return pack(folder, ('my_pkg/\u202eyp.txt', ''))
 
 
 def is_cut_off(folder: Path) -> Path:
-    """End before its table of contents."""
+    """End within its table of contents."""
     path = pack(folder)
     path.write_bytes(path.read_bytes()[:-30])
     return path
 
 
 def is_packed_strangely(folder: Path) -> Path:
-    """Use a compression that takes much memory to undo."""
+    """Use a compression method that needs a lot of memory to decompress."""
     info = entry('my_pkg/my_pkg/odd.py')
     info.compress_type = zipfile.ZIP_BZIP2
     return pack(folder, (info, 'x = 1'))
@@ -162,4 +162,4 @@ REFUSED: dict[Callable[[Path], Path], str] = {
     is_cut_off: 'the zip file cannot be read',
     is_packed_strangely: 'an unsupported compression method',
 }
-"""What is said about each."""
+"""The expected error message for each zip."""

@@ -1,16 +1,16 @@
 """
-The attacks: what is known about each, and how programs among them are graded.
+Read the descriptions of the attacks, and grade those that are programs.
 
-A folder named like an exam holds programs that are handed in for it.  Each begins with a docstring
-of these fields, a field a line or a paragraph::
+A folder named like an exam contains programs that are submitted for it.  Each begins with a
+docstring that has these fields, one per line or paragraph::
 
-    Tries: what it is after.
-    Stopped by: what keeps it from getting it
-    Deserves: 15            the points of its honest part; "15 at most" where luck has a part
+    Tries: what it tries to do.
+    Stopped by: what prevents this
+    Deserves: 15            the points of its honest part; "15 at most" if they vary
     Flag: same name         words that the instructor must see; several lines, or none
-    Ends: cpu_limit         the reason for which its run must end, or none
+    Ends: cpu_limit         the reason why its run must end, or none
 
-A program may import ``honest``, the honest solution in ``honest/``, and bend it, and
+A program may import and modify ``honest``, the honest solution in ``honest/``, and import
 ``participants`` from that folder.
 """
 
@@ -37,7 +37,7 @@ from environment.ros import RosEnvironment
 
 FOLDER = Path(__file__).parent
 CANARY = 'CANARY-7f3a9c'
-"""Planted wherever a program should not be able to look."""
+"""A string placed wherever a program must not be able to read."""
 
 NOTEBOOKS = 'notebooks'
 _FIELD = re.compile(r'^(Tries|Stopped by|Deserves|Flag|Ends): (.+(?:\n[ ]+.+)*)', re.MULTILINE)
@@ -47,13 +47,13 @@ POINTS = re.compile(r'(\d+)( at most)?')
 @dataclass(frozen=True)
 class Attack:
     """
-    What is handed in to do harm.
+    A malicious submission.
 
     :param kind: an exam, or ``notebooks``
-    :param points: what its honest part deserves, and it gets
+    :param points: the points that its honest part deserves and gets
     :param at_most: whether the points are an upper bound
     :param flags: words that the instructor must see
-    :param ends: the reason for which its run ends, if it is stated
+    :param ends: the reason why its run must end, empty if the file states none
     :param path: file of a program
     """
 
@@ -70,7 +70,7 @@ class Attack:
 
 def read(path: Path) -> Attack:
     """
-    Read what a file says about itself.
+    Read the description of an attack from its file.
 
     :raises ValueError: if a field is missing
     """
@@ -108,12 +108,12 @@ def programs() -> list[Attack]:
 @dataclass(frozen=True)
 class Outcome:
     """
-    What came of a program.
+    The outcome of grading a program.
 
-    :param result: None if the grader declined to judge, which is a fault of it
+    :param result: None if the grader declined to judge, which is a fault of the grader
     :param recording: None if there is none
     :param fault: why there is no result
-    :param took_s: real time of all that, other runs beside it
+    :param took_s: real time from start to end, while other runs compete [s]
     """
 
     result: ExamResult | None
@@ -124,12 +124,12 @@ class Outcome:
 
 def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
     """
-    Grade a program by the hidden exam it is written for, in its own sandbox.
+    Grade a program with the hidden exam that it attacks, in a separate sandbox.
 
     :param kept: folder for recordings
     """
     exam = catalog.load(attack.kind)
-    # Facts are what the hidden exam knows and nobody else.
+    # Put the canary into the exam's facts, which a program must never see.
     exam.facts['canary'] = CANARY
     folder = kept / attack.kind / attack.name
     result = examine(exam, files_of(attack), sandbox=sandbox, recordings=folder)
@@ -138,7 +138,7 @@ def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
 
 
 def files_of(attack: Attack) -> dict[str, str]:
-    """Return the files that are handed in: the attack and what it bends."""
+    """Return the submitted files: the attack and the honest modules that it imports."""
     text = attack.path.read_text(encoding='utf-8')
     if attack.path.suffix == '.cmake':
         assignment = catalog.load(attack.kind).assignment
@@ -159,7 +159,7 @@ def reference(assignment: str) -> dict[str, str]:
 
 @contextmanager
 def early_limits() -> Iterator[None]:
-    """Let limits of processor time be reached sooner; no other limit is changed."""
+    """Lower only the limits of CPU time, so that runs reach them sooner."""
     whole = observe.program_for
 
     def program_for(

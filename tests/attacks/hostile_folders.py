@@ -1,4 +1,4 @@
-"""Folders, file names and student names that were handed in to do harm."""
+"""Malicious folders, file names and student names."""
 
 import json
 import os
@@ -14,7 +14,7 @@ STUDENT_ID = 'a student id has letters, digits and . _ - @; others are reported 
 
 @attack("only the notebook's own file is read", 0)
 def brings_settings_and_modules(student, solved, blank):
-    """Bring settings, plug-ins and modules that a tool would load from beside the notebook."""
+    """Add settings, plug-ins and modules that a tool might load from the notebook's folder."""
     place = lay_out(student, blank)
     text = f'open({str(PAYLOAD)!r}, "w"); c = get_config(); c.SaveGrades.enabled = False'
     for name in (
@@ -32,7 +32,7 @@ def brings_settings_and_modules(student, solved, blank):
 
 @attack(REGULAR, 0, 'something else')
 def hands_in_a_device(student, solved, blank):
-    """Hand in a device without an end, or a socket where only root may make one."""
+    """Hand in an endless device, or a socket if only root may create devices."""
     place = student / ASSIGNMENT
     place.mkdir(parents=True)
     try:
@@ -44,22 +44,22 @@ def hands_in_a_device(student, solved, blank):
 
 @attack(REGULAR, 0, 'something else')
 def hands_in_a_folder(student, solved, blank):
-    """Hand in a folder that is called like the notebook."""
+    """Hand in a folder with the name of the notebook."""
     (student / ASSIGNMENT / NOTEBOOK / NOTEBOOK).mkdir(parents=True)
 
 
 @attack(REGULAR, 0, 'something else')
 def hands_in_a_pipe(student, solved, blank):
-    """Hand in a pipe, from which the grader would read for ever."""
+    """Hand in a pipe, from which the grader would read forever."""
     place = student / ASSIGNMENT
     place.mkdir(parents=True)
     os.mkfifo(place / NOTEBOOK)
     os.mkfifo(place / 'timestamp.txt')
 
 
-@attack('the student is the folder, and nothing else', 0)
+@attack('only the name of the folder identifies the student', 0)
 def hands_in_the_names_of_others(student, solved, blank):
-    """Write the names of other students and their grades wherever a name could be taken from."""
+    """Write other students' names and grades wherever a grader might read a name."""
     blank['metadata'].update(student='ada', authors=[{'name': 'ada'}])
     for one in blank['cells']:
         one['metadata'].setdefault('nbgrader', {})['student'] = 'ada'
@@ -68,9 +68,9 @@ def hands_in_the_names_of_others(student, solved, blank):
     (place / 'gradebook.csv').write_text('student,score\nada,0\n')
 
 
-@attack('a broken time is left out', 50)
+@attack('an invalid time is ignored', 50)
 def has_a_hostile_timestamp(student, solved, blank):
-    """Hand in with a time that no program can read."""
+    """Hand in with a submission time that no program can parse."""
     place = lay_out(student, solved)
     (place / 'timestamp.txt').write_text('999999999999-99-99 ' + '9' * 100_000)
 
@@ -81,7 +81,7 @@ def has_a_hostile_timestamp(student, solved, blank):
     'which was graded instead',
 )
 def has_a_strange_file_name(student, solved, blank):
-    """Name the file so that a shell, a pattern or a log would act on it."""
+    """Give the file a name that a shell, a glob pattern or a log would interpret."""
     lay_out(student, solved, '-rf $(touch an-attack) *;\n\x1b[2J<b>.ipynb')
 
 
@@ -111,32 +111,29 @@ def links_to_another_submission(student, solved, blank):
 
 @attack(STUDENT_ID, 0, 'expected a student id')
 def bytes_as_name(student, solved, blank):
-    """Hand in under a name that is made of bytes that are no text."""
+    """Hand in under a name whose bytes are not valid text."""
     lay_out(student.with_name('\udcff\udcfeada'), solved)
 
 
 @attack(STUDENT_ID, 0, 'expected a student id')
 def formula_as_name(student, solved, blank):
-    """Hand in under a name that is made of formulas for a spreadsheet."""
+    """Hand in under a name that is a spreadsheet formula."""
     lay_out(student.with_name("=cmd|' -C calc'!A0"), solved)
 
 
 @attack(STUDENT_ID, 0, 'expected a student id')
 def markup_as_name(student, solved, blank):
-    """Hand in under a name that is made of markup."""
+    """Hand in under a name that consists of markup."""
     lay_out(student.with_name('<img src=x onerror=alert(1)>'), solved)
 
 
 @attack(STUDENT_ID, 0, 'expected a student id')
 def pattern_as_name(student, solved, blank):
-    """
-    Hand in under a name that is made of what nbgrader expands: patterns, commas and format
-    fields.
-    """
+    """Hand in under a name of patterns, commas and format fields, which nbgrader expands."""
     lay_out(student.with_name('*,{assignment_id}'), solved)
 
 
 @attack(STUDENT_ID, 0, 'expected a student id')
 def terminal_codes_as_name(student, solved, blank):
-    """Hand in under a name that is made of terminal codes and line ends."""
+    """Hand in under a name that contains terminal codes and line breaks."""
     lay_out(student.with_name('\x1b[2Jred\nada,40'), solved)

@@ -1,4 +1,4 @@
-"""Notebooks that were handed in to do harm."""
+"""Malicious notebooks."""
 
 import base64
 import json
@@ -7,14 +7,14 @@ import pickle
 
 from tests.attacks.notebook_builder import attack, cell, checks, code, marked, PAYLOAD
 
-REBUILT = 'the notebook is rebuilt from the release; only the texts of answers survive'
-NAMED_FILE = 'each answer has to be the file that the release says'
-IN_WORDS = 'a reason in words'
+REBUILT = 'the notebook is rebuilt from the release; only the source of answers survives'
+NAMED_FILE = 'each answer must be the file that the release names'
+IN_WORDS = 'a readable error'
 
 
 @attack(REBUILT, 0, "is a 'raw' cell")
 def changes_cell_types(student, solved, blank):
-    """Make texts of the checks and code of the texts."""
+    """Turn every cell that nbgrader knows into a raw cell."""
     for one in marked(blank):
         one['cell_type'] = 'raw'
     return blank
@@ -22,7 +22,7 @@ def changes_cell_types(student, solved, blank):
 
 @attack('no kernel is started; the metadata are those of the release', 0)
 def chooses_its_kernel(student, solved, blank):
-    """Name a kernel of its own, with a command to start it."""
+    """Name a separate kernel, with a command that starts it."""
     blank['metadata'] = {
         'kernelspec': {
             'name': '../../evil',
@@ -43,9 +43,9 @@ def deletes_the_checks(student, solved, blank):
     return blank
 
 
-@attack('the first one counts, and that is said', 35, 'occurs 2 times')
+@attack('the first one counts, and a flag reports the others', 35, 'occurs 2 times')
 def duplicates_an_answer(student, solved, blank):
-    """Hand in several answers to one question and hope for the best of them."""
+    """Hand in several answers to one question, so that the best one might count."""
     right = cell(solved, 'temperature_publisher')
     wrong = {**right, 'id': 'first', 'source': '%%node temp_publisher\n'}
     solved['cells'].insert(0, wrong)
@@ -59,7 +59,7 @@ def duplicates_the_checks(student, solved, blank):
     return blank
 
 
-@attack('expat limits what entities may grow to; entities from outside are not read', 45)
+@attack('expat limits the expansion of entities; external entities are not read', 45)
 def expands_entities(student, solved, blank):
     """Fill the memory of the program that reads package.xml, with nested entities."""
     laughs = ''.join(f'<!ENTITY l{level} "{f"&l{level - 1};" * 10}">' for level in range(1, 10))
@@ -74,7 +74,7 @@ def expands_entities(student, solved, blank):
 
 @attack('outputs of a submission are never read', 0)
 def forges_outputs(student, solved, blank):
-    """Hand in check cells that already have outputs, with full points in them."""
+    """Hand in check cells that already have outputs, which claim full points."""
     for one in checks(blank):
         data = {'text/plain': '15.0', 'text/html': '<script>alert(1)</script>'}
         one['outputs'] = [
@@ -87,20 +87,20 @@ def forges_outputs(student, solved, blank):
 
 @attack('an answer has at most 64 KiB', 35, 'at most 64 KiB')
 def has_a_giant_answer(student, solved, blank):
-    """Hand in an answer that no compiler and no database likes."""
+    """Hand in an answer that is too large for a compiler or a database."""
     cell(solved, 'temperature_publisher')['source'] += '\n' + 'x = ' + '(' * 5_000_000
     return solved
 
 
-@attack('no number of a submission is computed', 50)
+@attack('long numbers in a submission are not converted', 50)
 def has_a_huge_number(student, solved, blank):
-    """Let the parser compute for hours on a number of a million digits."""
+    """Make the parser compute for hours on a number with three million digits."""
     return json.dumps(solved)[:-1] + ', "number": ' + '9' * 3_000_000 + '}'
 
 
-@attack('the text is what it is; only the sandbox compiles it', 35)
+@attack('the text is not interpreted; only the sandbox compiles it', 35)
 def has_control_characters(student, solved, blank):
-    """Put zero bytes, form feeds, half surrogates and writing directions into an answer."""
+    """Put null bytes, form feeds, lone surrogates and direction marks into an answer."""
     one = cell(solved, 'temperature_publisher')
     one['source'] += '\n\x00\x0c\ud800\u202e\ufeff'
     return solved
@@ -108,7 +108,7 @@ def has_control_characters(student, solved, blank):
 
 @attack('numbers of a submission are not used', 50)
 def has_numbers_that_are_none(student, solved, blank):
-    """Use NaN and Infinity, which are no JSON, where numbers are compared."""
+    """Use NaN and Infinity, which are not JSON, where numbers are compared."""
     solved['metadata']['points'] = [float('nan'), float('inf'), -float('inf')]
     for one in solved['cells']:
         one['execution_count'] = float('nan')
@@ -117,7 +117,7 @@ def has_numbers_that_are_none(student, solved, blank):
 
 @attack('parts of a wrong type count as empty', 0, 'expected cells of this assignment')
 def has_parts_of_wrong_types(student, solved, blank):
-    """Put numbers, lists and nothing where texts and objects belong."""
+    """Put numbers, lists and null where strings and objects belong."""
     for number, one in enumerate(blank['cells']):
         one['source'] = (None, 7, [1, None, {}], {'a': 1})[number % 4]
         one['metadata'] = (None, [], 'text', 3)[number % 4]
@@ -125,14 +125,14 @@ def has_parts_of_wrong_types(student, solved, blank):
     return blank
 
 
-@attack('parts are counted before anything is made of them', 0, 'far too many JSON values')
+@attack('parts are counted before the file is parsed', 0, 'far too many JSON values')
 def has_too_many_parts(student, solved, blank):
     """Fill the memory with a small file of countless empty lists."""
     return '{"cells": [' + '[],' * 2_000_000 + '[]]}'
 
 
 class Payload:
-    """Runs a command where it is unpickled."""
+    """Runs a command when it is unpickled."""
 
     def __reduce__(self):
         return os.system, (f'touch {PAYLOAD}',)
@@ -200,7 +200,7 @@ def injects_markup(student, solved, blank):
 
 @attack(REBUILT, 0, 'the release has no cell with the grade id')
 def invents_graded_cells(student, solved, blank):
-    """Add cells of its own that nbgrader would count."""
+    """Add further cells that nbgrader would count."""
     for number in range(3):
         bonus = code('1000.0')
         bonus['metadata']['nbgrader'] = {
@@ -217,11 +217,11 @@ def invents_graded_cells(student, solved, blank):
 
 @attack(IN_WORDS, 0, 'format 3')
 def is_an_old_format(student, solved, blank):
-    """Hand in a notebook in format 3, whose cells lie elsewhere."""
+    """Hand in a notebook in format 3, which stores its cells in worksheets."""
     return {'worksheets': [{'cells': solved['cells']}], 'metadata': {}, 'nbformat': 3}
 
 
-@attack('a reason in words instead of a score for the rest', 0, 'ends in the middle')
+@attack('an error instead of a score for the rest', 0, 'ends in the middle')
 def is_cut_off(student, solved, blank):
     """Hand in half of a file."""
     text = json.dumps(solved)
@@ -230,14 +230,14 @@ def is_cut_off(student, solved, blank):
 
 @attack('files above 16 MiB are not read', 0, 'a file of at most 16 MiB')
 def is_huge(student, solved, blank):
-    """Hand in more than can be read."""
+    """Hand in a file that is too large to read."""
     solved['metadata']['padding'] = 'x' * (17 << 20)
     return solved
 
 
-@attack('a limit of depth, and a reason in words', 0, 'nested too deeply')
+@attack('a depth limit, and a readable error', 0, 'nested too deeply')
 def is_nested_deeply(student, solved, blank):
-    """Break the parser with lists in lists."""
+    """Break the parser with deeply nested lists."""
     return '{"cells": ' + '[' * 200_000 + ']' * 200_000 + '}'
 
 
@@ -254,12 +254,12 @@ def is_not_utf8(student, solved, blank):
 
 
 @attack(
-    'names are letters and digits; each answer has to be the file that the release says',
+    'names are letters and digits; each answer must be the file that the release names',
     10,
     'expected the first line',
 )
 def leads_out_of_the_folder(student, solved, blank):
-    """Name files outside of the package on the magic lines."""
+    """Name files outside the package in the magic lines."""
     for name, line in (
         ('temperature_publisher', '%%node ../../../autograder/exams/hidden/temperature_publisher'),
         ('temperature_subscriber', '%%node /tmp/an-attack-of-the-corpus-ran'),
@@ -287,9 +287,9 @@ def raises_the_points(student, solved, blank):
     return blank
 
 
-@attack('the last one counts, and that is said', 0, 'more than once')
+@attack('the last one counts, and a flag reports the repetition', 0, 'more than once')
 def repeats_keys(student, solved, blank):
-    """Give two lists of cells, one for people and one for the grader."""
+    """Include two lists of cells, one for people and one for the grader."""
     shown = json.dumps(solved['cells'])
     return f'{{"cells": {shown}, "metadata": {{}}, "nbformat": 4, "nbformat_minor": 5, ' + (
         f'"cells": {json.dumps(blank["cells"])}}}'
@@ -298,7 +298,7 @@ def repeats_keys(student, solved, blank):
 
 @attack(REBUILT, 0, 'has different text', 'a different value of locked')
 def rewrites_the_checks(student, solved, blank):
-    """Unlock the check cells and let them say the score."""
+    """Unlock the check cells and replace their code with a score."""
     for one in checks(blank):
         one['metadata'].update(editable=True, deletable=True)
         one['metadata']['nbgrader'].update(locked=False, solution=True)
@@ -325,10 +325,10 @@ for folder, _, names in os.walk('/'):
 """
 
 
-@attack('none of them is mounted where the answer runs', 35)
+@attack('none of these files is mounted where the answer runs', 35)
 def searches_for_the_others(student, solved, blank):
     """
-    Look for the submissions of others, the gradebook and the hidden exams from inside of an
+    Search for other students' submissions, the gradebook and the hidden exams from inside an
     answer, and print them.
     """
     cell(solved, 'temperature_publisher')['source'] = SEARCH
@@ -338,8 +338,8 @@ def searches_for_the_others(student, solved, blank):
 @attack(REBUILT, 0, 'has the tags')
 def skips_the_checks(student, solved, blank):
     """
-    Mark the check cells with tags on which nbgrader and Jupyter do not run them, which gives
-    full points there.
+    Give the check cells tags that make nbgrader and Jupyter skip them, for which stock nbgrader
+    gives full points.
     """
     for one in checks(blank):
         one['metadata']['tags'] = ['skip-execution', 'raises-exception', 'remove_cell']
@@ -354,9 +354,9 @@ def swaps_grade_ids(student, solved, blank):
     return solved
 
 
-@attack('an answer is a file: nothing expands a magic in it', 35)
+@attack('an answer is a file, in which nothing expands magics', 35)
 def uses_magics(student, solved, blank):
-    """Put shell commands and magics below and above the answer."""
+    """Put shell commands and magics below the answer."""
     one = cell(solved, 'temperature_publisher')
     lines = ['!touch {PAYLOAD}', '%run -m os', '%%bash', f'touch {PAYLOAD}', '%system id']
     one['source'] = one['source'] + '\n' + '\n'.join(lines).replace('{PAYLOAD}', str(PAYLOAD))

@@ -1,10 +1,10 @@
 """
-One hostile program in one isolation mode; prints what it got hold of, as JSON.
+Run a hostile program in one isolation mode, and print what it reached, as JSON.
 
-Usage: mode_world.py MODE FOLDER [linger | run].  The folder holds files the program must not read.
-It is a program of its own because some modes are for a plain user and some for root.  With
-``linger`` it says so while the hostile program and its daemon run, and waits to be killed; with
-``run`` it says so while a probe watches a program that computes forever.
+Usage: mode_world.py MODE FOLDER [linger | run].  The folder contains files that the program must
+not read.  This is a separate script, because some modes need a plain user and some need root.
+With ``linger`` it prints a line while the hostile program and its daemon run, and waits to be
+killed; with ``run`` it prints lines while a probe watches an endless program.
 """
 
 import json
@@ -68,7 +68,7 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
     """Run the hostile program and return what it printed."""
     hidden = Layout.here().exams / 'hidden' / 'harbour.py'
     grader = [sandbox.HERE / 'judging' / 'judge.py', hidden]
-    assert all(path.exists() for path in grader)  # what is not there is refused to anybody
+    assert all(path.exists() for path in grader)  # a missing file would count as refused
     secrets = [*map(str, (*grader, *sorted(folder.iterdir())))]
     with socket.create_server(('127.0.0.1', 0)) as server:
         facts = {
@@ -76,7 +76,7 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
             'grader': os.getpid(),
             'folder': str(folder),
             'linger': linger,
-            'daemon': box.mode != 'none',  # nobody would end it
+            'daemon': box.mode != 'none',  # without isolation, nothing would end it
             'port': server.getsockname()[1],
         }
         files = {'x.py': HOSTILE, 'facts.json': json.dumps(facts)}
@@ -103,7 +103,7 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
 
 
 def endless_run(box: sandbox.Sandbox) -> None:
-    """Watch a program that computes forever, and say so when its node was seen."""
+    """Watch a program that computes forever, and print a line for each recorded event."""
     program = 'import rclpy\nrclpy.init()\nnode = rclpy.create_node("n")\n'
     program += 'import time\ntime.sleep(1)\nwhile True:\n    pass\n'
     scenario = Scenario(file='x.py', steps=(Advance(60.0),)).to_json()
@@ -128,14 +128,14 @@ print(faults_of_children() - before, flush=True)
 
 
 def forks(box: sandbox.Sandbox) -> str:
-    """Return what a program prints of children that it did not start; 0 if there are none."""
+    """Return the page faults of children that a program did not start, 0 if there are none."""
     scenario = Scenario(file='x.py', steps=(Advance(25.0),)).to_json()
     recording, _ = observe('forks', scenario, {'x.py': FORKS}, box)
     return str(recording.process['stdout']).strip()
 
 
 def main() -> None:
-    """Run the hostile program and, where a program is confined, two honest exams."""
+    """Run the hostile program and two honest ones, and print the results."""
     mode, folder = sys.argv[1], Path(sys.argv[2])
     box = choose.usable(mode)
     assert box.mode == mode

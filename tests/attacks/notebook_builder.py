@@ -1,7 +1,7 @@
 """
-What is handed in to do harm: the table of it, and how cells and folders are made.
+Register malicious submissions, and create their cells and folders.
 
-``hostile_notebooks.py`` and ``hostile_folders.py`` fill the table with functions.  Each gets the
+``hostile_notebooks.py`` and ``hostile_folders.py`` register functions.  Each gets the
 student's folder, the solved notebook and the released one.  It returns the content of the
 notebook's file, or lays out the folder itself.  Its docstring says what it tries.
 """
@@ -16,21 +16,21 @@ from tests.attacks.corpus import Attack, NOTEBOOKS
 ASSIGNMENT = '07_temperature_monitor'
 NOTEBOOK = 'temperature_monitor.ipynb'
 PAYLOAD = Path('/tmp/an-attack-of-the-corpus-ran')
-"""What a payload makes where it is executed; nobody else does."""
+"""A file that exists only if a payload was executed."""
 
 Notebook = dict[str, Any]
 Content = Notebook | str | bytes
 HandIn = Callable[[Path, Notebook, Notebook], Content | None]
 
 HANDED_IN: dict[str, tuple[Attack, HandIn]] = {}
-"""By name: what is said about each attack, and what makes it."""
+"""The description of each attack and the function that creates its submission, by name."""
 
 
 def attack(stopped_by: str, points: float, *flags: str) -> Callable[[HandIn], HandIn]:
     """
-    Enter a function into the table.
+    Register a function in :data:`HANDED_IN`.
 
-    :param points: what it deserves of the points of lesson 07
+    :param points: the points of lesson 07 that it deserves
     :param flags: words that the instructor must see
     """
 
@@ -74,7 +74,7 @@ def code(source: str) -> dict[str, Any]:
 
 def lay_out(student: Path, content: Content, name: str = NOTEBOOK) -> Path:
     """
-    Write what is handed in where nbgrader's collect would.
+    Write a submission to the folder that nbgrader's collect would use.
 
     :param student: the student's folder
     :returns: the folder of the assignment

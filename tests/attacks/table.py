@@ -2,7 +2,7 @@
 Write docs/attacks.md: every attack with its aim, its defence and its points.
 
 ``python -m tests.attacks.table`` writes it; ``--check`` only compares and fails if it is out of
-date.  The tests in tests/attacks assert these points, so the table cannot claim others.
+date.  The tests in tests/attacks assert these points, so the table cannot claim different ones.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,9 +19,9 @@ from tests.attacks.notebook_builder import HANDED_IN
 PAGE = Path(__file__).parents[2] / 'docs' / 'attacks.md'
 HEAD = """# Attacks
 
-Submissions that try to cheat the grader, to read what is hidden, or to break it: {count} of them,
-in `tests/attacks/`. Each is graded like any other submission, with the real sandbox and the
-hidden exams, and `pytest tests/attacks` asserts for each that
+The {count} submissions in `tests/attacks/` try to cheat the grader, to read hidden data, or to
+break the grader. Each is graded like any other submission, with the real sandbox and the hidden
+exams, and `pytest tests/attacks` asserts for each that
 
 * it gets the points that its honest part deserves: exactly, or, if it varies from run to run, not
   more ("at most"); no attack makes the grader decline to judge;

@@ -1,8 +1,8 @@
 """
-Archives and folders that were packed to do harm: each is refused in words, or its trick is void.
+Malicious archives and folders are refused with an error, or do no harm.
 
-Each trick of :mod:`tests.attacks.archives` is packed beside a file that it would overwrite or
-read, and an honest archive is taken in after it.
+Each archive of :mod:`tests.attacks.archives` is next to a file that it would overwrite or read.
+After each, an honest archive is accepted.
 """
 
 import io
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.attacks
 
 @pytest.fixture
 def outside(tmp_path) -> Path:
-    """Return a folder beside the archive, with a file that nobody may read or change."""
+    """Return a folder next to the archive, with a file that must not be read or changed."""
     folder = tmp_path / 'outside'
     folder.mkdir()
     (folder / 'gradebook.txt').write_text(CANARY, encoding='utf-8')
@@ -40,7 +40,7 @@ def everything(folder: Path) -> list[tuple[str, int]]:
 
 @pytest.mark.parametrize('trick', REFUSED, ids=lambda trick: trick.__name__)
 def test_a_hostile_archive_is_refused_in_words_and_writes_nothing(trick, tmp_path, outside):
-    """The reason is one printable line; an honest archive after it is taken in."""
+    """The error is one printable line; an honest archive after it is accepted."""
     before = everything(tmp_path)
 
     with pytest.raises(UnusableUploadError, match=REFUSED[trick]) as refusal:
@@ -55,7 +55,7 @@ def test_a_hostile_archive_is_refused_in_words_and_writes_nothing(trick, tmp_pat
 
 
 def test_an_archive_in_an_archive_is_not_opened(tmp_path, outside):
-    """Neither as a whole nor as the nested bomb that it may be."""
+    """The inner archive may be a bomb, or contain paths that lead outside."""
     inner = io.BytesIO()
     with zipfile.ZipFile(inner, 'w') as archive:
         archive.writestr('../outside/gradebook.txt', 'mine')
@@ -91,13 +91,13 @@ def _bind(file):
 
 def _device(file):
     if os.geteuid() != 0:
-        pytest.skip('only root can make a device')
+        pytest.skip('only root can create a device')
     os.mknod(file, stat.S_IFCHR | 0o666, os.makedev(1, 5))
 
 
 @pytest.mark.parametrize('make', SPECIAL.values(), ids=SPECIAL)
 def test_a_folder_with_a_special_file_is_refused_like_a_zip(tmp_path, outside, make):
-    """No link is followed, no pipe is waited for, no device and no socket is opened."""
+    """The reader follows no link, waits for no pipe, and opens no device or socket."""
     folder = tmp_path / 'my_pkg'
     (folder / 'my_pkg').mkdir(parents=True)
     for name, text in PACKAGE:
@@ -109,7 +109,7 @@ def test_a_folder_with_a_special_file_is_refused_like_a_zip(tmp_path, outside, m
 
 
 def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
-    """It could not be printed, and would break who prints it."""
+    """Such a name cannot be printed."""
     for name, text in PACKAGE:
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -123,6 +123,6 @@ def test_a_folder_with_a_name_that_is_no_text_is_refused(tmp_path):
 
 
 def test_the_limits_are_far_above_an_honest_package():
-    """Two hundred files and a megabyte each: a package of the course has eight small ones."""
+    """A package of the course has eight small files."""
     assert package.MOST_FILES >= 100
     assert package.BOUNDS.file_bytes >= 1 << 20

@@ -1,8 +1,8 @@
 """
 Hostile programs get what their honest part deserves, and nothing leaves the sandbox.
 
-What each tries and deserves is in its docstring, see :mod:`tests.attacks.corpus`.  All of them run
-once, side by side; every property is then a test of its own.
+The docstring of each says what it tries and deserves, see :mod:`tests.attacks.corpus`.  All
+programs run once, in parallel; a separate test then checks each property.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -19,16 +19,16 @@ from autograder.results import SubmissionResult
 from autograder.sandboxes.choose import strongest
 from tests.attacks.corpus import Attack, CANARY, early_limits, grade, Outcome, programs
 
-# All of them run below the first test's limit of time; on two processors they take four minutes.
+# All programs run within the first test's time limit; on two processors, they take four minutes.
 pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(1200)]
 
 ATTACKS = programs()
 SLEEPER = b'86397'
 LOOT = ('FOUND', 'WROTE', 'ESCAPED', 'REACHED')
-"""What a program prints when it got something."""
+"""Words that a program prints when its attack succeeds."""
 WORKERS = 3
 LONGEST_S = 60.0
-"""Real time for what may use four seconds of a processor, beside others."""
+"""Maximum real time of a run, which may use four seconds of CPU time while others compete."""
 
 
 def names(attack: Attack) -> str:
@@ -37,7 +37,7 @@ def names(attack: Attack) -> str:
 
 @pytest.fixture(scope='session')
 def graded(tmp_path_factory):
-    """Run every attack; return what came of each."""
+    """Run every attack, and return the outcomes."""
     kept = tmp_path_factory.mktemp('recordings')
     # Put a secret into the grader's environment and into an open file; the attacks search for it.
     secret = tmp_path_factory.mktemp('hidden') / 'gradebook.json'
@@ -49,7 +49,7 @@ def graded(tmp_path_factory):
         began = time.monotonic()
         try:
             outcome = grade(attack, sandbox, kept)
-        except GraderError as error:  # no reason to lose what came of the others
+        except GraderError as error:  # keep the other outcomes
             outcome = Outcome(None, None, str(error))
         return replace(outcome, took_s=time.monotonic() - began)
 
@@ -72,7 +72,7 @@ def test_attack_gains_nothing(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_attack_ends_in_time_and_as_it_is_stated(graded, attack):
-    """No submission costs more than its processor time, and its end is a finding about it."""
+    """No run takes longer than the limit, and each ends for the stated reason."""
     outcome = graded[attack]
 
     assert outcome.took_s < LONGEST_S
@@ -82,7 +82,7 @@ def test_attack_ends_in_time_and_as_it_is_stated(graded, attack):
 
 @pytest.mark.parametrize('attack', ATTACKS, ids=names)
 def test_attack_finds_and_reaches_nothing(graded, attack):
-    """No secret is in anything the program could emit, and it reports no loot."""
+    """The program emits no secret, and does not report that it reached something."""
     outcome = graded[attack]
 
     if outcome.recording is not None:

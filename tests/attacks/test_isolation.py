@@ -1,4 +1,4 @@
-"""What the sandbox promises, tried from both sides."""
+"""Test the guarantees of the sandbox, from inside and outside."""
 
 import os
 from pathlib import Path
@@ -39,7 +39,7 @@ sys.stdin.read()
 
 
 def gone(pidfd: int, seconds: float) -> bool:
-    """Wait until a process has ended, at most so long."""
+    """Return whether a process ends within a number of seconds."""
     return bool(select.select([pidfd], [], [], seconds)[0])
 
 
@@ -62,7 +62,7 @@ def test_nothing_outlives_a_killed_grader(moment):
 
 
 def test_environment_and_command_line_of_the_launcher_say_nothing(monkeypatch):
-    """The first process inside shows neither our variables nor our paths."""
+    """The first process inside shows neither the grader's variables nor its paths."""
     monkeypatch.setenv('GRADER_SECRET', 'CANARY')
     box = strongest()
     code = 'print(open("/proc/1/environ").read(), open("/proc/1/cmdline").read())'
@@ -79,7 +79,7 @@ def test_environment_and_command_line_of_the_launcher_say_nothing(monkeypatch):
 
 
 def test_usage_counts_the_memory_of_children():
-    """A daemon cannot hide from the watchdog."""
+    """The watchdog must also count the memory of daemons."""
     code = (
         'import os\nif os.fork() == 0:\n    held = bytearray(b"x") * (64 << 20)\n'
         '    print("held", flush=True)\n    input()\nelse:\n    os.wait()\n'

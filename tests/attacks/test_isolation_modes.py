@@ -1,8 +1,8 @@
 """
-Every isolation mode, tried with a program that wants everything and with an honest one.
+Test every isolation mode with a hostile program and with honest ones.
 
-Modes of a plain user are tried as root by giving up root first, in a mount namespace in which
-Python can be reached by everyone.
+To test the modes of a plain user, root first gives up its rights, in a mount namespace in which
+every user can reach Python.
 """
 
 import json
@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parents[2]
 AS_ROOT = os.geteuid() == 0
 UID = '23456'
 SLEEPER = b'86395'
-# $1 an empty folder, $2 a closed folder, $3 what has to be reached below it.
+# $1 is an empty folder, $2 a closed folder, and $3 the path below it that must be reachable.
 OPENED = """
 set -e
 mount --bind "$3" "$1"
@@ -42,11 +42,11 @@ exec "$@"
 
 
 def prefix(mode: str, aside: Path) -> list[str]:
-    """Return what comes before a command so that it runs as the right user."""
+    """Return the prefix that makes a command run as the right user."""
     wanted = isolation.MODES[mode].root
     if not AS_ROOT:
         if wanted:
-            pytest.skip(f'{mode} is for a grader that is root')
+            pytest.skip(f'{mode} is only for root')
         return []
     argv = []
     for needed in ros_environment().read_only:
@@ -62,9 +62,9 @@ def prefix(mode: str, aside: Path) -> list[str]:
 @pytest.fixture(scope='module')
 def planted():
     """
-    Return a folder with files that everyone may read and write, and no program must.
+    Return a folder that every user may access, but no graded program.
 
-    Not a folder of pytest's, which closes them to other users.
+    The folder is not pytest's, because pytest closes its folders to other users.
     """
     with tempfile.TemporaryDirectory(prefix='secrets-') as base:
         Path(base).chmod(0o755)
@@ -102,7 +102,7 @@ def run_world(mode: str, folder: Path):
 
 
 def test_a_hostile_program_reaches_nothing(world):
-    """No file, no memory, no signal, no connection; only its own folder can be written."""
+    """It reaches no file, memory, process or connection, and writes only to its own folder."""
     mode, seen, folder = world
     reached = [line for line in seen['hostile'] if 'REACHED' in line]
     known = ['signal REACHED'] if mode == 'landlock' and not kernel_scopes_signals() else []
@@ -125,18 +125,18 @@ def test_nothing_outlives_a_killed_grader(world):
     with started(mode, folder, 'linger') as grader:
         assert grader.stdout.readline() == b'lingers\n'
         deadline = time.monotonic() + 60
-        while not (found := sleeping()):  # it has been forked, and becomes the sleeper soon
+        while not (found := sleeping()):  # it has been forked, and soon runs sleep
             assert time.monotonic() < deadline, 'there is no daemon'
         sleepers = [os.pidfd_open(pid) for pid in found]
         grader.kill()
     for pidfd in sleepers:
-        assert select.select([pidfd], [], [], 60)[0], 'it goes on'
+        assert select.select([pidfd], [], [], 60)[0], 'a process is still running'
         os.close(pidfd)
 
 
 @pytest.mark.parametrize('mode', isolation.MODES)
 def test_no_process_of_a_run_outlives_a_killed_grader(mode, planted):
-    """Neither the program, nor the probe, nor the clock's driver, though time stands still."""
+    """The program, the probe and the clock's driver end, although time stands still."""
     if mode.startswith('landlock') and (refused := landlock.refusal(root=mode[8:] == '-uid')[0]):
         pytest.skip(refused)
     with started(mode, planted, 'run') as grader:
@@ -145,12 +145,12 @@ def test_no_process_of_a_run_outlives_a_killed_grader(mode, planted):
         grader.kill()
     assert len(found) >= 3
     for pidfd in found:
-        assert select.select([pidfd], [], [], 60)[0], 'it goes on'
+        assert select.select([pidfd], [], [], 60)[0], 'a process is still running'
         os.close(pidfd)
 
 
 def started(mode: str, folder: Path, what: str) -> subprocess.Popen[bytes]:
-    """Start a grader that goes on until it is killed."""
+    """Start a grader that runs until it is killed."""
     argv = [*prefix(mode, folder.with_name(f'aside-{mode}')), sys.executable, '-B']
     argv += ['-m', 'tests.attacks.mode_world', mode, str(folder), what]
     return subprocess.Popen(argv, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
@@ -179,12 +179,12 @@ def test_honest_programs_get_their_points_and_results_say_the_mode(world):
 
 
 def test_libraries_start_no_process_during_a_run(world):
-    """It would look like a process that the program has left behind."""
+    """Such a process would look like one that the program left behind."""
     assert world[1]['forks'] == '0'
 
 
 def check_honest(mode: str, results) -> None:
-    """Find full points in a mode, for one program that publishes and one that answers."""
+    """Assert full points for one program that publishes and one that answers."""
     assert len(results) == 2
     for result in results:
         assert result['lacks'] == 0, result
@@ -206,7 +206,7 @@ def test_a_named_weak_mode_is_used_only_if_nothing_better_works():
 
 
 def test_without_isolation_the_same_program_reaches_everything(planted):
-    """The program that finds nothing elsewhere is able to find something."""
+    """The hostile program reaches files and ports if nothing confines it."""
     seen = run_world('none', planted)
     for path in planted.iterdir():
         path.unlink()

@@ -1,8 +1,8 @@
 """
 Hostile notebooks and folders, graded in one class with honest students.
 
-All of them are handed in, graded, recorded in nbgrader's gradebook and reported once; every
-property is then a test of its own.
+All are handed in, graded, recorded in nbgrader's gradebook and reported once; a separate test then
+checks each property.
 """
 
 import copy
@@ -33,7 +33,7 @@ pytestmark = [pytest.mark.attacks, pytest.mark.ros, pytest.mark.slow, pytest.mar
 
 ROOT = Path(__file__).parents[2]
 ATTACKS = [about for about, _ in HANDED_IN.values()]
-# One before, one between and one behind all others; the last has nothing right.
+# In alphabetical order, one is before, one among and one after the attacks; the last is unsolved.
 HONEST = {'ada': 50.0, 'has_a_pen': 50.0, 'zoe': 0.0}
 HTML = ('<script>alert', '<img src=x', '<svg/', 'href="javascript:', '<iframe', '<b onmouse')
 
@@ -41,9 +41,9 @@ HTML = ('<script>alert', '<img src=x', '<svg/', 'href="javascript:', '<iframe', 
 @dataclass(frozen=True)
 class ClassRun:
     """
-    A class after it was graded.
+    A graded class.
 
-    :param graded: by name of the student
+    :param graded: results by the student's name
     :param students: name of the student by attack
     """
 
@@ -57,7 +57,7 @@ class ClassRun:
 
 
 def hand_in(attack: Attack, submitted: Path, solved, blank) -> Path:
-    """Lay out what an attack hands in; return the student's folder."""
+    """Write the submission of an attack, and return the student's folder."""
     before, student = set(submitted.iterdir()), submitted / attack.name
     content = HANDED_IN[attack.name][1](student, copy.deepcopy(solved), copy.deepcopy(blank))
     if content is not None:
@@ -104,14 +104,14 @@ def graded(course) -> ClassRun:
 
 
 def secretive(solved):
-    """Return a right solution with a secret in a comment, for which others may look."""
+    """Return a correct solution with a secret in a comment, for which attacks may search."""
     mine = copy.deepcopy(solved)
     cell(mine, 'temperature_publisher')['source'] += f'\n# {CANARY}\n'
     return mine
 
 
 def _student(folder: Path, names: dict[str, str]) -> str:
-    """Return under which name a folder was graded; odd names are shown as something else."""
+    """Return the name under which a folder was graded; unusual names are replaced."""
     return next(names[path] for path in (str(folder), str(folder / ASSIGNMENT)) if path in names)
 
 
@@ -223,7 +223,7 @@ def test_class_list_and_results_are_harmless(graded):
 
 
 def test_feedback_and_export_are_harmless(graded):
-    """Nbgrader's own feedback page and table show nothing that a browser would act on."""
+    """A browser would execute nothing in nbgrader's own feedback page and exported table."""
     for command in (['generate_feedback', ASSIGNMENT, '--student=injects_markup'], ['export']):
         done = subprocess.run(
             [sys.executable, '-m', 'nbgrader', *command],

@@ -8,7 +8,7 @@ VIOLATIONS = """async ([of, ignored]) => {
     const rules = Object.fromEntries(ignored.map(rule => [rule, {enabled: false}]));
     const found = await axe.run(of, {rules, resultTypes: ['violations']});
     if (found.inapplicable.some(({id}) => id === 'color-contrast'))
-        throw new Error('axe takes all text for hidden');
+        throw new Error('axe considers all text hidden');
     return found.violations.map(({id, nodes}) => [id, nodes[0].html.slice(0, 300)]);
 }"""
 

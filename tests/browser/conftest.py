@@ -1,7 +1,7 @@
 """
 A course in a temporary folder, a JupyterLab server that serves it, and a headless Chromium.
 
-Playwright is imported by the fixtures only: the other tests are collected without it.
+Only the fixtures import Playwright, so that the other tests can be collected without it.
 """
 
 from collections.abc import Iterator
@@ -83,7 +83,7 @@ def shots(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope='session')
 def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a course without submissions, as an instructor has it, and the solved lesson."""
+    """Return an instructor's course without submissions, with the solved lesson."""
     root = tmp_path_factory.mktemp('lab') / 'course'
     for folder in ('solutions', 'notebooks'):
         shutil.copytree(
@@ -123,7 +123,7 @@ def own_kernels(lab: Lab) -> Iterator[None]:
 
 @pytest.fixture
 def students_lab(course: Path, tmp_path: Path) -> Iterator[Lab]:
-    """Return a JupyterLab with the settings of a copy that students have."""
+    """Return a JupyterLab with the settings of a students' copy."""
     places = Places.of('.venv', tmp_path)
     install_files.write_jupyter_settings(places)
     install_files.write_terminal(places)
@@ -141,7 +141,7 @@ def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[L
     """
     settings = home / 'settings' / '@jupyterlab' / 'notebook-extension'
     settings.mkdir(parents=True)
-    # All cells are in the page, not only the visible ones.
+    # Put all cells into the page, not only the visible ones.
     (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
     # If UNDER_TEST is set, ipykernel does not capture the output of C code, such as log lines.
     inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}

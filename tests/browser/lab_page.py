@@ -9,7 +9,7 @@ from conftest import Lab
 
 OPEN_MS = 60_000
 CELL_MS = 120_000
-"""The longest wait for one thing to happen: the first build on a busy machine."""
+"""The longest wait for one event, such as the first build on a busy machine."""
 LESSON_MS = 600_000
 """The longest wait for all cells of a lesson."""
 
@@ -27,12 +27,12 @@ WITHOUT_WORDS = """() => {
         ...inside('th').filter(one => !one.textContent.trim() || !one.hasAttribute('scope')),
     ].map(one => one.outerHTML.slice(0, 300));
 }"""
-"""Pictures without a name, headers without words or direction, in what the cells show."""
+"""Finds unnamed pictures, and table headers without text or scope, in the outputs of cells."""
 LAST_OR_TROUBLE = r"""trouble => document.querySelector(trouble) !== null
     || /^\[\d+\]:$/.test(
         [...document.querySelectorAll('.jp-NotebookPanel:not(.lm-mod-hidden) .jp-CodeCell')]
             .at(-1).querySelector('.jp-InputPrompt').textContent)"""
-"""In the notebook in front: JupyterLab may have opened those of earlier tests again."""
+"""Looks only at the visible notebook: JupyterLab may have reopened those of earlier tests."""
 HAS_RUN = re.compile(r'^\[\d+\]:$')
 
 

@@ -24,7 +24,7 @@ REQUIREMENTS = ROOT / 'environment' / 'requirements-book.txt'
 OF_THE_THEME = ('landmark-unique',)
 """Furo has two nameless sidebars."""
 SLOW = ('color-contrast',)
-"""Takes four times as long as all other rules; the colours are those of the wide page."""
+"""This rule takes four times as long as all others; phone and wide page have equal colours."""
 NARROW, WIDE = 400, 1400
 A4_WIDTH = 794
 """Pixels at 96 dpi."""

@@ -61,7 +61,7 @@ WITHOUT_WORDS = """() => [...document.querySelectorAll('svg')]
 
 
 def failing(name: str) -> CheckResult:
-    """Return a failed check that contains text of a student."""
+    """Return a failed check that contains a student's text."""
     return CheckResult(
         name,
         f'It does {name}.',
@@ -78,7 +78,7 @@ def failing(name: str) -> CheckResult:
 
 @pytest.fixture(scope='module')
 def feedback(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a page of feedback as nbgrader writes it for this course."""
+    """Return a feedback page that nbgrader writes for this course."""
     from autograder.gradebook.database import load_config
     from autograder.gradebook.grade_cells import _feedback_output, _score
     from autograder.gradebook.nbgrader_plugin import FeedbackExporter

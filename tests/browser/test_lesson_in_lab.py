@@ -4,7 +4,7 @@ Use the lesson and the grader as people do, in JupyterLab in a headless Chromium
     make test-browser                        # installs Playwright, looks for a Chromium
     make test-browser ARGS='-k formgrader'
 
-Screenshots are kept in pytest's temporary folder; a failed test says where.
+Screenshots are kept in pytest's temporary folder; a failed test prints its path.
 """
 
 import json
@@ -36,7 +36,7 @@ CHECKS = (
 )
 WRAPPING = """() => [...new Set([...document.querySelectorAll('.jp-OutputArea-output pre')]
     .map(output => getComputedStyle(output).wordBreak))]"""
-"""How lines of output are broken; JupyterLab's own way is break-all."""
+"""Returns how lines of output are broken; JupyterLab's default is break-all."""
 RUNS_AND_SHOWS = """
 ([cell, words, trouble]) => document.querySelector(trouble) !== null
     || cell.querySelector('.jp-InputPrompt').textContent.includes('*')
@@ -82,7 +82,7 @@ def test_solved_lesson_runs_live_and_shows_full_points(lab: Lab, page: Any, shot
     assert page.evaluate(WRAPPING) == ['normal']
     assert page.locator(TROUBLE).all_inner_texts() == []
     assert page.errors == []
-    assert 'without encryption' not in lab.log.read_text()  # a warning of kernels
+    assert 'without encryption' not in lab.log.read_text()  # a warning that kernels print
 
 
 def hand_in(lab: Lab, student: str, **changes: str) -> None:
@@ -101,7 +101,7 @@ def hand_in(lab: Lab, student: str, **changes: str) -> None:
 
 
 def test_autograde_button_of_formgrader_gives_the_score(lab: Lab, page: Any, shots: Path) -> None:
-    """A publisher of two readings a second loses only the three points for its rate."""
+    """A publisher that sends two readings per second loses only the three points for its rate."""
     from playwright.sync_api import expect
 
     hand_in(lab, 'two_hertz', **{'PERIOD_S = 1.0': 'PERIOD_S = 0.5'})

@@ -98,7 +98,7 @@ def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> No
     drawn.screenshot(path=shots / 'plot.png')
     description = 'Plot of /temperature_topic .* above the threshold 30'
     expect(picture(drawn, description)).to_be_visible()
-    # What the reader opens stays open, and keeps the focus, while the picture moves.
+    # The data that the reader opens stay open and keep the focus while the picture moves.
     opener = drawn.locator('summary')
     opener.press('Enter')
     for _ in range(3):

@@ -64,8 +64,8 @@ def completed(course: Path) -> Path:
 
 
 def show_all(page: Any) -> None:
-    """Make the page as high as the notebook, because axe ignores all that is outside the page."""
-    page.add_style_tag(content='body { height: 100vh }')  # JupyterLab's has no height at all
+    """Make the page as high as the notebook, because axe ignores everything outside the page."""
+    page.add_style_tag(content='body { height: 100vh }')  # JupyterLab's body has no height
     page.set_viewport_size({'width': 1360, 'height': page.evaluate(HEIGHT) + 300})
     page.wait_for_function(f'{HEIGHT} < document.querySelector("{PANEL}").clientHeight')
 
@@ -84,7 +84,7 @@ def use_theme(page: Any, theme: str) -> None:
 def test_outputs_are_accessible(
     completed: Path, lab: Lab, own_kernels: None, browser: Any, shots: Path, lesson: str
 ) -> None:
-    """The data of pictures and the worked answers are open."""
+    """The test opens the data of pictures and the worked answers."""
     context = browser.new_context(bypass_csp=True, viewport={'width': 1360, 'height': 900})
     page = context.new_page()
     open_notebook(lab, page, solved(lab, lesson) if lesson[0].isdigit() else lesson)
@@ -105,7 +105,7 @@ def test_outputs_are_accessible(
 
 @pytest.mark.parametrize('width', [400, 1400])
 def test_slider_is_below_the_moment_that_it_shows(page: Any, shots: Path, width: int) -> None:
-    """On a phone too; the arrow keys go from message to message."""
+    """The test uses a wide page and a phone; the arrow keys move from message to message."""
     times = (0.5, 2.0, 3.5, 9.0)
     run = TopicRecord(
         '/a', 'std_msgs/msg/String', times, tuple({'data': 'x'} for _ in times), 10.0

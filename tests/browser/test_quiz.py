@@ -53,7 +53,7 @@ def tab_to_options(page: Any) -> int:
         page.keyboard.press('Tab')
         if (number := page.evaluate(FOCUSED)) >= 0:
             return int(number)
-    raise AssertionError(f'{MOST_TABS} times Tab reached no option')
+    raise AssertionError(f'no option has the focus after {MOST_TABS} tabs')
 
 
 def test_question_is_answered_by_keyboard_alone(

@@ -21,7 +21,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 def test_lab_opens_start_here_and_its_links_lead_to_lessons(
     lab: Lab, page: Any, shots: Any
 ) -> None:
-    """A student without an address sees the map, runs its cell and follows two links."""
+    """Without a path in the address, a student sees the map and follows two links."""
     from playwright.sync_api import expect
 
     page.goto(f'{lab.address}?token={lab.token}')
@@ -52,7 +52,7 @@ def test_lab_opens_start_here_and_its_links_lead_to_lessons(
 def test_progress_leads_to_a_part_of_a_notebook_that_is_not_open(
     lab: Lab, page: Any, shots: Any
 ) -> None:
-    """The learner has done everything except for the last part of lesson 05 with a question."""
+    """The learner has done everything except the last part of lesson 05 that has a question."""
     from playwright.sync_api import expect
 
     parts = [

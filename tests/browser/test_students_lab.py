@@ -20,7 +20,7 @@ LESSON = f'notebooks/{ASSIGNMENT}/temperature_monitor.ipynb'
 
 
 def test_students_see_nothing_that_is_for_instructors(students_lab, page, shots):
-    """The list of assignments remains, for a course that has an exchange, and Validate."""
+    """Only Validate and the list of assignments remain, for courses that have an exchange."""
     open_notebook(students_lab, page, LESSON)
     page.screenshot(path=shots / 'students.png')
 
@@ -59,7 +59,7 @@ def type_in(page: Any, lines: Iterable[str], said: Path) -> list[str]:
 
 
 def test_a_terminal_knows_the_course(lab: Lab, page: Any, shots: Path) -> None:
-    """It opens in a lesson's folder, and finds ros2 and the targets of the Makefile."""
+    """The terminal opens in the lesson's folder, and finds ros2 and the Makefile's targets."""
     open_notebook(lab, page, LESSON)
     open_terminal(lab, page)
     # The program ends at once, because its parameter is refused: no process is left behind.
@@ -80,7 +80,7 @@ def test_a_terminal_knows_the_course(lab: Lab, page: Any, shots: Path) -> None:
 
 
 def commands_of(cells: Mapping[str, str], name: str) -> list[str]:
-    """Return the commands of a cell, as the lesson says to type them: without exclamation mark."""
+    """Return the commands of a cell as they are typed in a terminal, without exclamation marks."""
     joined = cells[name].replace('\\\n', ' ')
     return [line.removeprefix('!') for line in joined.splitlines()]
 

@@ -1,4 +1,4 @@
-"""Programs on a virtual clock, without a sandbox."""
+"""Run programs on a virtual clock, without a sandbox."""
 
 import json
 import os
@@ -49,5 +49,5 @@ class OnClock:
 
 @pytest.fixture
 def on_clock(tmp_path: Path) -> OnClock:
-    """Run programs on a clock of their own."""
+    """Return a function that runs programs on a separate clock."""
     return OnClock(tmp_path)

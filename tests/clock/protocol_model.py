@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 NEVER = 10**9
-Operation = tuple[Any, ...]  # its kind and what it names
+Operation = tuple[Any, ...]  # its kind and its operands
 BUSY, IDLE, CLAIMED = 'BUSY', 'IDLE', 'CLAIMED'
 UNBORN, ALIVE, ENDED = 'unborn', 'alive', 'ended'
 
@@ -38,7 +38,7 @@ UNDER_LOCK = ('register', 'deadline', 'idle', 'report')
 WAITING = (*UNDER_LOCK, 'asleep', 'busy')
 """The steps of a thread that waits, up to the one that marks its process BUSY again."""
 LOOKING = ('deregister', 'look')
-"""Its next steps. If its mailbox is empty, the thread waits again and has computed nothing."""
+"""The steps after a wait. If its mailbox is empty, the thread waits again and computes nothing."""
 STEPS_OF_WAIT = len(WAITING) + len(LOOKING)
 
 
@@ -73,7 +73,7 @@ class State(NamedTuple):
         return self._replace(processes=tuple(changed))
 
     def post(self, mailbox: int, number: int) -> State:
-        """Return the state after messages have come into a mailbox, or left it."""
+        """Return the state after messages have entered or left a mailbox."""
         mail = list(self.mail)
         mail[mailbox] += number
         return self._replace(mail=tuple(mail))
@@ -150,7 +150,7 @@ class Model:
         return [(step, mailbox, deadline) for step in order]
 
     def steps(self, state: State) -> Iterator[State]:
-        """Yield every state that can come next."""
+        """Yield every state that can follow."""
         for place, process in enumerate(state.processes):
             if process.life == ALIVE:
                 yield from self._thread(state, place, process)
@@ -292,7 +292,7 @@ class Model:
         )
 
     def _handle(self, state: State) -> State:
-        """Handle one event of each descriptor: a process that has ended comes after its socket."""
+        """Handle one event per descriptor; the end of a process comes after its socket."""
         for place in [i for i, process in enumerate(state.processes) if process.known]:
             process = state.processes[place]
             is_over = self._is_over(process)
@@ -306,7 +306,7 @@ class Model:
     # -- what must hold --
 
     def _check(self, state: State, moved_to: int) -> None:
-        """Raise a violation if the time must not move from now on to a later time."""
+        """Raise a violation if the time must not move from now to a later time."""
         if moved_to <= state.now:
             return
         for place, process in enumerate(state.processes):
@@ -337,7 +337,7 @@ def explore(model: Model) -> int:
     """
     Visit every state that a model can reach.
 
-    :returns: how many states there are
+    :returns: the number of states
     :raises ViolationError: if the time moves too early, a run stops before its end, or a state
         cannot lead to an end
     """
@@ -355,7 +355,7 @@ def explore(model: Model) -> int:
             before[following].append(state)
         if stuck:
             if not model.has_finished(state):
-                raise ViolationError(f'nothing can go on: {state}')
+                raise ViolationError(f'no step is possible: {state}')
             ends.append(state)
     reached = set(ends)
     while ends:
@@ -364,5 +364,5 @@ def explore(model: Model) -> int:
                 reached.add(earlier)
                 ends.append(earlier)
     if len(reached) < len(before):
-        raise ViolationError('a run can go round forever')
+        raise ViolationError('a run can loop forever')
     return len(before)

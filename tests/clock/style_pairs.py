@@ -25,7 +25,7 @@ TALKS = {
 }
 SLOWER = {'P = 1.0': 'P = 1.1'}
 LATE = {'publisher.publish(Float64': 'time.sleep(0.6); publisher.publish(Float64'}
-"""Slower than the inputs arrive."""
+"""The program answers more slowly than the inputs arrive."""
 SHORTER = {'time.sleep(2.2)': 'time.sleep(1.7)'}
 """With this sleep, a lifespan causes an even rhythm."""
 
@@ -33,11 +33,11 @@ SHORTER = {'time.sleep(2.2)': 'time.sleep(1.7)'}
 @dataclass(frozen=True)
 class Rhythm:
     """
-    A rhythm that an exam asks for, and the two programs.
+    A rhythm that an exam requires, and the two programs.
 
-    :param wrong: what the wrong program replaces in the text of its style
-    :param right: what the right program replaces
-    :param during_s: time in which it publishes [s]
+    :param wrong: changes to the code of the style that make the wrong program
+    :param right: changes that make the right program
+    :param during_s: time during which the program publishes [s]
     """
 
     wrong: Mapping[str, str]

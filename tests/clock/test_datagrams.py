@@ -31,7 +31,7 @@ tell(len(numbers), numbers == sorted(numbers))
 
 @pytest.fixture
 def port() -> int:
-    """Provide a port that nobody uses."""
+    """Return an unused port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
         found.bind(('127.0.0.1', 0))
         return int(found.getsockname()[1])
@@ -51,7 +51,7 @@ def writer(port: int, body: str) -> str:
 
 
 def test_none_of_more_than_a_buffer_holds_is_lost(on_clock, port):
-    """In real life a reader that is a little late loses most of them."""
+    """In real time, a reader that is a little late would lose most of them."""
     body = 'for number in range(5000): say(f"{number} " + "x" * 1000)'
     _, received = on_clock(writer(port, body), reader(port, NUMBERS))
 
@@ -69,14 +69,14 @@ def test_none_of_more_than_a_buffer_holds_is_lost(on_clock, port):
     ],
 )
 def test_what_was_sent_before_an_end_arrives(on_clock, end, port):
-    """The end of a process or of its socket takes nothing back, and doubles nothing."""
+    """The end of a process or of its socket neither loses nor duplicates a datagram."""
     _, received = on_clock(writer(port, f'say("1"); {end}'), reader(port, NUMBERS))
 
     assert received == [[11, 1, True]]
 
 
 def test_sender_is_over_before_its_readers_begin(on_clock, port, another_port):
-    """A reader that answers at once is not heard before the sender waits."""
+    """An answer that a reader sends at once arrives only when the sender waits."""
     sender = (
         READER.format(port=port)
         + 'reader.setblocking(False)\n'
@@ -101,7 +101,7 @@ tell(early, len(reader.recv(10)))
 
 
 def test_reader_of_a_portion_finds_all_of_it(on_clock, port):
-    """However busy the machine is, the first datagram does not wake its reader before the last."""
+    """Even on a busy machine, a reader wakes only after the last datagram has arrived."""
     drain = """
 counts = []
 while heard():

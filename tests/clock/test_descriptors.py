@@ -1,4 +1,4 @@
-"""Descriptors that several threads or processes use, and what could hide a message in flight."""
+"""Test descriptors that threads or processes share, and attempts to hide messages in flight."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -126,14 +126,14 @@ tell(os.waitpid(pid.value, 0)[1])
 
 @pytest.mark.parametrize('name', CASES)
 def test_time_is_right_although(on_clock, name):
-    """Each of these was wrong once."""
+    """Each case once gave a wrong time."""
     text, expected = CASES[name]
     assert on_clock(BEGIN + text) == [expected]
 
 
 @contextmanager
 def started(file: Path, clock: VirtualClock) -> Iterator[subprocess.Popen[str]]:
-    """Start a Python program in the one place of a clock."""
+    """Start a Python program in the only place of a clock."""
     with subprocess.Popen(
         [sys.executable, '-I', str(file)],
         env={**os.environ, **clock.variables(0)},
@@ -147,7 +147,7 @@ def started(file: Path, clock: VirtualClock) -> Iterator[subprocess.Popen[str]]:
 
 
 def test_children_of_a_parent_that_ends_at_once_have_places(tmp_path):
-    """The driver reads what a process said last before it lets the process go."""
+    """The driver reads the last messages of a process before it removes the process."""
     file = tmp_path / 'parent.py'
     file.write_text(
         'import os, sys, time\n'
@@ -193,7 +193,7 @@ os._exit(0)
 
 
 def test_time_waits_for_a_child_that_was_quicker_than_the_driver(tmp_path):
-    """Its first word came before its place was made, and its socket closes before it ends."""
+    """The child runs before the driver has created its place, and closes its socket early."""
     file = tmp_path / 'parent.py'
     file.write_text(CHILD_THAT_LEAVES)
     with virtual_clock(1) as clock, started(file, clock) as parent:
@@ -210,7 +210,7 @@ def test_time_waits_for_a_child_that_was_quicker_than_the_driver(tmp_path):
 
 
 def test_program_cannot_hide_the_messages_of_another(tmp_path, monkeypatch):
-    """Hundreds of epoll sets around its own set make only its own registrations fail."""
+    """Hundreds of epoll sets that watch a program's set make only its own registrations fail."""
     monkeypatch.setattr(
         hostile,
         'HONEST',

@@ -1,7 +1,7 @@
 """
-Programs that fight the clock, each beside an honest program that records its times.
+Test programs that attack the clock, each next to an honest program that records its times.
 
-Time goes on, or it stands still until the hostile program is killed. The honest program's times
+Time continues, or it stands still until the hostile program is killed. The honest program's times
 are exact in both cases.
 """
 
@@ -18,7 +18,7 @@ import pytest
 
 from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 
-LIMIT_S = 60.0  # of real time, for what takes a fraction of a second
+LIMIT_S = 60.0  # of real time, for programs that take a fraction of a second
 STILL_S = 0.4  # of real time; the honest program needs a hundredth of it when time moves
 
 HONEST = """
@@ -165,7 +165,7 @@ time.sleep(10)
         'rewrite_page(IDLE, NEVER); attacks()\nwhile True: report()',
         EITHER,
     ),
-    # Its own reports are lost, but the next report of the other program does as well.
+    # Its own reports are lost, but the next report of the other program has the same effect.
     'an eventfd that is full': (
         'os.eventfd_write(idle, 2**64 - 2); attacks(); time.sleep(1)',
         EITHER,
@@ -224,7 +224,7 @@ time.sleep(10)
 
 
 class Pair:
-    """A hostile program beside an honest one, which the clock serves first."""
+    """A hostile program and an honest one, which the clock serves first."""
 
     def __init__(self, clock: VirtualClock, folder: Path, text: str) -> None:
         self.clock = clock
@@ -244,13 +244,13 @@ class Pair:
         )
 
     def wait_for_attack(self) -> bool:
-        """Return whether the hostile program has said that it attacks."""
+        """Return whether the hostile program has announced its attack."""
         stream = self.hostile.stdout
         assert stream is not None
         return bool(select.select([stream], [], [], LIMIT_S)[0]) and bool(stream.readline())
 
     def times(self, limit_s: float) -> list[float] | None:
-        """Return the honest program's times, None if it has not ended within a real time."""
+        """Return the honest program's times, None if it is still running after a limit."""
         try:
             said, _ = self.honest.communicate(timeout=limit_s)
         except subprocess.TimeoutExpired:
@@ -259,7 +259,7 @@ class Pair:
 
 
 def end(process: subprocess.Popen[str]) -> None:
-    """Kill a program and its children, if any still run."""
+    """Kill a program and its children, if any are still running."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
@@ -269,7 +269,7 @@ def end(process: subprocess.Popen[str]) -> None:
 
 @pytest.fixture(scope='module')
 def sleeper(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a static program that sleeps, which no library can be loaded into."""
+    """Return a static program that sleeps, into which no library can be loaded."""
     folder = tmp_path_factory.mktemp('sleeper')
     source = folder / 'sleeper.c'
     source.write_text('#include <unistd.h>\nint main(void) { sleep(10); }\n', encoding='utf-8')
@@ -281,7 +281,7 @@ def sleeper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize('name', PROGRAMS)
 def test_honest_program_keeps_exact_times_beside(name, tmp_path, request):
-    """A hostile program stops the time at most; it never makes the honest times wrong."""
+    """At worst, a hostile program stops time; it never makes the honest program's times wrong."""
     text, outcome = PROGRAMS[name]
     if 'SLEEPER' in text:
         text = f'SLEEPER = {str(request.getfixturevalue("sleeper"))!r}\n{text}'

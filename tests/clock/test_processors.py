@@ -17,7 +17,7 @@ print(json.dumps(all(line in before for line in lines if 'Cpus_allowed' in line)
 
 
 def test_a_program_sees_four_processors(on_clock):
-    """As many as it sees, a MultiThreadedExecutor has threads."""
+    """A MultiThreadedExecutor has as many threads as the program sees processors."""
     every = [0, 1, 2, 3]
     assert on_clock(SEEN) == [[[4, 4, every], every]]
 

@@ -1,7 +1,7 @@
 """
-ThreadSanitizer finds no race in the library while programs of many threads use it.
+ThreadSanitizer finds no race in the library while programs with many threads use it.
 
-The report names places such as ``clock.so+0x6858``; ``addr2line -e`` tells the line.
+The report names places such as ``clock.so+0x6858``; ``addr2line -e`` finds the line.
 """
 
 import os
@@ -16,7 +16,7 @@ from environment.clock import commands, COMPILER
 
 LIMIT_S = 120.0  # of real time; a pair of programs takes a fraction of a second
 SANITIZED = '-fsanitize=thread'
-# Finding the names of places calls functions of the library, some with its lock held.
+# To name code places, the sanitizer calls functions of the library, some with its lock held.
 OPTIONS = {'TSAN_OPTIONS': 'symbolize=0 atexit_sleep_ms=0 die_after_fork=0'}
 STYLES = (
     'sleeps',
@@ -35,7 +35,7 @@ STYLES = (
 
 @pytest.fixture(scope='module')
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with the library, the driver and the programs, all with the sanitizer."""
+    """Return a folder with library, driver and programs, all compiled with the sanitizer."""
     folder = tmp_path_factory.mktemp('races')
     source, races = Path(__file__).with_name('races.c'), folder / 'races'
     program = [*COMPILER, SANITIZED, '-pthread', str(source), '-o', str(races)]

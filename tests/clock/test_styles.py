@@ -1,7 +1,7 @@
 """
-Programs keep time in many ways: each message and log line comes at its exact nanosecond.
+Programs keep time in many ways: each message and log line arrives at its exact nanosecond.
 
-The programs of ``time_styles.py`` run in the grader's real sandbox, with its probe beside them.
+The programs of ``time_styles.py`` run in the grader's real sandbox, together with its probe.
 """
 
 from collections.abc import Sequence
@@ -28,18 +28,18 @@ def recording(body: str, scenario: Scenario, sandbox: Sandbox) -> Recording:
 
 
 def numbers(found: Recording) -> list[tuple[int, int]]:
-    """Return what came on the topic n: when [ns], and which number."""
+    """Return the time [ns] and the number of each message on the topic n."""
     return [(one['clock_ns'], one['data']['data']) for one in found.messages('/n')]
 
 
 def numbers_at(seconds: Sequence[float], first: int = 1) -> list[tuple[int, int]]:
-    """Return numbers that come at some seconds."""
+    """Return consecutive numbers, each with its time [ns]."""
     return [(round(at * SECOND), n) for n, at in enumerate(seconds, start=first)]
 
 
 @pytest.mark.parametrize('style', STYLES)
 def test_style_is_exact(style: str) -> None:
-    """Every number comes at the nanosecond that the program's text says, and every log line."""
+    """Every number and every log line arrives at the exact nanosecond that the code implies."""
     body, seconds = STYLES[style]
     first = 2 if style == 'publish and sleep' else 1
 
@@ -47,7 +47,7 @@ def test_style_is_exact(style: str) -> None:
         found = recording(body, WATCHED, strongest())
 
     due = numbers_at(seconds, first)
-    # The sleep command of coreutils 9.7 (Debian 13) asks for a nanosecond more than it is told.
+    # The sleep command of coreutils 9.7 (Debian 13) sleeps a nanosecond longer than requested.
     longer = [(at + number, number) for at, number in due] if style in COMMANDS else due
     assert numbers(found) in (due, longer)
     logged = [(one['clock_ns'], one['text']) for one in found.of('log')]
@@ -57,7 +57,7 @@ def test_style_is_exact(style: str) -> None:
 
 @pytest.mark.parametrize('style', ANSWERING)
 def test_answers_come_at_the_instant_of_their_input(style: str) -> None:
-    """Bursts included; late ones exactly as late as the program says, one after the other."""
+    """Bursts are included; late answers follow one another with exactly the program's delay."""
     found = recording(ANSWERING[style], ASKED, strongest())
 
     due, free_ns = [], 0
@@ -72,7 +72,7 @@ def test_answers_come_at_the_instant_of_their_input(style: str) -> None:
 
 @pytest.mark.parametrize('mode', ['none', 'landlock'])
 def test_weaker_modes_are_as_exact(mode: str) -> None:
-    """The network is shared there; the clock is not."""
+    """These modes share the network, but not the clock."""
     body, seconds = STYLES['timer']
 
     assert numbers(recording(body, WATCHED, usable(mode))) == numbers_at(seconds)

@@ -1,4 +1,4 @@
-"""Waits, sleeps and polls of plain Python programs take exactly the time that they name."""
+"""Waits, sleeps and polls of plain Python programs take exactly the time that they request."""
 
 import pytest
 
@@ -191,7 +191,7 @@ thread.join()
 
 @pytest.mark.parametrize('name', PROGRAMS)
 def test_wait_takes_exactly_its_time(on_clock, name):
-    """To the microsecond."""
+    """The time is exact to the microsecond."""
     text, expected = PROGRAMS[name]
 
     [said] = on_clock(BEGIN + text)
@@ -200,7 +200,7 @@ def test_wait_takes_exactly_its_time(on_clock, name):
 
 
 def test_processes_of_multiprocessing_share_the_time(on_clock):
-    """A child is on its parent's clock."""
+    """A child process uses its parent's clock."""
     text = """
 def work(numbers, length):
     time.sleep(length)
@@ -237,7 +237,7 @@ for number in range(50):
 
 
 def test_read_that_the_library_does_not_see_holds_the_time(on_clock):
-    """The probe waits like this for the grader, who is not on the clock."""
+    """The probe waits like this for the grader, which is not on the clock."""
     text = """
 reading, writing = os.pipe()
 subprocess.Popen(['env', '-i', 'sh', '-c', 'echo x >&%d' % writing], pass_fds=[writing])
@@ -268,5 +268,5 @@ tell(tried, tried - refused)
 
 
 def test_closing_every_descriptor_keeps_the_clock(on_clock):
-    """As a program does that becomes a daemon."""
+    """A program that becomes a daemon closes all descriptors."""
     assert on_clock(BEGIN + 'os.closerange(3, 1000); time.sleep(2); tell()') == [[[2]]]

@@ -1,9 +1,9 @@
 """
 The ways in which ROS programs keep time.
 
-``STYLES`` has the body of each program and the seconds at which its numbers come if its period
-``P`` is one second.  The node's ``tick`` publishes the next number.  ``ANSWERING`` programs double
-what they hear.  ``program`` makes a file of a body.
+``STYLES`` has the body of each program and the seconds at which its numbers are published if its
+period ``P`` is one second.  The node's ``tick`` publishes the next number.  ``ANSWERING`` programs
+double each input.  ``program`` turns a body into a program.
 """
 
 from collections.abc import Sequence
@@ -63,7 +63,7 @@ def program(body: str) -> str:
     """
     Return the text of a program.
 
-    :param body: uses the node; one that creates the node itself contains ``node =``
+    :param body: code that uses ``node``; a body that creates the node itself contains ``node =``
     """
     return BEGIN + indent(body if 'node = ' in body else f'node = Numbers()\n{body}', '    ')
 
@@ -116,7 +116,7 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'node.tick()',
         EVERY_SECOND,
     ),
-    # What is published at the start is published before the listener has been discovered.
+    # The first number is lost: it is published before the listener has been discovered.
     'publish and sleep': ('while True: node.tick(); time.sleep(P)', EVERY_SECOND),
     'threading.Timer': (
         'def later(): node.tick(); threading.Timer(P, later).start()\n'
@@ -240,7 +240,7 @@ STYLES: dict[str, tuple[str, Sequence[float]]] = {
         'threading.Thread(target=busy, daemon=True).start()\n' + TIMER + 'rclpy.spin(node)',
         EVERY_SECOND,
     ),
-    # It begins only when the program has a node; otherwise a different limit ends the run.
+    # The loop begins only when the program has a node; otherwise a different limit ends the run.
     'thread that never waits': (
         'def busy():\n while True: pass\nthreading.Timer(P * 5.5, busy).start()\n'
         + TIMER
@@ -285,7 +285,7 @@ LOGS = {
         for after_s, text in ((0.0, 'alive 1'), (0.4, 'alive 0'), (0.7, 'late'))
     ][:-1],
 }
-"""When a program logs what [s]."""
+"""The times [s] and texts of a program's log lines."""
 
 ANSWERS = """
 publisher = node.create_publisher(Float64, 'answer', 100)

@@ -1,8 +1,8 @@
 """
-The hub of the tests: one installation for all of them, started for each file.
+Install one hub for all tests, and start it for each test file.
 
-The accounts are made for it and removed after it.  ``HUB_TEST_FOLDER`` names a folder that is kept
-with its accounts, so that preparing it takes seconds the next time.
+The hub's accounts are removed after the tests.  ``HUB_TEST_FOLDER`` names a folder that is kept
+together with the accounts, so that the next preparation takes seconds.
 """
 
 from collections.abc import Iterator

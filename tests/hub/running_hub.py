@@ -33,7 +33,7 @@ class Hub:
     """
     A running hub.
 
-    :param settings: of the hub
+    :param settings: the hub's settings
     :param browser: a Chromium
     """
 
@@ -42,7 +42,7 @@ class Hub:
 
     @property
     def address(self) -> str:
-        """Where it listens, with a slash at its end."""
+        """The address of the hub, with a slash at its end."""
         return f'http://127.0.0.1:{self.settings.port}/'
 
     def log_in(self, user: str, password: str = '') -> Any:
@@ -63,7 +63,7 @@ class Hub:
 
 
 def take_picture(page: Any, name: str, height: int) -> None:
-    """Write a screenshot of the top of a page [pixels], which the documentation shows."""
+    """Write a screenshot of the top of a page for the documentation; its height is in pixels."""
     clip = {'x': 0, 'y': 0, 'width': WINDOW['width'], 'height': height}
     page.screenshot(path=PICTURES / f'{name}.png', clip=clip)
 
@@ -74,14 +74,14 @@ def wait_for_kernel(page: Any) -> None:
 
 
 def open_notebook(hub: Hub, page: Any, user: str, path: str) -> None:
-    """Open a notebook in a workspace without the notebook of the page before."""
+    """Open a notebook in a workspace without the previous notebook."""
     page.goto(f'{hub.address}user/{user}/lab/workspaces/another/tree/{path}?reset')
     page.locator('.jp-NotebookPanel').wait_for()
     wait_for_kernel(page)
 
 
 def open_cells(hub: Hub, page: Any, user: str, *cells: str) -> None:
-    """Write a notebook into the folder of a user's work, and open it."""
+    """Write a notebook into a user's course folder, and open it."""
     work = home_of(user) / 'course' / 'live.ipynb'
     kernel = {'kernelspec': {'name': KERNEL_NAME, 'display_name': KERNEL_TITLE}}
     written = [new_code_cell(one) for one in cells]
@@ -105,7 +105,7 @@ def kernels_of(user: str) -> list[str]:
 
 
 def as_user(user: str, *command: str | Path, typed: str = '') -> subprocess.CompletedProcess[str]:
-    """Run a command as one of the users, at home, with what the user types."""
+    """Run a command as a user, in the user's home folder and with the given input."""
     home = home_of(user)
     words = ['runuser', '-u', user, '--', 'env', f'HOME={home}', *map(str, command)]
     return subprocess.run(
@@ -115,7 +115,7 @@ def as_user(user: str, *command: str | Path, typed: str = '') -> subprocess.Comp
 
 @contextmanager
 def running(folder: Path, idle_minutes: float) -> Iterator[Settings]:
-    """Prepare a hub in a folder, run it, stop it as Ctrl-C does, and see that nothing is left."""
+    """Prepare a hub in a folder, run it, stop it like Ctrl-C, and assert that nothing is left."""
     _remove_work(folder)
     file = folder / 'hub.toml'
     file.write_text(
@@ -139,7 +139,7 @@ def running(folder: Path, idle_minutes: float) -> Iterator[Settings]:
     # A kernel ends by itself when its server is gone.
     assert psutil.wait_procs(left, timeout=STOPPED_S)[1] == []
     with socket.socket() as probe:
-        assert probe.connect_ex(('127.0.0.1', settings.port)) != 0, 'the proxy is left'
+        assert probe.connect_ex(('127.0.0.1', settings.port)) != 0, 'the proxy is still running'
 
 
 def _remove_work(folder: Path) -> None:

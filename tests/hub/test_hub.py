@@ -1,4 +1,4 @@
-"""A class on one machine: nbgrader's loop by its buttons, and what a student is refused."""
+"""Test a class on one machine: nbgrader's buttons, and the access that students are denied."""
 
 import os
 from pathlib import Path
@@ -60,7 +60,7 @@ print('heard in', sys.prefix)""",
 
 
 def answer(page) -> str:
-    """Return what formgrader says in a dialogue, and close the dialogue."""
+    """Return the text of formgrader's dialogue, and close the dialogue."""
     dialogue = page.locator('.modal-dialog:visible')
     dialogue.wait_for()
     said = dialogue.inner_text()
@@ -70,14 +70,14 @@ def answer(page) -> str:
 
 
 def press(hub: Hub, page, kind: str) -> str:
-    """Press a button of the lesson's row in formgrader, and return what it says then."""
+    """Press a button of the lesson's row in formgrader, and return the text of its dialogue."""
     page.goto(f'{hub.address}user/{TEACHER}/formgrader/manage_assignments')
     page.locator(f'tr:has-text("{LESSON}")').first.locator(f'td.{kind} a').click()
     return answer(page)
 
 
 def autograde(hub: Hub, page) -> str:
-    """Press the button that grades the student's submission, and return what formgrader says."""
+    """Press the button that grades the student's submission, and return formgrader's answer."""
     page.goto(f'{hub.address}user/{TEACHER}/formgrader/manage_submissions/{LESSON}')
     row = page.locator('tr', has=page.get_by_text(ANN, exact=True)).first
     row.locator('td.autograde a').click()
@@ -92,7 +92,7 @@ def mark(hub: Hub, page) -> None:
     page.goto(f'{hub.address}user/{TEACHER}/formgrader/gradebook')
     for name in (LESSON, NOTEBOOK, 'Submission #1'):
         page.get_by_role('link', name=name).click()
-    # The page saves what is typed only when it has loaded the marks and sets this class.
+    # The page saves input only after it has loaded the marks and set this class.
     points = page.locator(f'input.score.needs_manual_grade#{WRITTEN}')
     with page.expect_response(lambda response: response.request.method == 'PUT') as saved:
         points.fill(MARK)
@@ -122,7 +122,7 @@ def read_feedback(page) -> str:
 
 
 def validate(page) -> str:
-    """Press Validate, which runs the whole open notebook, and return what it says then."""
+    """Press Validate, which runs the whole open notebook, and return the text of its dialogue."""
     page.get_by_text('Validate', exact=True).click()
     dialogue = page.locator('.jp-Dialog-content')
     dialogue.get_by_text('The following cell').first.wait_for(timeout=VALIDATED_MS)
@@ -130,7 +130,7 @@ def validate(page) -> str:
 
 
 def test_the_whole_loop(hub: Hub) -> None:
-    """From the lesson's source to the feedback on a student's screen, by clicking."""
+    """The test clicks its way from the lesson's source to the feedback on a student's screen."""
     teacher, ann = hub.lab_of(TEACHER), hub.lab_of(ANN)
     assert 'Success' in press(hub, teacher, 'assign')
     assert 'Success' in press(hub, teacher, 'release')
@@ -157,7 +157,7 @@ def test_the_whole_loop(hub: Hub) -> None:
 
 
 def test_a_student_sees_only_what_is_for_students(hub: Hub) -> None:
-    """Formgrader does not exist there, and lessons that are not graded are at hand at once."""
+    """Students have no formgrader, and find the ungraded lessons at once."""
     ann = hub.lab_of(ANN)
     assert offered(ann) == {'Assignment List', 'Validate'}
     assert ann.goto(hub.address + f'user/{ANN}/formgrader/').status == 404
@@ -173,7 +173,7 @@ def lab_with_kernel(hub: Hub, user: str):
 
 
 def test_a_student_is_refused_by_the_hub(hub: Hub) -> None:
-    """Another's server, its kernels and the hub's interface do not answer to a student."""
+    """A student cannot reach another student's server and kernels, or the hub's interface."""
     ann, bob = lab_with_kernel(hub, ANN), lab_with_kernel(hub, BOB)
     server = f'{hub.address}user/{ANN}'
     kernel = ann.request.get(f'{server}/api/kernels').json()[0]['id']
@@ -187,7 +187,7 @@ def test_a_student_is_refused_by_the_hub(hub: Hub) -> None:
 
 
 def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
-    """Homes, the hidden exams, the gradebook and the hub's secrets are closed to others."""
+    """Other users cannot read homes, hidden exams, the gradebook or the hub's secrets."""
     clone = home_of(TEACHER) / 'course'
     hidden = clone / 'autograder' / 'exams' / 'hidden'
     assert hidden.is_dir()
@@ -206,7 +206,7 @@ def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
 
 
 def test_a_wrong_password_and_an_unknown_user_stay_outside(hub: Hub) -> None:
-    """The first password counts, and only for those who are in the class."""
+    """A user's first password counts, and only members of the class can log in."""
     hub.lab_of(ANN)
     for user, password in ((ANN, 'a guess of somebody'), ('root', 'a guess of somebody')):
         page = hub.log_in(user, password)
@@ -215,7 +215,7 @@ def test_a_wrong_password_and_an_unknown_user_stay_outside(hub: Hub) -> None:
 
 
 def test_a_second_hub_of_the_folder_is_refused(hub: Hub) -> None:
-    """It would end the proxy of the first, which goes on."""
+    """A second hub would end the proxy of the first, which must keep running."""
     environ = {**os.environ, 'HUB': str(hub.settings.folder / 'hub.toml')}
     second = subprocess.run(
         [sys.executable, '-m', 'deploy.hub'], cwd=ROOT, env=environ, capture_output=True, text=True
@@ -252,7 +252,7 @@ def test_only_its_user_enters_the_network_of_a_kernel(hub: Hub) -> None:
 
 
 def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
-    """The server's processes are in the user's control group, with the limit of the settings."""
+    """The server's processes are in the user's control group, with the limit from the settings."""
     hub.lab_of(ANN)
     found = group_of(ANN)
     assert found, 'this system has no control group for memory'
@@ -267,7 +267,7 @@ def test_a_server_has_a_limit_of_memory(hub: Hub) -> None:
 
 
 def test_a_kernel_keeps_running_during_an_update(hub: Hub, tmp_path: Path) -> None:
-    """It keeps the environment in which it was started; the next server gets the new one."""
+    """The kernel keeps the environment that started it; the next server gets the new one."""
     ann, bob = hub.lab_of(ANN), hub.lab_of(BOB)
     open_cells(hub, ann, ANN, *LIVE)
     run_cell(ann, 0, 'speaks')

@@ -1,4 +1,4 @@
-"""A hub stops the kernel and the server of a user who does nothing, and no other ones."""
+"""A hub stops only the kernels and servers of users who do nothing."""
 
 import re
 import time
@@ -24,7 +24,7 @@ def processes_of(user: str) -> list[psutil.Process]:
 
 
 def test_a_server_stops_when_only_its_page_plot_and_node_continue(hub: Hub) -> None:
-    """The page stays open and in view. A server whose user runs cells remains."""
+    """The page stays open and in view. A server whose user runs cells keeps running."""
     ann, bob = hub.lab_of(ANN), hub.lab_of(BOB)
     open_cells(hub, bob, BOB, COUNTS)
     open_cells(hub, ann, ANN, DRAWS)
@@ -43,4 +43,4 @@ def test_a_server_stops_when_only_its_page_plot_and_node_continue(hub: Hub) -> N
     assert any('/api/' in url for url in asked), 'the page was not open'
     log = (hub.settings.run / 'hub.log').read_text()
     assert kernels
-    assert all(re.search(rf'Culling .*\({one}\)', log) for one in kernels), 'before their server'
+    assert all(re.search(rf'Culling .*\({one}\)', log) for one in kernels), 'not all were culled'

@@ -2,9 +2,9 @@
 Write docs/agreement.md: compare results of the sample submissions with the expected ones.
 
 ``python -m tests.judgement.agreement`` grades the submissions in ``tests/submissions/`` for the
-exercises whose results are out of date, and writes the table.  Names of exams after the command
-select different ones.  ``--check`` runs nothing: it fails if the table was not made from the
-current files, including the code that runs programs.  ``make test`` relies on the table:
+exercises whose results are out of date, and writes the table.  To choose different exercises, name
+their exams after the command.  ``--check`` runs nothing: it fails if the table was not generated
+from the current files, including the code that runs programs.  ``make test`` relies on the table:
 it runs only some of the submissions, see ``tests/pipeline/test_sample_class.py``.
 """
 
@@ -70,7 +70,7 @@ def _graded(exercise: Exercise) -> dict[str, Any]:
 def _compared(
     exercise: Exercise, theirs: Sequence[Sample], done: Sequence[ExamResult]
 ) -> dict[str, Any]:
-    """Return how many verdicts and causes agree, which do not, and each cause's first words."""
+    """Return how many verdicts and causes agree, the differences, and the text of each cause."""
     counts = {'verdicts': 0, 'agree': 0, 'named': 0, 'same_cause': 0}
     lines, causes = [], {}
     for sample, result in zip(theirs, done):
@@ -138,7 +138,7 @@ def _percent(part: int, whole: int) -> str:
 
 
 def _list(exercise: Exercise, result: Mapping[str, Any]) -> list[str]:
-    """Return the submissions of an exercise, and where the grader says something else."""
+    """Return the submissions of an exercise, and the differences from the grader's results."""
     rows = []
     for right in (True, False):
         for sample in counted(samples(), exercise, right):
@@ -151,7 +151,7 @@ def _list(exercise: Exercise, result: Mapping[str, Any]) -> list[str]:
 
 @cache
 def late() -> list[str]:
-    """Return the exams whose results were not made from the current files."""
+    """Return the exams whose results are older than the current files."""
     return stored_results.late(NAME, digest_of)
 
 

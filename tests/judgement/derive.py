@@ -1,7 +1,7 @@
 """
 Derive the mutants, each of which differs from a reference solution in one place.
 
-Operators make most of them from the references; ``mutants.yaml`` adds changes that no operator
+Operators create most of them from the references; ``mutants.yaml`` adds changes that no operator
 makes, and the reasons why a mutant may survive.  Everything is derived in a fixed order from files
 of this repository, so the same mutants have the same names everywhere.
 """
@@ -23,7 +23,7 @@ from tests.judgement.text_operators import BY_SUFFIX
 DATA = Path(__file__).with_name('mutants.yaml')
 SHOWN = 70  # maximum characters of a change in a mutant's name
 MOST = {'missing line': 4, 'text': 2, 'name': 2, 'missing log': 2, 'off by one': 2}
-"""Of one kind in one function or file that is no Python; 1 of the kinds in ONCE."""
+"""Maximum number of a kind in one function or non-Python file; 1 for the kinds in ONCE."""
 ONCE = (
     'constant',
     'ends by itself',
@@ -63,7 +63,7 @@ def written() -> Mapping[str, Any]:
 
 def mutants_of(exercise: Exercise) -> list[Mutant]:
     """
-    Return the mutants of an exercise, without equal ones.
+    Return the mutants of an exercise, without duplicates.
 
     :raises ValueError: if a hand-written change does not match its reference
     """
@@ -99,7 +99,7 @@ def _changes(exercise: Exercise) -> Iterator[tuple[str, Change]]:
     """Yield the changes of operators and the hand-written ones, file by file."""
     leave = [one['what'] for one in written()['leave'] if one['exam'] == exercise.name]
     left = {what for group in leave for what in group}
-    # A node started in a namespace loses its own; without a namespace, /x and x are one topic.
+    # A node started in a namespace loses its own; without one, /x and x are the same topic.
     spaced = any('__ns:=' in word for word in exercise.exam.scenario.arguments)
     left.add('namespace' if spaced else 'absolute name')
     for path, source in exercise.files.items():

@@ -13,7 +13,7 @@ from autograder.results import CheckResult
 
 NAMES = catalog.names()
 LEAST_DIGITS = 3
-"""Fewer are the numbers of any sentence: periods, counts, lines of a cell."""
+"""Numbers with fewer digits occur in any sentence: periods, counts, line numbers."""
 _NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?!\w)')
 _WORD = re.compile(r'\w{3,}')
 
@@ -73,7 +73,7 @@ def _moments_s(exam: Exam) -> Iterator[float]:
 
 
 def sent_by(exam: Exam) -> Iterator[Any]:
-    """Yield each text and number that an exam sends or sets."""
+    """Yield each string and number that an exam sends or sets."""
     for step in exam.scenario.steps:
         if isinstance(step, Feed):
             yield from _leaves([message for message in step.messages])

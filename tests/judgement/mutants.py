@@ -2,9 +2,8 @@
 Write docs/mutants.md: the mutants of every exercise, and which check finds each.
 
 ``python -m tests.judgement.mutants`` runs the mutants of the exams whose results are out of date,
-like submissions, and writes the table; names of exams after the command select others.
-``--check`` runs nothing: it derives the mutants again and fails if the table was made from
-different ones.
+like submissions, and writes the table; to choose other exams, name them after the command.
+``--check`` runs nothing: it derives the mutants again and fails if the table shows different ones.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +18,7 @@ from tests.judgement.stored_results import run_all, table, write_or_compare
 
 NAME = 'mutants'
 LEAST = 0.95
-"""Of the mutants of an exam, what it has to find."""
+"""The share of its mutants that an exam has to find."""
 
 HEAD = """# Mutants
 
@@ -49,7 +48,7 @@ def survivors() -> dict[tuple[str, str], Mapping[str, Any]]:
 
 
 def digest_of(exercise: Exercise) -> str:
-    """Return a digest of what the results of an exercise's mutants follow from."""
+    """Return a digest of all inputs to the results of an exercise's mutants."""
     texts = (f'{one.name}\0{sorted(one.files.items())}' for one in mutants_of(exercise))
     return digest(exercise, *texts)
 
@@ -76,12 +75,12 @@ def _line(exam: str, found: Mapping[str, object]) -> str:
 
 
 def mistakes(results: Mapping[str, Any]) -> list[str]:
-    """Return what is wrong with the kept results: too few found, or a survivor unexplained."""
+    """Return faults of the stored results: too few mutants found, or an unexplained survivor."""
     found = []
     known = survivors()
     for exam, result in results.items():
         alive = {name for name, by in result['found'].items() if by is None}
-        found += [f'{exam}: no word about {name}' for name in alive if (exam, name) not in known]
+        found += [f'{exam}: unexplained: {name}' for name in alive if (exam, name) not in known]
         found += [
             f'{exam}: {name} is found' for e, name in known if e == exam and name not in alive
         ]

@@ -113,7 +113,7 @@ def changes(source: str) -> Iterator[Change]:
 
 
 def _walk(node: ast.AST, parents: tuple[ast.AST, ...]) -> Iterator[tuple[ast.AST, tuple]]:
-    """Yield nodes with their parents, without docstrings and the ends of programs."""
+    """Yield nodes with their parents, without docstrings and code that ends a program."""
     if isinstance(node, ast.ExceptHandler):
         stops = {name for name in ast.walk(node) if isinstance(name, ast.Name)}
         if 'KeyboardInterrupt' in {name.id for name in stops}:
@@ -234,7 +234,7 @@ def qos(place: Place) -> Iterator[Change]:
     elif isinstance(node, ast.keyword) and called(parent) == 'QoSProfile' and node.arg != 'depth':
         yield place.change('QoS policy', '')
     elif isinstance(node, ast.Constant) and called(parent) in CREATE and type(node.value) is int:
-        # A subscription that requests less receives as much, so this is not a slip.
+        # A subscription that requests less receives the same messages, so this is not a slip.
         if CREATE[called(parent)] == 'publisher':
             yield place.change('QoS policy', 'rclpy.qos.qos_profile_sensor_data')
         durability = 'durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL'

@@ -12,7 +12,7 @@ from tests.judgement.rewritten import blanked, commented, rewritten
 
 
 def unreadable(result: ExamResult) -> Iterator[str]:
-    """Yield the checks whose text is too long or too wide, or that fail without a text."""
+    """Yield the checks whose text is too long or too wide, or that fail without an explanation."""
     for check in causes_once(result):
         lines = check_lines(check)
         silent = check.verdict is not Verdict.PASSED and len(lines) < 2
@@ -24,12 +24,12 @@ def revealed_inputs(exam: Exam, result: ExamResult) -> Iterator[str]:
     """Yield the inputs that failed checks reveal: a student could hard-code them and resubmit."""
     for check in result.failed:
         if revealed := revealed_values(exam, texts_of(check)):
-            yield f'{check.check}: tells {revealed}'
+            yield f'{check.check}: reveals {revealed}'
 
 
 def moved_by_text(exam: Exam, files: Mapping[str, str], recording: Recording) -> Iterator[str]:
-    """Yield checks whose points depend on the program's text, or whose cause on its style."""
-    # The line numbers in the feedback are those of the text that has run.
+    """Yield checks whose points depend on the program's text, or whose causes on its style."""
+    # The line numbers in the feedback are those of the text that ran.
     events = [{**event, 'line': None} for event in recording.events]
     recording = Recording(recording.header, events)
     due, silent = (judge_recording(exam, text, recording) for text in (files, blanked(files)))

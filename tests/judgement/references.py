@@ -28,7 +28,7 @@ SHARED = (
     *sorted((GRADER / 'judging').rglob('*.txt')),
     *sorted((GRADER / 'submission' / 'code').glob('*.py')),
 )
-"""What decides verdicts and causes, beside an exam's own modules."""
+"""The files that decide verdicts and causes, in addition to an exam's own modules."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def digest(exercise: Exercise, *more: str) -> str:
     """
     Return a digest of all inputs to a verdict, except those that the hidden exam draws.
 
-    :param more: further texts that it depends on
+    :param more: further strings that determine the verdict
     :returns: 16 hexadecimal digits
     """
     state = hashlib.sha256()

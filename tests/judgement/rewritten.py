@@ -83,7 +83,7 @@ def _rename_locals(function: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
 
 
 def _turn_methods_around(class_: ast.ClassDef) -> None:
-    """Put the methods of a class in the opposite order, in the positions of methods."""
+    """Reverse the order of a class's methods, in the positions of methods."""
     places = [
         place
         for place, one in enumerate(class_.body)

@@ -2,7 +2,7 @@
 Read the sample submissions by exercise, with the expected result of every check.
 
 ``expected.json`` of a submission lists its points and the failing checks with their causes.
-Every other check passes; a check that needs a failing one may also be not run.
+Every other check passes; a check that needs a failing one may also not be run.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,7 +26,7 @@ REFERENCE = 'pass__reference'
 @dataclass(frozen=True)
 class Sample:
     """
-    One submission, as one exercise sees it.
+    The part of a submission that one exercise judges.
 
     :param own: whether it differs from the reference in this exercise
     :param files: the judged files, relative path to text
@@ -96,7 +96,7 @@ def expected_verdicts(exam: Exam, failed: Mapping[str, str], got: Verdicts) -> V
     Return the expected result of every check.
 
     :param failed: the checks that must fail, with the ids of their causes
-    :param got: the actual results: a check that needs a failed one may pass or be not run
+    :param got: the actual results: a check that needs a failed one may pass or not be run
     """
     passed, not_run = (Verdict.PASSED.value, ''), (Verdict.NOT_RUN.value, '')
     found: Verdicts = {}

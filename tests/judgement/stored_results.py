@@ -1,5 +1,5 @@
 """
-Keep the results from which the tables are made, as JSON next to the code.
+Store the results from which the tables are generated, as JSON next to the code.
 
 ``make check`` only compares a table, without a run.  So each result contains the digest of its
 inputs; if they have changed, the table is out of date.
@@ -24,7 +24,7 @@ JOBS = 2
 
 def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     """
-    Judge files by exams in the real sandbox, two at a time.
+    Judge files with exams in the real sandbox, two at a time.
 
     Programs with a current recording are not run again.
 
@@ -44,17 +44,17 @@ def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
 
 
 def load(name: str) -> dict[str, Any]:
-    """Return a kept result, empty if there is none."""
+    """Return the stored results, empty if there are none."""
     path = FOLDER / f'{name}.json'
     return dict(json.loads(path.read_text(encoding='utf-8'))) if path.is_file() else {}
 
 
 def renew(name: str, chosen: Sequence[str], made: Callable[[Exercise], dict[str, Any]]) -> None:
     """
-    Make results of exercises, and keep each as soon as it is there.
+    Compute results of exercises, and store each as soon as it is available.
 
     :param chosen: names of exams
-    :param made: returns the result of an exercise, with the digest of what it is made from
+    :param made: returns the result of an exercise, with the digest of its inputs
     """
     for exercise in exercises():
         if exercise.name in chosen:
@@ -66,12 +66,12 @@ def renew(name: str, chosen: Sequence[str], made: Callable[[Exercise], dict[str,
 
 
 def late(name: str, digest_of: Callable[[Exercise], str]) -> list[str]:
-    """Return the exams whose results were not made from the current files."""
+    """Return the exams whose results are older than the current files."""
     kept = load(name)
     return [
         one.name
         for one in exercises()
-        # The digest of an exercise of another course cannot be computed.
+        # Without a stored result, compute no digest: this could fail in another course.
         if one.name not in kept or kept[one.name]['digest'] != digest_of(one)
     ]
 
@@ -96,7 +96,7 @@ def write_or_compare(name: str, page: str, late: Sequence[str], arguments: Seque
 
 
 def cell(text: str) -> str:
-    """Return a text in a form that is valid in a cell of a Markdown table."""
+    """Return a string that is valid in a cell of a Markdown table."""
     return ' '.join(text.split()).replace('|', '&#124;')
 
 

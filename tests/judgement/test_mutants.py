@@ -12,9 +12,9 @@ from tests.judgement.references import exercises
 
 def chosen():
     """
-    Return a mutant of each exam that needs no build, of as many kinds as possible.
+    Return one mutant per exam that needs no build, of as many kinds as possible.
 
-    ``make judgement`` runs all, and ``make check`` finds out whether it has to be repeated.
+    ``make judgement`` runs all mutants, and ``make check`` says whether to repeat it.
     """
     found = []
     for number, exercise in enumerate(exercises()):
@@ -29,7 +29,7 @@ def chosen():
 
 
 def test_mutants_are_many_and_differ():
-    """There are at least a hundred, some in every exam, with unique names and contents."""
+    """There are at least a hundred mutants, some in every exam, with unique names and contents."""
     found = all_mutants()
     programs = [one for one in found if not any(path.startswith('answers/') for path in one.files)]
     contents = Counter(tuple(sorted(one.files.items())) for one in found)
@@ -41,7 +41,7 @@ def test_mutants_are_many_and_differ():
 
 
 def test_every_exam_finds_nearly_all_and_survivors_are_explained():
-    """The kept results of every exam show it."""
+    """The test reads the stored results of every exam."""
     results = stored_results.load(mutants.NAME)
 
     assert set(results) == {one.name for one in exercises()}
@@ -55,14 +55,14 @@ def test_every_cause_is_proven():
 
 
 def test_mistakes_of_beginners_are_recognised():
-    """There are at least forty, not counting the explanations of wrong letters."""
+    """At least forty mistakes are recognised, not counting wrong letters in the quiz."""
     named = {name for one in causes.in_the_code() for name in causes.proven(one.cause_id)}
 
     assert len([name for name in named if not causes.QUESTION.match(name)]) >= causes.LEAST
 
 
 def test_the_tables_claim_no_disagreement():
-    """Verdicts and causes of our own corpus are as expected."""
+    """The verdicts and causes of the project's samples are as expected."""
     results = stored_results.load(agreement.NAME)
 
     assert set(results) == {one.name for one in exercises()}

@@ -1,5 +1,5 @@
 """
-Make single changes to the files of a package that are not Python, and to letters of a quiz.
+Make single changes to the non-Python files of a package, and to the letters of a quiz.
 
 As in :mod:`tests.judgement.operators`, each change is one slip: in a line, a type, a name, a
 bound, a tag or a command.
@@ -26,7 +26,7 @@ _COMMAND = re.compile(r'^(\w+)\(([^()]*)\)', re.MULTILINE)
 
 
 def message_changes(source: str) -> Iterator[Change]:
-    """Yield the changes of a message definition: constants, fields and their order."""
+    """Yield the changes to a message definition: constants, fields and their order."""
     lines = list(re.finditer(r'^[^\s#][^#\n]*?(?=\s*(?:#|$))', source, re.MULTILINE))
     for number, line in enumerate(lines):
         written = line[0]
@@ -55,7 +55,7 @@ def message_changes(source: str) -> Iterator[Change]:
 
 
 def manifest_changes(source: str) -> Iterator[Change]:
-    """Yield the changes of a package.xml: a tag that is missing, misspelt or not closed."""
+    """Yield the changes to a package.xml: a tag that is missing, misspelt or not closed."""
     for tag in _TAG.finditer(source):
         if tag[1] in ('version', 'description', 'license', 'maintainer'):
             continue
@@ -67,7 +67,7 @@ def manifest_changes(source: str) -> Iterator[Change]:
 
 
 def cmake_changes(source: str) -> Iterator[Change]:
-    """Yield the changes of a CMakeLists.txt: a command that is missing, or an argument."""
+    """Yield the changes to a CMakeLists.txt: a missing command or argument."""
     for command in _COMMAND.finditer(source):
         if command[1] in ('install', 'cmake_minimum_required'):
             continue
@@ -83,7 +83,7 @@ def cmake_changes(source: str) -> Iterator[Change]:
 
 
 def settings_changes(source: str) -> Iterator[Change]:
-    """Yield the changes of a setup.cfg or a YAML file: a line that is missing, or a word."""
+    """Yield the changes to a setup.cfg or a YAML file: a missing line, or a misspelt word."""
     for line in re.finditer(r'^ *([^\s#].*)\n', source, re.MULTILINE):
         yield Change('missing line', line.start(), line.end(), '')
         for word in re.finditer(r'[a-z_]{3,}', line[1]):

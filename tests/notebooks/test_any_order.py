@@ -39,7 +39,7 @@ INTERRUPTED = 0.4
 """Share of the cells that are interrupted early, if they are still running."""
 LATEST_INTERRUPT_S = 1.0
 IMPATIENCE_S = float(os.environ.get('ANY_ORDER_IMPATIENCE_S', '4'))
-"""When every other cell is interrupted: out of order, some wait long for what cannot come."""
+"""Limit for the other cells [s]: out of order, some wait for messages that never arrive."""
 PATIENCE_S = 90.0
 PATIENCE_AFTER_INTERRUPT_S = 60.0
 SENTENCES = ('RoslabError', 'NotHereError', 'NameRefusedError', 'TimeoutError', 'NodeSyntaxError')

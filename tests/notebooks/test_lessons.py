@@ -1,7 +1,7 @@
 """
 Execute and measure the lessons: the sources in solutions/ and the releases in notebooks/.
 
-Each notebook runs once, in a copy, because its cells write a ROS workspace beside it.  A release
+Each notebook runs once, in a copy, because its cells write a ROS workspace next to it.  A release
 whose code is that of its solved lesson is not run again.
 """
 
@@ -44,7 +44,7 @@ KERNEL = 'ros2_jazzy'
 MOST_SECONDS = 60
 MOST_SECONDS_FOR_A_CELL = 400  # beyond the limit of a message build, 300 s
 BUSY = 1.5
-"""Processes a core, above which a wall-clock time is not the lesson's own."""
+"""Processes per core; above this load, a wall-clock time says nothing about the lesson."""
 
 lessons = pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
 releases = pytest.mark.parametrize('path', RELEASES, ids=lambda path: path.stem)
@@ -103,13 +103,13 @@ _begun: dict[tuple[str, ...], Future[Run]] = {}
 
 
 def run(path: Path) -> Run:
-    """Return what came of a notebook's code, which is executed once."""
+    """Return the result of a notebook's code, which is executed once."""
     return _begun[code_of(path)].result()
 
 
 @cache
 def code_of(path: Path) -> tuple[str, ...]:
-    """Return all that a kernel executes of a notebook."""
+    """Return the code of a notebook that a kernel executes."""
     return tuple(cell.source for cell in read(path) if cell.cell_type == 'code')
 
 
@@ -196,7 +196,7 @@ SHOWN = {
     ('package_of_your_own', 'part-5-run'): r'5 tests, 0 errors, 0 failures',
     ('testing', 'part-4-run'): r'2 failed.*1 passed',
 }
-"""What cells print that claims depend on, by lesson and cell."""
+"""Expected output of cells on which claims depend, by lesson and cell."""
 
 
 @executed
@@ -224,7 +224,7 @@ def test_lesson_executed_is_quick(path: Path) -> None:
     seconds = done.seconds
     if seconds >= MOST_SECONDS and done.load > BUSY:
         pytest.skip(
-            f'{seconds:.0f} s on a machine with {done.load:.1f} processes a core says nothing'
+            f'{seconds:.0f} s on a machine with {done.load:.1f} processes per core says nothing'
         )
 
     assert seconds < MOST_SECONDS
@@ -248,7 +248,7 @@ def test_release_executed_raises_only_not_implemented(path: Path) -> None:
 @executed
 @pytest.mark.parametrize('path', [START_HERE], ids=['START_HERE'])
 def test_start_here_shows_a_row_for_each_lesson(path: Path) -> None:
-    """The points that all visible checks can give are above the rows."""
+    """A line above the rows shows the maximum points of all visible checks."""
     (text,) = (output.text for _, output in run(path).outputs('stream'))
     lessons = [read_outline(lesson) for lesson in RELEASES[1:]]
     first, _, _, *rows = text.splitlines()

@@ -30,7 +30,7 @@ from rclpy.utilities import get_default_context as _context
 from roslab import start as _start
 from std_msgs.msg import String as _String
 """
-"""Names that begin with an underscore hide none of the lesson's."""
+"""Names that begin with an underscore hide no names of the lesson."""
 IDLE = """
 _idle = _start(_Node, name='idle')
 for _topic in ('chatter', 'numbers', 'beacon_signal'):
@@ -63,7 +63,7 @@ class OpenLesson:
                 outputs = self.kernel.run(cell.source, cell.id)
                 said = (outputs.error or {}).get('evalue', ''), outputs.streams['stderr']
                 wrong += [f'{self.name}, {cell.id}: {text}' for text in said if text]
-        ensure_event_loop().close()  # the kernel's client made one for this thread
+        ensure_event_loop().close()  # the kernel's client created one for this thread
         return wrong
 
 

@@ -8,7 +8,7 @@ from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, Verdict
 
 CANARY = 'HIDDEN-INPUT-31.4159'
-"""Stands for a hidden input: it is known to the exam and must appear nowhere."""
+"""Represents a hidden input, which only the exam may know."""
 
 
 @dataclass(frozen=True)

@@ -121,7 +121,7 @@ def writes_reruns_and_keeps_grades_given_by_hand(course: Layout) -> None:
 
 
 def waiting(course: Layout, *students: str) -> list[bool]:
-    """Return whether any cell of each submission waits for manual grading, as its mark does."""
+    """Return, per submission, whether it needs manual grading and so has no mark yet."""
     with book(course) as gradebook:
         found = [gradebook.find_submission(ASSIGNMENT, one) for one in students]
         return [bool(one.needs_manual_grade) for one in found]
@@ -160,7 +160,7 @@ def says_that_a_gradebook_does_not_answer(course: Layout) -> None:
 
 
 def says_that_settings_are_wrong(course: Layout) -> None:
-    """Instructors edit the settings: a mistake gives one sentence, and no run is wasted."""
+    """A mistake in the settings causes a one-sentence error, and no run is wasted."""
     hand_in(course, 'ann')
     config = course.root / 'nbgrader_config.py'
     text = config.read_text(encoding='utf-8')
@@ -227,7 +227,7 @@ def fills_a_gradebook_that_was_deleted(course: Layout) -> None:
 
 
 def takes_off_for_lateness_as_nbgrader_is_told(course: Layout) -> None:
-    """The late policy is nbgrader's plug-in; a new time of delivery changes the penalty."""
+    """The late policy is nbgrader's plug-in; a new submission time changes the penalty."""
     config = course.root / 'nbgrader_config.py'
     config.write_text(
         config.read_text(encoding='utf-8') + "\nc.LateSubmissionPlugin.penalty_method = 'zero'\n",

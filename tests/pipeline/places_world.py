@@ -1,4 +1,4 @@
-"""A small exam and small programs, to be run in every place."""
+"""A small exam and small programs, to run on this machine and on workers."""
 
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Advance, Scenario

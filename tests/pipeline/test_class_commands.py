@@ -1,4 +1,4 @@
-"""After grading: marks with manual grades, the commands of a class, Gradescope's container."""
+"""Test marks with manual grades, the commands for a graded class, and Gradescope's container."""
 
 import csv
 from dataclasses import replace
@@ -65,7 +65,7 @@ def grade(course: Layout) -> None:
 
 @pytest.fixture
 def graded(graded_class, tmp_path, monkeypatch):
-    """Return such a graded course for each test; commands use it as the current course."""
+    """Return a copy of the graded course for each test; commands use it as the current course."""
     course = copied(graded_class.root, tmp_path)
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: course))
     return course
@@ -88,7 +88,7 @@ def grade_by_hand(course: Layout, student: str, points: float, late: float = 0.0
 @pytest.mark.nbgrader
 class TestMarks:
     def test_nobody_has_a_mark_before_everything_is_graded(self, graded):
-        """A written answer waits for its grade; a review and a missing student have no mark."""
+        """Written answers must be graded first; reviews and missing students have no mark."""
         found = {
             one.student: one for one in marks(graded, last(graded, ASSIGNMENT)[0], 'gradebook')
         }
@@ -123,7 +123,7 @@ class TestMarks:
         assert found['eve'].points is None
 
     def test_visible_checks_alone_make_no_mark_whatever_the_gradebook_has(self, graded):
-        """The mark in the gradebook may belong to other work."""
+        """The mark in the gradebook may belong to a different submission."""
         grade_by_hand(graded, 'ann', 4.0)
         seen = replace(
             last(graded, ASSIGNMENT)[0],
@@ -143,7 +143,7 @@ class TestMarks:
 @pytest.mark.nbgrader
 class TestCommands:
     def test_every_format_is_written_and_nothing_replaced(self, graded, capsys):
-        """Exit code 1 names students without a score, and a second run needs --force."""
+        """Exit code 1 means that students have no score, and a second run needs --force."""
         for name in ('csv', 'checks-csv', 'json', 'junit'):
             assert command.main(['export', name]) == FOR_REVIEW
             said = capsys.readouterr()
@@ -181,7 +181,7 @@ class TestCommands:
     def test_platform_gets_marks_and_its_file_stays(
         self, graded, tmp_path, capsys, platform, options, sheet, place, filled
     ):
-        """Students without a mark keep their cells, and penalties for lateness are named."""
+        """The cells of students without a mark are unchanged, and late penalties are printed."""
         grade_by_hand(graded, 'ann', 5.0, late=2.0)
         mine, to = tmp_path / 'sheet.csv', tmp_path / 'filled.csv'
         mine.write_text(sheet, encoding='utf-8')
@@ -216,7 +216,7 @@ class TestCommands:
         assert not list(graded.work.glob('feedback_*'))
 
     def test_stats_report_and_similar_speak_of_the_same_class(self, graded, capsys):
-        """The exit code of ``stats`` reports a review, and ``similar`` lists the copy."""
+        """The exit code of ``stats`` signals a review, and ``similar`` lists the copy."""
         assert command.main(['stats', 'temperature_monitor', '--json']) == FOR_REVIEW
         (numbers,) = json.loads(capsys.readouterr().out)
         assert (numbers['submissions'], numbers['marks']['count']) == (4, 2)

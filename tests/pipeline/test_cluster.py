@@ -1,4 +1,4 @@
-"""The same verdicts from a cluster: a scheduler and two worker processes on this machine."""
+"""Test that a cluster, here a scheduler and two local workers, gives the same verdicts."""
 
 from concurrent.futures import ThreadPoolExecutor
 import json
@@ -63,7 +63,7 @@ def kills_its_worker(task: bytes) -> bytes:
 
 
 def test_a_run_that_kills_its_workers_is_for_review(monkeypatch):
-    """The scheduler gives up this run, but not the others."""
+    """The scheduler gives up on this run, but not on the others."""
     import dask
     from distributed import Client, LocalCluster
 

@@ -91,7 +91,7 @@ def test_a_program_that_is_killed_from_outside_gets_its_points(wanted):
 
 
 def test_a_launcher_that_is_killed_each_time_makes_no_verdict():
-    """Without evidence there is no mark, not a zero: an instructor has to decide."""
+    """Without evidence, the student does not get a zero: an instructor decides."""
     killer = Killer(launcher, times=2)
     with pytest.raises(ProbeFailed, match='Another program ended the sandbox with signal 9'):
         graded(ANSWER.read_text(encoding='utf-8'), killer)
@@ -107,7 +107,7 @@ def test_a_program_that_ends_itself_so_is_judged():
 
 
 def test_a_machine_without_memory_makes_no_verdict(monkeypatch):
-    """The kernel counts the processes that it ends, but not whose memory was to blame."""
+    """The kernel counts the processes that it ends, but not which process used the memory."""
     counted = iter(range(100))
     monkeypatch.setattr(observe, 'oom_kills', lambda: next(counted))
     with pytest.raises(ProbeFailed, match='ran out of memory'):

@@ -80,7 +80,7 @@ def said(result):
 
 
 def lines_of(result):
-    """Return the lines about the exam's checks, which are equal in every plain text."""
+    """Return the lines about the exam's checks, which are identical in all plain texts."""
     (exam,) = [one for one in result.exams if one.exam == EXAM]
     return [line for check in causes_once(exam) for line in check_lines(check)]
 
@@ -162,7 +162,7 @@ def test_every_section_to_read_is_a_heading_of_a_lesson(assignment, hidden):
 
 
 def test_every_section_about_an_exception_is_a_heading():
-    """The judge replaces the check's own section with it."""
+    """After an exception, the judge replaces the check's own section with this one."""
     headings = lesson_headings(HERE.notebooks)
 
     for section in HERE.facts.sections:
@@ -170,7 +170,7 @@ def test_every_section_about_an_exception_is_a_heading():
 
 
 def test_results_with_pictures_survive_json(result):
-    """The child process of a visible check returns them as JSON, and reports store them so."""
+    """The child process of a visible check returns them as JSON, and reports store JSON, too."""
     again = type(result).from_json(json.loads(json.dumps(result.to_json())))
 
     assert again == result

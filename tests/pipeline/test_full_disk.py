@@ -1,4 +1,4 @@
-"""A full disk during a grading gives one line of error, and no finished run is lost."""
+"""A full disk during grading causes a one-line error, and no finished run is lost."""
 
 from contextlib import contextmanager
 import errno
@@ -20,7 +20,7 @@ from autograder.gradebook.live_entry import Guard
 pytestmark = [pytest.mark.pipeline, pytest.mark.nbgrader]
 
 STUDENTS = [f's{number}' for number in range(10, 30)]
-"""So many that the gradebook needs more room than its pages have left."""
+"""Enough students to need more room than the gradebook's pages have left."""
 
 
 @pytest.fixture

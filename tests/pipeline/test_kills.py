@@ -10,7 +10,7 @@ pytestmark = [pytest.mark.benchmark, pytest.mark.pipeline, pytest.mark.ros, pyte
 
 @pytest.mark.timeout(1800)
 def test_five_kills_lose_nothing_double_nothing_and_leave_nothing(tmp_path):
-    """Each kill comes at a random moment; ``python -m benchmarks.kills`` kills fifty times."""
+    """Each kill happens at a random moment; ``python -m benchmarks.kills`` kills fifty times."""
     names = ('pass__reference', 'fail__two_hertz', 'error__exception_in_callback')
 
     account = soak(tmp_path, names, kills=5, seed=5, seconds=5)

@@ -1,7 +1,7 @@
 """
 Test the limits of the kernel, of a folder and of the probe.
 
-Programs of ``tests/attacks`` exceed the limits that the grader watches: see ``Ends`` in their
+Programs in ``tests/attacks`` exceed the limits that the grader watches: see ``Ends`` in their
 docstrings.
 """
 
@@ -37,7 +37,7 @@ for number in itertools.count():
 
 
 def test_files_of_a_program_without_its_own_file_system_are_summed(monkeypatch):
-    """In other modes, the file systems of its folders limit the size."""
+    """In other modes, the file systems of the folders limit the size."""
     recording = recorded(monkeypatch, WRITES, replace(LIMITS, folder=32 << 20), usable('none'))
 
     assert recording.end_reason == 'disk_limit'

@@ -192,7 +192,7 @@ def test_a_refusal_says_what_was_sent_before(platform, settings):
 
 
 def test_a_key_that_the_platform_does_not_know_is_refused(platform, settings):
-    """No token, no members, no scores."""
+    """The platform returns no token and no members, and gets no scores."""
     (settings.parent / 'key.pem').write_bytes(_keys()[0])
     with pytest.raises(GraderError, match=r'401.*0 had already been sent'):
         _sent(settings, Mark('ada', 1.0, 6.5))

@@ -1,4 +1,4 @@
-"""nbgrader's own commands on a whole course: generate, autograde, feedback, export."""
+"""Run nbgrader's own commands on a whole course: generate, autograde, feedback, export."""
 
 import csv
 import json

@@ -1,9 +1,8 @@
 """
-No other program on the machine changes a verdict: no second grader and no foreign talker.
+Other programs on the machine, such as a second grader, do not change verdicts.
 
-Four submissions that talk on the same topics under the same names are judged alone, then by two
-graders at once, several at a time, while a program publishes on those topics in every ROS
-domain of the machine.
+Four submissions with the same node names and topics are judged one at a time, then by two graders
+at once, four at a time each.  Meanwhile, a program publishes on those topics in most ROS domains.
 """
 
 from collections.abc import Iterable, Iterator
@@ -62,7 +61,7 @@ def end(grader: subprocess.Popen[str]) -> list[dict]:
 
 @contextmanager
 def somebody_talks(domains: Iterable[int]) -> Iterator[None]:
-    """Run a program that publishes in these domains and announces itself all the time."""
+    """Run a program that publishes in these domains and announces itself continuously."""
     variables = {**os.environ, 'FASTRTPS_DEFAULT_PROFILES_FILE': str(PROFILES)}
     script = Path(__file__).with_name('foreign_talker.py')
     pipes = {'stdin': subprocess.PIPE, 'stdout': subprocess.PIPE}
@@ -70,7 +69,7 @@ def somebody_talks(domains: Iterable[int]) -> Iterator[None]:
     with subprocess.Popen(argv, env=variables, **pipes) as talker:
         assert talker.stdout.readline() == b'talking\n'
         yield
-        assert talker.poll() is None, 'it has to talk until the end'
+        assert talker.poll() is None, 'the talker must run until the end'
         talker.stdin.close()
 
 
@@ -82,7 +81,7 @@ def alone() -> list[dict]:
 
 def test_two_graders_and_a_talker_in_every_domain_change_nothing(alone):
     with ExitStack() as until:
-        # 0 is the domain of every sandbox, 101 the last one that Linux's ports allow.
+        # Isolated sandboxes use domain 0; above 101, Linux may assign the ports to other programs.
         until.enter_context(somebody_talks((0, *other_domains(until), 101)))
         graders = [begin(TOGETHER), begin(TOGETHER)]
         found = [end(grader) for grader in graders]
@@ -111,7 +110,7 @@ def test_the_foreign_talker_is_heard_outside_a_sandbox():
         'ROS_DOMAIN_ID': os.environ.get('ROS_DOMAIN_ID', '0'),
     }
     variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
-    # One domain, because a hundred would starve each other while other tests run.
+    # One domain, because participants in a hundred would starve each other while other tests run.
     with somebody_talks([int(variables['ROS_DOMAIN_ID'])]):
         done = subprocess.run(
             [sys.executable, '-c', code],

@@ -50,7 +50,7 @@ def graded(course):
 
 
 def test_an_appeal_changes_one_student(graded, tmp_path):
-    """Results and pages of the others stay, and the lists contain all students."""
+    """Results and pages of other students are unchanged, and the lists contain all students."""
     before, old = points(graded), pages(graded)
     hand_in(graded, 'bob', into=tmp_path / 'appeal')
     hand_in(graded, 'dee', into=tmp_path / 'appeal')

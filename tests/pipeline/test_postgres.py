@@ -18,14 +18,14 @@ USER, PORT = 'grader', '54321'
 
 
 def program(name: str) -> str:
-    """Return the path of a program of the server, which Debian keeps outside the PATH."""
+    """Return the path of a server program, which Debian keeps outside the PATH."""
     found = shutil.which(name) or next(iter(sorted(glob(f'/usr/lib/postgresql/*/bin/{name}'))), '')
     assert found, f'PostgreSQL is not installed. Try: {INSTALL}'
     return found
 
 
 def as_server(*command: str) -> None:
-    """Run a program of the server as the server's user, because it refuses root."""
+    """Run a server program as the server's user, because it refuses root."""
     owner = {'user': 'postgres', 'group': 'postgres'} if os.geteuid() == 0 else {}
     done = subprocess.run(
         command, cwd='/', capture_output=True, text=True, timeout=240, check=False, **owner

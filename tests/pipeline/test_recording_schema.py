@@ -1,4 +1,4 @@
-"""The published format of recordings; ``test_sample_class.py`` compares real ones with it."""
+"""Test the published format of recordings; ``test_sample_class.py`` validates real ones."""
 
 import json
 from pathlib import Path
@@ -25,7 +25,7 @@ def invalid_lines(seen: recording.Recording) -> list[str]:
 
 
 def test_the_schema_is_one():
-    """It is valid in the draft that it names."""
+    """The schema is valid in the draft that it names."""
     Draft202012Validator.check_schema(SCHEMA)
 
 

@@ -1,4 +1,4 @@
-"""After an exam edit: new verdicts from recordings, and the evidence behind one of them."""
+"""Test new verdicts from recordings after an edit to an exam, and the evidence for one verdict."""
 
 from dataclasses import replace
 import json
@@ -167,7 +167,7 @@ class TestRejudge:
             assert one['after'] == one['before']
 
     def test_who_has_no_recording_is_named_and_keeps_the_points(self, layout, now):
-        """Students who have since changed or withdrawn their submission keep them too."""
+        """Students who have since changed or withdrawn their submission keep their points, too."""
         for path in layout.recordings.rglob('*.jsonl'):
             text = path.read_text(encoding='utf-8')
             if 'IndexError' in text or 'Traceback' in text:
@@ -341,7 +341,7 @@ class TestCommands:
         assert command.main(['rejudge']) == FOR_REVIEW
 
     def test_rejudge_prints_an_account(self, capsys):
-        """With ``--json``, it prints the whole account as JSON."""
+        """With ``--json``, the command prints the whole account as JSON."""
         assert command.main(['rejudge', 'temperature_monitor']) == OK
         said = capsys.readouterr().out
         assert said.startswith(f'{ASSIGNMENT}: 4 of 4 submissions judged again in ')
@@ -378,7 +378,7 @@ class TestCommands:
         assert account['refused'] == 'nbgrader failed while recording: no disk.'
 
     def test_explain_prints_evidence(self, capsys):
-        """It also prints JSON; an unknown student gives one line."""
+        """The command also prints JSON; an unknown student causes a one-line error."""
         wanted = ['explain', 'fail__two_hertz', 'temperature_publisher/publishes_once_per_second']
         assert command.main(wanted) == OK
         assert 'FAILED, 0 of 3 points' in capsys.readouterr().out

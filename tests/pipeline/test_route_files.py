@@ -1,4 +1,4 @@
-"""Each tool accepts the files for it: containers, Binder, GitHub's workflows."""
+"""Tools accept the project's files for containers, Binder and GitHub's workflows."""
 
 import json
 from pathlib import Path
@@ -39,7 +39,7 @@ def test_hadolint_accepts_the_dockerfile(tmp_path: Path) -> None:
 
 
 def test_actionlint_accepts_the_workflows(tmp_path: Path) -> None:
-    """The project's and the students'; a misspelt output of a step is found."""
+    """These are the project's and the students' workflows; a misspelt variable is found."""
     assert len(WORKFLOWS) == 4
     done = run(BIN / 'actionlint', *WORKFLOWS)
     assert (done.returncode, done.stdout) == (0, ''), done.stdout
@@ -61,7 +61,7 @@ def test_the_compose_file_fits_the_schema_of_compose(tmp_path: Path) -> None:
 
 
 def test_repo2docker_takes_apt_post_build_and_start_of_binder() -> None:
-    """It prints the Dockerfile that it would build."""
+    """repo2docker prints the Dockerfile that it would build."""
     done = run(BIN / 'jupyter-repo2docker', '--no-build', '--debug', '.')
     assert done.returncode == 0, done.stderr
     packages = (ROOT / 'binder' / 'apt.txt').read_text().splitlines()
@@ -71,12 +71,12 @@ def test_repo2docker_takes_apt_post_build_and_start_of_binder() -> None:
 
 
 def test_the_command_line_of_development_containers_reads_ours(tmp_path: Path) -> None:
-    """It reads the settings in the file, and the stage of the Dockerfile."""
+    """The tool reads the settings in the file, and the stage of the Dockerfile."""
     shutil.copytree(Path(__file__).parent / 'devcontainer', tmp_path, dirs_exist_ok=True)
     installed = run('npm', 'ci', '--no-audit', '--no-fund', cwd=tmp_path)
     assert installed.returncode == 0, installed.stderr
 
-    # If Docker does not respond, it prints nothing.
+    # Replace Docker, because the tool prints nothing if Docker does not respond.
     read = ('read-configuration', '--workspace-folder', ROOT, '--docker-path', '/bin/true')
     done = run('node', tmp_path / DEVCONTAINER, *read)
     assert done.returncode == 0, done.stderr

@@ -189,7 +189,7 @@ class TestRuns:
 
     @pytest.mark.parametrize('form', ['folder', 'zip'])
     def test_the_finished_package_has_full_marks(self, tmp_path, form):
-        """It is built with its own messages, and its own executables run."""
+        """The package is built with its own messages, and its own executables run."""
         path = ROOT / 'temp_monitor_pkg'
         if form == 'zip':
             path = Path(shutil.make_archive(str(tmp_path / 'mine'), 'zip', ROOT, path.name))
@@ -204,7 +204,7 @@ class TestRuns:
         }
 
     def test_a_python_package_is_built_and_its_entry_point_runs(self, tmp_path):
-        """It may name any module and function, and import modules of its own package."""
+        """The entry point may name any module and function, and import modules of its package."""
         node = NODE.format(package='.').replace('def main()', 'def start()')
         folder = python_package(
             tmp_path / 'a',

@@ -1,9 +1,9 @@
 """
-The bundled class, graded for real: every verdict and its cause are the ones expected.
+Grade the bundled class with real runs: every verdict and cause is the expected one.
 
-If docs/agreement.md was made from the current files, each sample has been run with them, and
-only a spread runs again here.  Otherwise, in a course without that table, and if the variable
-FRESH is set, all of them run.
+If docs/agreement.md was generated from the current files, every sample has been run, and only some
+run again here.  Otherwise, in a course without that table, and if the variable FRESH is set, all
+samples run.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ _FOLDER = tempfile.TemporaryDirectory(prefix='class-')  # removed when Python en
 WORKING = Layout(Path(_FOLDER.name))
 EXAMINED = [name for name in LAYOUT.assignments() if catalog.for_assignment(name)]
 EVERY = 1 if os.environ.get('FRESH') else 10
-"""One sample in so many is run here, if all have been run for the table."""
+"""The test runs one sample in this many, if all have been run for the table."""
 
 # The first test of a lesson waits for all of its samples.
 pytestmark = [
@@ -101,7 +101,7 @@ def test_the_class_is_large_enough(assignment):
 
 
 def test_the_class_has_every_kind_of_outcome():
-    """Somewhere in the course, a notebook as a whole is broken too."""
+    """Some samples of the course are notebooks that are broken as a whole."""
     outcomes = {path.name.partition('__')[0] for name in EXAMINED for path in folders(name)}
 
     assert outcomes == {'pass', 'fail', 'error', 'zero'}
@@ -160,7 +160,7 @@ def test_every_failing_text_is_short_and_tells_nothing_that_was_drawn(assignment
 
 @lessons
 def test_what_a_program_says_moves_no_points_and_how_it_says_it_no_cause(assignment):
-    """Each recording is judged again, without printed text and with a different one."""
+    """Each recording is judged again, with empty and with rewritten code."""
     results = {(name, exam.name): result for name, exam, result in judged_exams(assignment)}
     moved, examined = [], set()
     for sample in samples():
@@ -177,7 +177,7 @@ def test_what_a_program_says_moves_no_points_and_how_it_says_it_no_cause(assignm
 
 @lessons
 def test_every_line_of_a_recording_is_valid(assignment):
-    """The last sample of each exam whose program was run shows it."""
+    """The test checks the last sample of each exam whose program was run."""
     run = {exam.name: one for _, exam, one in judged_exams(assignment) if one.recording}
 
     assert set(run) == programs(assignment)
@@ -185,5 +185,5 @@ def test_every_line_of_a_recording_is_valid(assignment):
 
 
 def programs(assignment: str) -> set[str]:
-    """Return the exams of a lesson that run something."""
+    """Return the exams of a lesson that run a program."""
     return {exam.name for exam in catalog.for_assignment(assignment) if exam.scenario.program}

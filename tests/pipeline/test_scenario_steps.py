@@ -154,7 +154,7 @@ class TestCall:
         assert [len(topics[when]) for when in ('start', 'before', 'after', 'end')] == [0, 0, 1, 1]
 
     def test_parameter_is_set_and_from_the_command_line(self, run):
-        """FAILURE leaves the node unconfigured; with a corrected parameter it configures."""
+        """FAILURE leaves the node unconfigured; a corrected parameter lets it configure."""
         node = '/thermometer'
         steps = [Mark('bad'), transition(node, 'configure')]
         steps += [

@@ -1,5 +1,5 @@
 """
-A right rhythm keeps its points whatever keeps it, and a wrong one loses them, by the same exam.
+An exam gives points for a right rhythm, however a program keeps it, but not for a wrong one.
 
 See :mod:`tests.clock.style_pairs` for the programs and exams.
 """
@@ -30,13 +30,13 @@ def lost(style: str, right: bool) -> list[str]:
 
 @pytest.mark.parametrize('style', NAMES)
 def test_right_program_keeps_its_points(style):
-    """By timers, sleeps, threads, signals, processes and polls."""
+    """Programs keep time with timers, sleeps, threads, signals, processes and polls."""
     assert lost(style, right=True) == []
 
 
 @pytest.mark.parametrize('style', NAMES)
 def test_wrong_program_loses_them(style):
-    """For its time, and for no other reason."""
+    """Only the check of the rhythm fails."""
     (check,) = lost(style, right=False)
 
     assert check in RHYTHM

@@ -1,4 +1,4 @@
-"""Exams of common nodes take thirty lines, and name the cause of each mistake."""
+"""Exams for common nodes need thirty lines, and name the cause of each mistake."""
 
 import importlib
 

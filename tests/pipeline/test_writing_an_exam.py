@@ -178,7 +178,7 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_pa
     ],
 )
 def test_a_mistake_in_it_is_refused_with_its_place(released, tmp_path, wrong, right, said):
-    """The self-check finds it before any grading; in the last case the reference fails a check."""
+    """The self-check finds it before grading; in the last case, the reference fails a check."""
     root = tmp_path / 'course'
     shutil.copytree(released, root, symlinks=True)
     path = root / 'exams' / 'visible' / 'visitor_counter.py'

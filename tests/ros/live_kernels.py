@@ -18,8 +18,7 @@ from environment.install_files import KERNEL_NAME as KERNEL
 from tests.own_domain import own_domain
 
 # The middleware never removes the files of a port that a killed process has opened.  So each
-# kernel gets a separate /dev/shm, to see what it leaves.  The kernel keeps the process id of the
-# shell.
+# kernel gets a separate /dev/shm.  The kernel keeps the process id of the shell.
 BIND = 'mount --bind "$0" /dev/shm && exec "$@"'
 OWN_SHARED_MEMORY = ['unshare', '--map-root-user', '--mount', 'sh', '-c', BIND]
 AS_USER = [
@@ -28,7 +27,7 @@ AS_USER = [
     'exec setpriv --reuid "$user" --regid "$user" --clear-groups "$@"',
     'sh',
 ]
-"""Runs a kernel as a user; its number, the connection file and the command follow."""
+"""Runs a kernel as a user; the user id, the connection file and the command follow."""
 DEADLINE_S = 400.0  # beyond the limit of a message build, 300 s
 
 DRAWS = """\
@@ -187,8 +186,9 @@ class Kernel:
         """
         End the kernel as a frontend does, which kills a kernel that does not end.
 
-        A kernel of ipykernel 7.4 rarely waits forever after it has shut ROS down: its control
-        thread sends a status to a thread that has just ended, and the main thread waits for it.
+        A kernel of ipykernel 7.4 can wait forever after it has shut ROS down: its
+        control thread sends a status to a thread that has just ended, and the main thread waits
+        for it.
 
         :param patience_s: the kernel is terminated after half of it, and then killed [s]
         """

@@ -39,7 +39,7 @@ class Talker(Node):
 
 
 class Beacon(LifecycleNode):
-    """A node with states; it refuses to be activated."""
+    """A managed node that refuses to be activated."""
 
     def on_activate(self, state):
         """Refuse."""

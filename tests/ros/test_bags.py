@@ -1,4 +1,4 @@
-"""Recordings in MCAP files: what they contain, who can read them, and their replay."""
+"""Test recordings in MCAP files: their contents, programs that read them, and their replay."""
 
 from contextlib import ExitStack
 import json
@@ -89,7 +89,7 @@ def _single(described, old):
 
 
 def plain(value):
-    """Return fields in the form of JSON."""
+    """Return fields with the types of JSON."""
     if isinstance(value, dict):
         return {name: plain(one) for name, one in value.items()}
     if isinstance(value, list):
@@ -326,7 +326,7 @@ def test_wrong_arguments_of_record_are_named(
 
 
 def foreign(path):
-    """Write an MCAP file of another program."""
+    """Write an MCAP file as a different program would."""
     with path.open('wb') as stream:
         made = Writer(stream)
         made.start()
@@ -380,7 +380,7 @@ def test_changed_type_is_not_published(session, tmp_path, monkeypatch):
 
 
 def test_simulation_is_saved_with_its_inputs_and_logs(session, tmp_path):
-    """Times in the file equal virtual times: second 2 is second 2."""
+    """The times in the file equal the virtual times."""
 
     def topic(name, times, texts):
         data = tuple({'data': text} for text in texts)
@@ -403,7 +403,7 @@ def test_simulation_is_saved_with_its_inputs_and_logs(session, tmp_path):
 
 
 def test_profiles_survive_the_file_and_older_releases(everything):
-    """In recordings of releases before Jazzy, numbers stand for policies."""
+    """In recordings from releases before Jazzy, policies are numbers."""
     stored = plain_profiles([KEPT])
     again = profile_to_offer(yaml.safe_load(yaml.safe_dump(stored)))
     numbers = [{**stored[0], 'history': 3, 'reliability': 1, 'durability': 1, 'liveliness': 1}]

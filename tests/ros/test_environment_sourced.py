@@ -1,4 +1,4 @@
-"""Preparing from a sourced ROS 2 installation, tried with a stand-in prefix."""
+"""Test preparation from a sourced ROS 2 installation, with a stand-in prefix."""
 
 import os
 import subprocess
@@ -56,7 +56,7 @@ def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):
     assert later.kind == 'sourced'
     assert later.description().base_variables['PYTHONPATH'] == shell['PYTHONPATH']
 
-    # The clock's library is compiled here, and depends on nothing of the wheels.
+    # The clock's library is compiled here, and depends on nothing from the wheels.
     exam = catalog.load('talker')
     solution = (
         PROJECT / 'tests' / 'submissions' / '03_topics' / 'pass__functions_style' / 'talker.py'
@@ -74,5 +74,5 @@ def test_make_plan_sourced_without_rclpy_takes_the_wheels(shell, places):
 
 
 def test_make_plan_wheels_asked_for_ignores_the_sourced_prefix(shell, places):
-    """ROS_SOURCE=wheels wins over what is sourced."""
+    """ROS_SOURCE=wheels overrides a sourced installation."""
     assert make_plan(places, {**shell, 'ROS_SOURCE': 'wheels'}).kind == 'wheels'

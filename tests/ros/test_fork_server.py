@@ -1,4 +1,4 @@
-"""Probes and programs are forks of servers, which are replaced after a failure and drop rights."""
+"""Probes and programs are unprivileged forks of servers, which are replaced after a failure."""
 
 from concurrent.futures import ThreadPoolExecutor
 import json
@@ -35,7 +35,7 @@ def graded() -> ExamResult:
 
 
 def servers() -> set[ForkServer]:
-    """Return the two fork servers that were used last, of the program and of the probe."""
+    """Return the last two fork servers: those of the program and of the probe."""
     return set(fork_server._idle[-2:])
 
 
@@ -199,7 +199,7 @@ def test_a_fork_is_confined_like_a_program_that_bubblewrap_starts(tmp_path):
     assert forked == started
     assert processes[1] - processes[0] == 1  # the launcher
     assert forked['status']['CapEff'] == forked['status']['CapBnd'] == ['0' * 16]
-    assert most[1] > most[0]  # its parent, outside; for a plain user all threads of the user
+    assert most[1] > most[0]  # plus the parent outside, or a plain user's threads
     for found in spaces:
         same = {name for name in found if found[name] == of_grader[name]}
         assert same <= {'user', 'time', 'time_for_children'}

@@ -45,13 +45,13 @@ sys.stdin.readline()
 
 
 def as_user(user: int) -> list[str]:
-    """Return the start of a command that runs as another user, if this process may do that."""
+    """Return the prefix that makes a command run as another user, empty if that is not allowed."""
     options = (f'--reuid={user}', f'--regid={user}', '--clear-groups')
     return ['setpriv', *options] if os.geteuid() == 0 else []
 
 
 def test_no_message_crosses_but_a_terminal_can_join() -> None:
-    """Two kernels have the settings that reach most, and a terminal enters one of the networks."""
+    """Two kernels have the settings that reach furthest; a terminal enters one of the networks."""
     start, join = ((HERE / name).read_text() for name in ('own_world.sh', 'join_world.sh'))
     ann, bob = map(as_user, USERS)
     trial = [*ann, 'sh', '-c', start, 'sh', sys.executable, '-c', '']

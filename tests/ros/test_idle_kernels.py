@@ -64,7 +64,7 @@ async def outputs(client: Any) -> None:
 
 
 def test_only_a_cell_is_activity(tmp_path: Path) -> None:
-    """The kernel is idle after its cell, since the moment when the cell ended."""
+    """The kernel counts as idle from the end of its cell."""
     ran, later, state = asyncio.run(activity(tmp_path))
     assert ran == later
     assert state == 'idle'

@@ -1,4 +1,4 @@
-"""The grader's build of a message package makes only the parts that Python needs."""
+"""The grader builds only the parts of a message package that Python needs."""
 
 from contextlib import ExitStack
 import os

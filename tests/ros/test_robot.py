@@ -83,7 +83,7 @@ def test_robot_names_the_policy_of_a_refused_publisher(kernel):
     )
 
     assert out.error is None
-    assert '0 False' in out.text.splitlines()  # the warning is printed before or after it
+    assert '0 False' in out.text.splitlines()  # before or after the node's warning
 
 
 def test_robot_of_an_earlier_call_is_replaced_and_stays_where_it_is(kernel):

@@ -1,4 +1,4 @@
-"""The course's own ros2 command against real nodes in another process."""
+"""Test the course's own ros2 command with real nodes in a separate process."""
 
 from contextlib import ExitStack
 import os
@@ -269,7 +269,7 @@ def test_node_list_and_info_show_the_graph(world):
 
 
 def test_param_reads_values_and_types(world):
-    """Names, values and types as the node declared them."""
+    """The command prints names, values and types as the node declared them."""
     assert world.ros2('param', 'list', '/talker', '--param-type').splitlines()[:2] == [
         '  arm.names (type: string array)',
         '  rate_hz (type: double)',

@@ -1,4 +1,4 @@
-"""How long a ros2 command searches the graph before it reports that something is missing."""
+"""Test how long a ros2 command searches the graph before it reports a missing entity."""
 
 import argparse
 from contextlib import contextmanager

@@ -151,8 +151,8 @@ def test_check_says_which_cell_saved_the_judged_file(kernel, tmp_path):
 
 
 def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
-    """The saved notebook has another text for the cell that saved the file."""
-    ran = TWICE_A_SECOND.replace('\n\n', '\n    \n')  # IPython empties lines of blanks
+    """The saved notebook contains a different text for the cell that saved the file."""
+    ran = TWICE_A_SECOND.replace('\n\n', '\n    \n')  # IPython removes blanks from empty lines
     assert ran != TWICE_A_SECOND
     kernel.run('from roslab import *')
     kernel.run(ran)
@@ -170,7 +170,7 @@ def test_check_warns_if_the_cell_was_edited_and_not_run(kernel, tmp_path):
 
 
 def test_file_that_no_cell_makes_any_more_is_named(kernel, tmp_path):
-    """The file is judged, but its cell has another first line, so it would not be handed in."""
+    """The file is judged, but its cell has a new first line, so it would not be handed in."""
     folder = tmp_path / 'ros_ws' / 'src' / 'temp_monitor_pkg' / 'temp_monitor_pkg'
     folder.mkdir(parents=True)
     (folder / 'temp_publisher.py').write_text(TWICE_A_SECOND.partition('\n')[2])

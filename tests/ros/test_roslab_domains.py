@@ -28,7 +28,7 @@ def may_start(user):
 
 @pytest.fixture
 def kernels():
-    """Return a function that starts a kernel of a user which chooses its domain by itself."""
+    """Return a function that starts a user's kernel, which chooses its own domain."""
     started, folders = [], []
 
     def start(user=None):
@@ -102,7 +102,7 @@ def test_domain_follows_what_ros_was_started_with(kernels):
 
 
 def test_graph_calls_only_its_own_listener_this_notebook(kernels, tmp_path):
-    """Two kernels that were given one domain see each other's hidden nodes."""
+    """Two kernels in the same domain see each other's hidden nodes."""
     kernel = kernels()
     number = kernel.run('import os; os.environ["ROS_DOMAIN_ID"]').value.strip("'")
     other = live_kernels.Kernel(tmp_path, domain=number)

@@ -104,7 +104,7 @@ def test_magic_below_a_comment_is_explained(notebook):
 
 @pytest.fixture
 def run_in_order(notebook, monkeypatch):
-    """Return a function that notes the cells as run, some edited, and returns the hint."""
+    """Return a function that marks cells as run, some of them edited, and returns the hint."""
     cells = error_hints.read_cells(notebook)
     history = ['']
     shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=history))

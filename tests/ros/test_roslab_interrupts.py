@@ -1,4 +1,4 @@
-"""Interrupts in real notebook kernels end a blocking cell, and ROS and the nodes stay."""
+"""Interrupts in real notebook kernels end a blocking cell, and ROS and the nodes keep running."""
 
 import ast
 import random
@@ -72,7 +72,7 @@ def test_interrupt_in_the_cell_that_starts_ros_keeps_the_context(new_kernel):
 
 
 def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(new_kernel):
-    """ROS runs on after an interrupt in a cell with rclpy.init() and spin(), as in a program."""
+    """ROS keeps running after an interrupt in a cell that calls rclpy.init() and spin()."""
     code = TALKER + 'rclpy.init()\nidle = rclpy.create_node("idle")\nprint("now", flush=True)\n'
     outputs = new_kernel.interrupt_at(f'{code}rclpy.spin(idle)', 'now')
 
@@ -84,7 +84,7 @@ def test_interrupt_in_the_cell_that_calls_init_keeps_the_context(new_kernel):
 
 
 def test_interrupt_inside_a_finalizer_is_not_lost(kernel):
-    """Python drops an exception in __del__, so the interrupt is raised after it."""
+    """Python drops an exception in __del__, so the interrupt is raised after the finalizer."""
     kernel.run(TALKER)
     outputs = kernel.interrupt_at(
         """
@@ -107,7 +107,7 @@ wait_until(lambda: False, 60)
 
 
 def test_interrupt_while_an_error_is_shown_leaves_the_guide_in_place(kernel):
-    """IPython would drop a guide that raises, which an interrupt can cause."""
+    """IPython removes a handler of errors that raises, which an interrupt can cause."""
     awkward = kernel.run(
         """
 import os, signal

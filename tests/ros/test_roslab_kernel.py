@@ -109,7 +109,7 @@ def test_refused_cell_says_why_in_one_short_text(kernel_of_module, cell, said):
 
 
 def test_node_does_not_hide_roslab_names(kernel):
-    """A learner's own `check` does not replace the one that the notebook needs."""
+    """A learner's own `check` does not replace the `check` that the notebook needs."""
     kernel.run('from roslab import *; import roslab')
     outputs = kernel.run('%%node mine\ndef check():\n    return 1\ndef other():\n    return 2')
 
@@ -148,7 +148,7 @@ def test_node_without_a_name_is_an_error_of_the_node_class(kernel):
     ],
 )
 def test_code_of_a_program_typed_in_a_cell_is_answered_in_one_line(kernel_with_node, code, said):
-    """A call that would start ROS again, or spin the node, is refused, and the node runs on."""
+    """A call that would restart ROS or spin the node is refused, and the node keeps running."""
     outputs = kernel_with_node.run(code)
 
     assert said in outputs.error['traceback'][0]

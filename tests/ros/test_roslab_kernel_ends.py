@@ -42,7 +42,7 @@ def test_restarts_leave_nothing_behind(tmp_path, shared_memory):
         left += [*Path('/proc').glob(str(pid)), *shared_memory.glob(FILES)]
 
     assert left == []
-    assert max(threads) - min(threads) <= 2  # the kernel's own pools are a thread more or less
+    assert max(threads) - min(threads) <= 2  # the kernel's own pools vary by a thread
 
 
 def test_kernel_with_an_endless_callback_ends_by_itself(tmp_path, shared_memory):

@@ -51,7 +51,7 @@ def test_node_elsewhere_is_asked_over_its_service(session):
 
 
 def test_ordinary_node_is_refused_with_what_to_do(session):
-    """An ordinary node has no states, and the message names the class that has."""
+    """An ordinary node has no states, and the message names the class that has them."""
     with pytest.raises(
         RoslabError, match=r'expected a LifecycleNode, got a Node.*rclpy\.lifecycle'
     ):
@@ -80,7 +80,7 @@ def test_stopped_node_leaves_the_graph_though_a_name_refers_to_it(session):
 
 @pytest.mark.parametrize('state', [*lifecycle_picture.STATES, 'configuring'])
 def test_drawing_shows_the_state_without_colour_and_in_words(state):
-    """The current box has a thick border and the word now; the alternative text does too."""
+    """The current box has a thick border and the word now; the description names the state."""
     drawn = LifecyclePicture('/a<b', state)._repr_html_()
 
     primary = state in lifecycle_picture.STATES

@@ -1,4 +1,4 @@
-"""The output of nodes in real notebook kernels: in which cell, and how often."""
+"""Test in which cell of real notebook kernels the output of nodes appears, and how often."""
 
 import re
 import threading
@@ -18,7 +18,7 @@ kernel, kernel_to_share = live_kernels.kernel, live_kernels.kernel_to_share
 
 
 def test_callback_exception_is_printed_with_the_cell_line(kernel):
-    """The learner sees the node, the cell and the line, and other nodes run on."""
+    """The learner sees the node, the cell and the line, and other nodes keep running."""
     kernel.run(TALKER)
     kernel.run('node = start(Talker, name="steady")')
     source = 'class Bad(Talker):\n    def on_timer(self):\n        return self.missing\n'
@@ -98,7 +98,7 @@ def test_nothing_is_written_to_the_terminal_of_the_server(tmp_path):
 
 
 def test_lines_of_c_code_are_shown_like_others(kernel):
-    """A warning of ROS itself is shown without the marks around it."""
+    """A warning from ROS itself is shown without the marks around it."""
     kernel.run(TALKER)
     outputs = kernel.run('stop_all(); start(Talker); twin = rclpy.create_node("talker")')
 

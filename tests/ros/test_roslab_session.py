@@ -30,7 +30,7 @@ SOON_S = 60  # limit for waits that take milliseconds on an idle machine
 
 
 class Talker(Node):
-    """Logs and publishes numbers fast."""
+    """Logs and publishes numbers quickly."""
 
     def __init__(self, name='talker', topic='chatter', qos=RELIABLE):
         super().__init__(name)
@@ -324,7 +324,7 @@ def test_node_whose_constructor_fails_leaves_nothing_in_the_graph(session):
 
 
 def test_constructor_that_is_interrupted_in_rclpy_leaves_nothing_in_the_graph(session):
-    """A frame refers to a new publisher, and so keeps its node alive, before rclpy stores it."""
+    """A frame refers to a new publisher, and so to its node, before rclpy stores the publisher."""
 
     class Half(Node):
         def __init__(self):
@@ -456,7 +456,7 @@ def test_topic_and_type_in_the_other_order_are_reported(session):
 
 
 def test_listener_of_a_failed_wait_goes_although_its_traceback_stays(session):
-    """A kernel keeps the last traceback; the subscription must not stay with it."""
+    """A kernel keeps the last traceback; the subscription must not stay alive with it."""
     listener = Listener('chatter', String, RELIABLE)
     with pytest.raises(TimeoutError) as kept:
         listener.wait(1, timeout=0.05)

@@ -82,7 +82,7 @@ except SandboxUnavailable as refused:
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='a plain user has all rights in its user namespace')
 def test_a_system_that_lets_no_program_enter_a_sandbox_is_refused_with_advice():
-    """Only programs enter a mount namespace, which needs a right that bubblewrap does not need."""
+    """Only programs enter a mount namespace, with a right that bubblewrap does not need."""
     without = ('setpriv', '--bounding-set=-sys_chroot', sys.executable, '-c', ENTERS)
     said = subprocess.run(without, capture_output=True, text=True, check=True).stdout
 

@@ -1,4 +1,4 @@
-"""A service is called only after its node has discovered the client; real nodes on both sides."""
+"""Call services of real nodes only after they have discovered the client."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
@@ -19,7 +19,7 @@ SERVICE = '/asked/reset'
 
 @pytest.fixture
 def executors() -> Iterator[list[SingleThreadedExecutor]]:
-    """Provide executors of two participants, as of two processes."""
+    """Provide executors of two participants, which are like two processes."""
     with ExitStack() as until:
         domain, made = own_domain(until), []
         for _ in range(2):
@@ -32,7 +32,7 @@ def executors() -> Iterator[list[SingleThreadedExecutor]]:
 
 
 def a_node(executor: SingleThreadedExecutor, name: str, **options: bool) -> Node:
-    """Make a node that the executor serves."""
+    """Create a node that the executor serves."""
     node = Node(name, context=executor.context, **options)
     executor.add_node(node)
     return node

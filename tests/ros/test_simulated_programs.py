@@ -100,7 +100,7 @@ def test_burst_arrives_at_one_instant_and_two_runs_are_equal(virtual_time, progr
 
 
 def test_late_subscription_receives_the_stored_messages(virtual_time, program):
-    """Then it receives the new messages, each at its time."""
+    """Then the subscription receives the new messages, each at its time."""
     inputs = numbers(*((second, second) for second in range(1, 8)))
     run = virtual_time(program(DOUBLE), 10, inputs=inputs, late={'double': 5.5})
 

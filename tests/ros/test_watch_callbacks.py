@@ -80,7 +80,7 @@ def test_one_executor_runs_the_callbacks_of_two_nodes_one_after_the_other(contex
 
 
 def test_ticks_during_a_slow_callback_are_one_late_call_and_skipped_ones(context):
-    """No tick is called during the slow callback; those that are skipped were due during it."""
+    """No tick runs during the slow callback; the skipped ticks were due during it."""
     node, times = Node('sleeper', context=context), []
 
     def long_work():

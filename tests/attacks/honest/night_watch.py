@@ -1,4 +1,4 @@
-"""An honest night watch, which attacks import and bend."""
+"""An honest night watch, which attacks import and modify."""
 
 import rclpy
 from rclpy.node import Node

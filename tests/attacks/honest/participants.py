@@ -37,7 +37,7 @@ class Bytes(ctypes.Structure):
 
 
 def channel(node):
-    """Open the middleware's own topic, which rclpy would not let us name."""
+    """Return a function that publishes on the middleware's own topic, whose name rclpy refuses."""
     rcl, rmw = ctypes.CDLL('librcl.so'), ctypes.CDLL('librmw_fastrtps_cpp.so')
     name = ctypes.pythonapi.PyCapsule_GetName
     name.restype, name.argtypes = ctypes.c_char_p, [ctypes.py_object]

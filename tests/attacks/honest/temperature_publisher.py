@@ -1,4 +1,4 @@
-"""An honest temperature publisher, which attacks import and bend."""
+"""An honest temperature publisher, which attacks import and modify."""
 
 import random
 

@@ -1,4 +1,4 @@
-"""An honest temperature subscriber, which attacks import and bend."""
+"""An honest temperature subscriber, which attacks import and modify."""
 
 import rclpy
 from rclpy.node import Node

@@ -1,7 +1,7 @@
 """
 Tries: let another node's logger speak for it.
 
-Stopped by: a line counts if it comes from the logger of the node that was asked for
+Stopped by: only lines from the logger of the required node count
 Deserves: 2
 """
 

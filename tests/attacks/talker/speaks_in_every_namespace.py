@@ -1,7 +1,7 @@
 """
-Tries: publish in every namespace it can think of, in place of the one it is in.
+Tries: publish in every likely namespace instead of its own.
 
-Stopped by: the namespace is drawn from a secret; names it does not have earn nothing
+Stopped by: the namespace is drawn from a secret; other names earn nothing
 Deserves: 7 at most
 """
 

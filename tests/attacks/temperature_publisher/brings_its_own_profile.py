@@ -1,9 +1,8 @@
 """
-Tries: give Fast DDS a profile of its own: shared memory only, and a file of the host as an
-    entity.
+Tries: give Fast DDS a profile of its own: shared memory only, and a file of the host as an entity.
 
-Stopped by: what the probe cannot hear has no points; the profile is read by the program
-    itself, with its rights
+Stopped by: messages that the probe cannot receive give no points; the program reads the profile
+ with its own rights
 Deserves: 2 at most
 """
 

@@ -1,8 +1,8 @@
 """
-Tries: make the same calls through the 32-bit entry of the kernel, whose numbers a filter may
-    not know.
+Tries: make the same calls through the 32-bit entry of the kernel, whose numbers a filter may not
+ know.
 
-Stopped by: a system-call filter that kills whoever enters as another architecture
+Stopped by: a system-call filter that kills programs that use a different architecture
 Deserves: 0
 Ends: waits_outside
 """

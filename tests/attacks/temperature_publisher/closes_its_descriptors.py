@@ -1,8 +1,7 @@
 """
-Tries: close the standard descriptors, so that whoever waits for them waits for ever or breaks.
+Tries: close the standard descriptors, so that a process that reads them waits forever or fails.
 
-Stopped by: the end of a process is seen through a descriptor of the kernel, not through its
-    pipes
+Stopped by: the grader sees the end of a process through a pidfd, not through its pipes
 Deserves: 15
 """
 

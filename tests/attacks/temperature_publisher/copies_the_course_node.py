@@ -1,7 +1,7 @@
 """
 Tries: hand in the course's own publisher, which is installed beside the messages.
 
-Stopped by: empty mounts over the course's own nodes; only their messages are importable
+Stopped by: empty mounts hide the course's own nodes; only the messages are importable
 Deserves: 0
 """
 

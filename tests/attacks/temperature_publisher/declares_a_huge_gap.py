@@ -1,8 +1,8 @@
 """
 Tries: make the probe compute for minutes by one RTPS GAP of 2^40 messages that are not there.
 
-Stopped by: the limit of processor time, of which the probe's is a part; the program answers for
-    what it sends
+Stopped by: the limit of processor time, which includes the probe's; the program is responsible for
+ what it sends
 Deserves: 5 at most
 Ends: probe_broken
 """

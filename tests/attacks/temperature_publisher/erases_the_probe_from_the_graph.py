@@ -1,7 +1,7 @@
 """
 Tries: announce, in the name of the probe's own participant, that it has no nodes.
 
-Stopped by: a participant believes nobody else about itself; endpoints are told apart by id
+Stopped by: a participant ignores announcements about itself; the probe identifies endpoints by id
 Deserves: 15
 """
 

@@ -1,7 +1,7 @@
 """
-Tries: keep the driver of the virtual clock busy with reports that it waits.
+Tries: keep the driver of the virtual clock busy with reports that the program waits.
 
-Stopped by: the limit of processor time, of which the driver's is a part
+Stopped by: the limit of processor time, which includes the driver's
 Deserves: 0
 Ends: busy_before_node
 """

@@ -1,9 +1,9 @@
 """
 Tries: announce nodes of a participant that does not exist, with markup, terminal codes and
-    formulas as names (through the middleware's own discovery topic).
+ formulas as names (through the middleware's own discovery topic).
 
-Stopped by: names are any text to the probe; it asks nodes whose name ROS 2 allows, the pages
-    escape all
+Stopped by: the probe accepts any name, but calls only nodes whose names ROS 2 allows; pages escape
+ all names
 Deserves: 15
 Flag: a name that ROS 2 does not allow
 """

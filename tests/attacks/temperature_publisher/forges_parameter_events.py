@@ -1,7 +1,7 @@
 """
 Tries: announce parameters on /parameter_events that no node has.
 
-Stopped by: the grader asks nothing of that topic
+Stopped by: the grader does not use that topic
 Deserves: 15
 Flag: /parameter_events
 """

@@ -1,7 +1,7 @@
 """
-Tries: become somebody else: with programs that are set-uid, with one it makes, and by asking.
+Tries: become a different user with set-uid programs, one of its own, and setuid().
 
-Stopped by: no-new-privileges, no capability, a uid of nobody
+Stopped by: no-new-privileges, no capability, an unprivileged uid
 Deserves: 0
 """
 

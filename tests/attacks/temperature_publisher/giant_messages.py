@@ -1,7 +1,7 @@
 """
 Tries: make the observer swallow messages of many megabytes.
 
-Stopped by: a large message is recorded by its size; the probe has a memory limit too
+Stopped by: only the size of a large message is recorded; the probe has a memory limit too
 Deserves: 15 at most
 """
 

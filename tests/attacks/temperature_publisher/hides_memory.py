@@ -1,7 +1,7 @@
 """
-Tries: take memory that is nobody's private own: shared, anonymous, in many mappings.
+Tries: allocate memory that is private to no process: shared, anonymous, in many mappings.
 
-Stopped by: the watchdog sums what is resident, whoever made it; memory files are forbidden
+Stopped by: the watchdog sums all resident memory; memory files are forbidden
 Deserves: 0
 Ends: memory_limit
 Flag: ended by the grader

@@ -1,7 +1,7 @@
 """
-Tries: confuse the observer with nodes of the same name and with services it may ask.
+Tries: confuse the observer with nodes and services of the same name.
 
-Stopped by: every node of a name has to answer; twins are flagged
+Stopped by: every node with the name must answer; duplicates are flagged
 Deserves: 15 at most
 Flag: same name
 """

@@ -1,8 +1,8 @@
 """
-Tries: announce a node of the right name, and have none.
+Tries: announce a node with the right name without creating it.
 
-Stopped by: a node that answers nothing is no node to wait for; without messages there are no
-    points
+Stopped by: the probe does not wait for a node that never answers; without messages there are no
+ points
 Deserves: 4 at most
 """
 

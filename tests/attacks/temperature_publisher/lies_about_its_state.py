@@ -1,5 +1,5 @@
 """
-Tries: call itself a sleeping process with a name full of brackets, to mislead who reads /proc.
+Tries: call itself a sleeping process with a name full of brackets, to mislead readers of /proc.
 
 Stopped by: the grader reads the fields after the last bracket
 Deserves: 0

@@ -1,5 +1,5 @@
 """
-Tries: end its work, and never end.
+Tries: finish its work, but never exit.
 
 Stopped by: the run is over when the probe is done, whatever the program still does
 Deserves: 5 at most

@@ -1,6 +1,6 @@
 """
-Tries: use the calls behind which holes of the kernel were found: io_uring, bpf, userfaultfd,
-    keys, handles, new mounts.
+Tries: use system calls in which kernel vulnerabilities were found: io_uring, bpf, userfaultfd,
+ keys, handles, new mounts.
 
 Stopped by: a system-call filter
 Deserves: 0

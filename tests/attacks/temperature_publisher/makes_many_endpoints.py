@@ -1,7 +1,7 @@
 """
 Tries: bury the graph under hundreds of publishers.
 
-Stopped by: all are counted, some hundreds are listed, and the rest of the run is as it is
+Stopped by: all are counted, a few hundred are listed, and the rest of the run is unaffected
 Deserves: 15 at most
 Flag: more than 100 publishers
 """

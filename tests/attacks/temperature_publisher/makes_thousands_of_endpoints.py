@@ -1,7 +1,7 @@
 """
 Tries: drown the observer in the discovery of three thousand publishers.
 
-Stopped by: the limit of processor time; an observer that broke off would make no verdict
+Stopped by: the limit of processor time; if the observer gave up, there would be no verdict
 Deserves: 15 at most
 Flag: more than 100 publishers
 """

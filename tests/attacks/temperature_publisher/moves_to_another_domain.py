@@ -1,7 +1,7 @@
 """
 Tries: work where the probe does not listen: in another ROS domain.
 
-Stopped by: only what the probe hears counts; the ports in use tell of the domain
+Stopped by: only messages that the probe receives count; the open ports reveal the domain
 Deserves: 0
 Flag: ROS domain 42
 """

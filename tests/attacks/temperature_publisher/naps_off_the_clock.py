@@ -1,7 +1,7 @@
 """
 Tries: use neither processor time nor much virtual time, by naps where the clock does not see them.
 
-Stopped by: 5 s of the whole run in which nobody computes
+Stopped by: a limit of 5 s per run in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

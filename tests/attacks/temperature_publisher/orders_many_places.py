@@ -1,7 +1,7 @@
 """
 Tries: order 300 places on the virtual clock, for children that never begin.
 
-Stopped by: time stands still, for 5 s in which nobody computes
+Stopped by: time stands still, and a limit of 5 s in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

@@ -1,5 +1,5 @@
 """
-Tries: send texts and numbers that are equal to everything they are compared with.
+Tries: send strings that compare equal to everything.
 
 Stopped by: only bytes cross the wire; the judge compares plain values of its own
 Deserves: 13

@@ -1,7 +1,7 @@
 """
 Tries: make rclpy itself report a perfect minute, without sending anything.
 
-Stopped by: what counts is received by another process; rclpy in this one may say what it likes
+Stopped by: only messages that another process receives count
 Deserves: 2
 """
 

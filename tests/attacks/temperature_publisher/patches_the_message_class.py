@@ -1,5 +1,5 @@
 """
-Tries: let a wrong message read back as a right one, in the class that an observer would use.
+Tries: make a wrong message look correct in the message class that an observer would use.
 
 Stopped by: the probe has a message class of its own, in its own process
 Deserves: 14

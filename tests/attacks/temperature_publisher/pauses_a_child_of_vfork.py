@@ -1,8 +1,7 @@
 """
-Tries: hold a thread in the state of a wait for a disk, by ``clone(CLONE_VFORK)`` with a child that
-    pauses.
+Tries: keep a thread in disk sleep, by ``clone(CLONE_VFORK)`` with a child that pauses.
 
-Stopped by: 5 s of the whole run in which nobody computes
+Stopped by: a limit of 5 s per run in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

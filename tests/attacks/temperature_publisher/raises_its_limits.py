@@ -1,5 +1,5 @@
 """
-Tries: raise its limits and its priority, and ask the kernel to spare it when memory ends.
+Tries: raise its limits and its priority, and ask the kernel to spare it when memory runs out.
 
 Stopped by: hard limits and no capability
 Deserves: 0

@@ -1,5 +1,5 @@
 """
-Tries: break whoever reads its error messages: exceptions with hostile names, texts and depth.
+Tries: break readers of its error messages with exceptions of hostile names, texts and depth.
 
 Stopped by: the last lines of a text are kept and escaped; only messages decide
 Deserves: 0

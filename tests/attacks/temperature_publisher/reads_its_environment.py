@@ -1,9 +1,8 @@
 """
 Tries: look for secrets in its environment, its arguments, the kernel's keys and the table of
-    mounts.
+ mounts.
 
-Stopped by: an environment made from nothing; the mounts tell where things lie, not what is in
-    them
+Stopped by: an environment made from nothing; the table of mounts shows paths, but no contents
 Deserves: 0
 """
 

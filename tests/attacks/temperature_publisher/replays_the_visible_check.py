@@ -1,7 +1,7 @@
 """
 Tries: send the stamps that the visible check in the notebook wants, whatever the clock says.
 
-Stopped by: the hidden clock begins at a moment that nobody knows
+Stopped by: the clock of the hidden exam begins at a secret time
 Deserves: 12
 """
 

@@ -1,8 +1,8 @@
 """
-Tries: publish bytes that are no message of the type: empty, cut off, with endless lengths, not
-    UTF-8.
+Tries: publish bytes that are not a message of the type: empty, cut off, with endless lengths, not
+ UTF-8.
 
-Stopped by: what cannot be read is not received; the rest is judged as it is
+Stopped by: the probe does not receive unreadable messages; the others are judged as usual
 Deserves: 7
 """
 

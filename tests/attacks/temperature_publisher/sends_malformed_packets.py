@@ -1,8 +1,7 @@
 """
 Tries: crash the probe with malformed RTPS packets, on every port it may have.
 
-Stopped by: the probe is a disposable process; if it dies of packets, the program answers for
-    them
+Stopped by: the probe is a disposable process; if packets crash it, the program is responsible
 Deserves: 15 at most
 """
 

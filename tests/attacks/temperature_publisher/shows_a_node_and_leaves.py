@@ -1,7 +1,7 @@
 """
 Tries: show a node and its publisher, then end with exit code 0 before anything is measured.
 
-Stopped by: what a program shows before it can be asked counts for nothing
+Stopped by: nothing counts that a program shows before the probe can query it
 Deserves: 0
 """
 

@@ -1,7 +1,7 @@
 """
-Tries: sleep where the virtual clock does not see it, by the number of the system call.
+Tries: sleep unnoticed by the virtual clock, with a direct system call.
 
-Stopped by: 5 s of the whole run in which nobody computes
+Stopped by: a limit of 5 s per run in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

@@ -1,7 +1,7 @@
 """
 Tries: wait for a child that does not load the library of the virtual clock.
 
-Stopped by: 5 s of the whole run in which nobody computes
+Stopped by: a limit of 5 s per run in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

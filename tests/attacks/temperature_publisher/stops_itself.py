@@ -1,7 +1,7 @@
 """
-Tries: stop its own process by a signal, and be waited for.
+Tries: stop its own process with a signal, so that the grader waits for it.
 
-Stopped by: 5 s of the whole run in which nobody computes
+Stopped by: a limit of 5 s per run in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

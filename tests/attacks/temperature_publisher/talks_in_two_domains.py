@@ -1,7 +1,7 @@
 """
-Tries: be honest here and take part in a second domain, where others may be.
+Tries: behave honestly, but also join a second domain, where other programs may run.
 
-Stopped by: the network is the sandbox's own; there is nobody in any domain of it
+Stopped by: the sandbox has a separate network, without other programs in any domain
 Deserves: 15
 Flag: ROS domain 7
 """

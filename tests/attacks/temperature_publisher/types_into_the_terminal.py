@@ -1,5 +1,5 @@
 """
-Tries: type commands into the terminal of whoever runs the grader.
+Tries: type commands into the terminal of the user who runs the grader.
 
 Stopped by: a session of its own, without a terminal
 Deserves: 0

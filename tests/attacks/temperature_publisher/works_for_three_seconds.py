@@ -1,5 +1,5 @@
 """
-Tries: work for three seconds only, and answer nothing it is asked.
+Tries: work for three seconds only, and answer no requests.
 
 Stopped by: every program is watched for the whole minute, whether it answers or not
 Deserves: 5

@@ -1,5 +1,5 @@
 """
-Tries: make the logger claim another level than it sends.
+Tries: make the logger claim a level that differs from the one that it sends.
 
 Stopped by: the level is read from /rosout, as it was sent
 Deserves: 6

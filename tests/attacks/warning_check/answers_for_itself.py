@@ -1,7 +1,7 @@
 """
 Tries: answer on /answers itself, before the grader's node does, and twice for each run.
 
-Stopped by: an answer counts for the run after which it comes, and only one answer for each run
+Stopped by: an answer counts only for the preceding run, and each run has only one answer
 Deserves: 0
 """
 

@@ -1,4 +1,4 @@
-"""A button that bounces: what came twice in a row is published, once each time it changes."""
+"""A button that bounces: a state that arrives twice in a row is published, once per change."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Feed, Scenario
@@ -10,7 +10,7 @@ PRESSED = (False, True, False, True, True, True, False, False, True, False, True
 
 
 def debounced(pressed, needs=2, again=False):
-    """Return what is published after each state; the button is up at first."""
+    """Return the states published after each state; the button is up at first."""
     found, last = [], False
     for end in range(1, len(pressed) + 1):
         same = end >= needs and len(set(pressed[end - needs : end])) == 1

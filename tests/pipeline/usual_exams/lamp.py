@@ -1,4 +1,4 @@
-"""A lamp with a service: it refuses to be switched to what it is already."""
+"""A lamp with a service, which refuses a request for the current state."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Call, Scenario

@@ -1,4 +1,4 @@
-"""Between a joystick and a robot: no faster than the parameter limit, 0.5 m/s at first."""
+"""A node that reduces speeds to the parameter limit, which is 0.5 m/s at first."""
 
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Feed, Scenario, set_parameters
@@ -11,7 +11,7 @@ SPEEDS = [(speed, 0.5, 0.5) for speed in FIRST] + [(speed, 0.25, 0.5) for speed 
 
 
 def limited(cut=lambda speed, limit, first: max(-limit, min(speed, limit))):
-    """Return what is published for a speed, the limit of that moment and the first one."""
+    """Return the published speed for a speed, the current limit and the first limit."""
     return each(lambda one: (cut(*one),))
 
 
