@@ -303,8 +303,7 @@ class Grading:
             if names:
                 yield f'{said}: {printable(first_of(names, MAX_NAMED))}.'
         if others:
-            count = len(others)
-            yield f'{count} other students are not in this folder; their results are unchanged.'
+            yield f'Students who are not in this folder: {len(others)}. Their results are unchanged.'
 
     def _report(
         self,

@@ -81,9 +81,9 @@ def matched(
         if len(rows) == 1:
             found.setdefault(min(rows), []).append(mark)
             continue
-        where = ' and '.join(str(row + 1) for row in sorted(rows))
-        both = f'{done.row}s {where} both have this id'
-        why = both if rows else f'{done.platform} has no such {columns}'
+        where = ', '.join(str(row + 1) for row in sorted(rows))
+        shared = f'{done.row}s {where} have this id'
+        why = shared if rows else f'{done.platform} has no such {columns}'
         done.left_out.append((mark.student, why))
     for row, several in found.items():
         if len(several) > 1:

@@ -203,7 +203,7 @@ def require_messages(
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} {what}' if least > 1 else what,
-            observed=f'{count_of(len(found))} message{"" if len(found) == 1 else "s"}',
+            observed=counted(len(found), 'message'),
             why=why_silent(run) if found else why_no_message(run),
         )
     return found
@@ -306,14 +306,14 @@ def own_logs(run: Run, node: str, level: int | None = None) -> list[Event]:
     ]
 
 
-def count_of(number: int) -> str:
-    """Return a count as text for a sentence, ``no`` for 0."""
-    return str(number) if number else 'no'
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun, such as ``no messages``, ``1 message`` or ``2 messages``."""
+    return f'{count or "no"} {noun}{"" if count == 1 else "s"}'
 
 
 def lines(count: int, level: int) -> str:
     """Return a count of log lines with their level as text for a sentence."""
-    return f'{count_of(count)} {LEVELS[level]} line{"" if count == 1 else "s"}'
+    return counted(count, f'{LEVELS[level]} line')
 
 
 def require_answers(

@@ -29,7 +29,7 @@ from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import acts_by_cause, cause_of
 from autograder.judging.checks import (
-    count_of,
+    counted,
     field_of,
     lines,
     own_logs,
@@ -161,9 +161,8 @@ def require_one_for_one(
         due, count = len(asked.answers[place]), len(came[place] or ())
         if count != due:
             raise Failed(
-                expected=f'{count_of(due)} message{"" if due == 1 else "s"} on {topic} '
-                f'after message {place + 1}',
-                observed=f'{count_of(count)} message{"" if count == 1 else "s"}',
+                expected=f'{counted(due, "message")} on {topic} after message {place + 1}',
+                observed=counted(count, 'message'),
                 why=why_silent(while_running(run, asked, place, count < due))
                 or why_other_answer(
                     asked, _without_last(run, came, place), place, delays(run, ask, topic)

@@ -173,7 +173,7 @@ def test_who_has_no_mark_or_no_single_member_gets_no_score(platform, settings):
     assert dict(done.left_out) == {
         'ada': BY_HAND,
         'eve': 'the platform has no such user id, login or e-mail address',
-        'twin': 'members 4 and 5 both have this id',
+        'twin': 'members 4, 5 have this id',
     }
 
 

@@ -89,7 +89,7 @@ def test_an_id_of_two_lines_is_nobodys():
     done = fill([Mark('s11', 1.0, 6.5)], book(ADA, other))
 
     assert cells(done.data) == cells(book(ADA, other))
-    assert done.left_out == [('s11', 'lines 4 and 5 both have this id')]
+    assert done.left_out == [('s11', 'lines 4, 5 have this id')]
 
 
 def test_two_students_of_one_line_get_nothing():

@@ -55,7 +55,7 @@ def test_numbers_of_collect_tell_people_with_one_name_apart():
     assert grades(done.data) == {'Participant 312': '3.00', 'Participant 313': '5'}
 
     refused = fill({'Bo Berg': 5.0}, data)
-    assert refused.left_out == [('Bo Berg', 'lines 2 and 3 both have this id')]
+    assert refused.left_out == [('Bo Berg', 'lines 2, 3 have this id')]
     assert grades(refused.data) == grades(data)
 
 

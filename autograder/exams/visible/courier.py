@@ -16,7 +16,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent
-from autograder.judging.checks import require_field, SECOND
+from autograder.judging.checks import counted, require_field, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import endpoints_at, seconds_after_join
 from autograder.recording import Event
@@ -128,7 +128,7 @@ def delivers_once(run: Run) -> None:
     if early:
         raise Failed(
             expected='nothing before a subscription is connected',
-            observed=f'{early} parcel{"" if early == 1 else "s"} before a subscription connected',
+            observed=f'{counted(early, "parcel")} before a subscription connected',
             why=WHY['also_early'],
         )
     counts = [len(parcels(run, listener)) for listener in ('first', 'second', 'third')]

@@ -24,7 +24,12 @@ from autograder.exam.scenario import (
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent
 from autograder.judging.causes.lifecycle import why_refused
-from autograder.judging.checks import require_answers, require_endpoint, require_partner
+from autograder.judging.checks import (
+    counted,
+    require_answers,
+    require_endpoint,
+    require_partner,
+)
 from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period, seconds_between, with_unheard
 from autograder.judging.rows import endpoints_at
@@ -35,7 +40,7 @@ WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanu
 ASKED = (*WAYS, 'configure', 'activate')
 UNUSED = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure', 'activate')
 """Transitions at the end, which clean up a configuration that was never active."""
-SILENT = ('fresh', 'configured', 'paused', 'cleaned', 'configured again')
+SILENT = ('unconfigured', 'configured', 'paused', 'cleaned', 'configured again')
 ACTIVE = ('active', 'active again')
 UNHEARD_S = 1.2  # in the first active phase, without a subscription [s]
 EXERCISE = 'Exercise 1: a managed beacon'
@@ -65,7 +70,7 @@ def creates_its_publisher(run: Run) -> None:
     if not publishers(run, 'configured'):
         _require_transitions(run, 1)
     require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
-    if publishers(run, 'fresh'):
+    if publishers(run, 'unconfigured'):
         raise Failed(
             expected='no publisher on beacon_signal before the node is configured',
             observed='a publisher before the node is configured',
@@ -139,15 +144,14 @@ def is_silent_otherwise(run: Run) -> None:
         if found:
             raise Failed(
                 expected='no message while the node is not active',
-                observed=f'{len(found)} message{"" if len(found) == 1 else "s"} while the node '
-                f'was {phase}',
+                observed=f'{counted(len(found), "message")} while the node was {phase}',
                 why=WHY['stays_on'] if phase == 'paused' else WHY['not_managed'],
             )
     kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:
         raise Failed(
             expected='no message for a subscription that connects while the node is inactive',
-            observed=f'{len(kept)} message{"" if len(kept) == 1 else "s"} from the active phase',
+            observed=f'{counted(len(kept), "message")} from the active phase',
             why=WHY['keeps_old'],
         )
 
@@ -158,7 +162,7 @@ def cleans_up(run: Run) -> None:
     if left:
         raise Failed(
             expected='no publisher on beacon_signal after cleanup',
-            observed=f'{left} publisher{"" if left == 1 else "s"} after cleanup',
+            observed=f'{counted(left, "publisher")} after cleanup',
             why=WHY['not_cleaned'],
         )
     again = len(publishers(run, 'configured again'))
@@ -189,7 +193,7 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     configure, activate = changes['configure'], changes['activate']
     deactivate, cleanup = changes['deactivate'], changes['cleanup']
     steps: list[Step] = [
-        *(Mark('fresh'), state(name), pause, Look('fresh')),
+        *(Mark('unconfigured'), state(name), pause, Look('unconfigured')),
         *(Mark('configured'), configure, pause, Look('configured')),
         *(Mark('active'), activate, unheard, rest),
         *(Mark('paused'), deactivate, pause),

@@ -15,7 +15,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Call, Join, Scenario, Unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
-from autograder.judging.checks import require_messages, require_qos
+from autograder.judging.checks import counted, require_messages, require_qos
 from autograder.judging.claims import node
 from autograder.judging.numbers import why_not_numbered
 from autograder.judging.rhythm import just_before, require_period, seconds_between, with_unheard
@@ -78,7 +78,7 @@ def counts_its_greetings(run: Run) -> None:
     if len(found) < least:
         raise Failed(
             expected=f'at least {least} messages, enough to check the count',
-            observed=f'{len(found)} message{"" if len(found) == 1 else "s"}',
+            observed=counted(len(found), 'message'),
             why=why_silent(run) or WHY['wrong_rate'],
         )
     texts = [str(event['data']['data']) for event in found]

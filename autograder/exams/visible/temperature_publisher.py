@@ -19,7 +19,7 @@ from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, Unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
-from autograder.judging.checks import require_field, require_messages, SECOND
+from autograder.judging.checks import counted, require_field, require_messages, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rhythm import (
     GRAIN_S,
@@ -61,7 +61,7 @@ def enough_readings(run: Run) -> list[Event]:
     if len(found) < due // 4:
         raise Failed(
             expected=f'{due} readings, because this check needs every reading',
-            observed=f'only {len(found)} reading{"" if len(found) == 1 else "s"}',
+            observed=f'only {counted(len(found), "reading")}',
             why=why_silent(run),
         )
     return found
