@@ -303,7 +303,7 @@ class Grading:
             if names:
                 yield f'{said}: {printable(first_of(names, MAX_NAMED))}.'
         if others:
-            yield f'Students who are not in this folder: {len(others)}. Their results are unchanged.'
+            yield f'Students not in this folder: {len(others)}. Their results are unchanged.'
 
     def _report(
         self,
