@@ -101,8 +101,8 @@ def soak(root: Path, names: Sequence[str], kills: int, seed: int, seconds: int) 
         shutil.rmtree(layout.work, ignore_errors=True)
         after = None
         while after is None:
-            # Short enough to interrupt the grading; after enough kills, let it complete
-            # undisturbed.
+            # Choose a time that is short enough to interrupt the grading; after enough kills, let
+            # the grading complete undisturbed.
             ended = account.kills.total() >= kills
             within_s = None if ended else length_s * chance.uniform(0, 0.8)
             after = _killed_or_done(layout, within_s, chance, account)

@@ -29,7 +29,7 @@ class Callbacks(Watch):
         if not events:
             return None
         times = [time for call in events for time in call.times]
-        # A callback that has not ended is drawn until the end of the watch.
+        # Extend the box of a callback that has not ended to the end of the watch.
         unended = any(call.began is not None and call.ended is None for call in events)
         end = (unended and self.end) or max(times)
         lanes = _lanes(events, end)

@@ -175,7 +175,7 @@ class Specification:
         Return the slip that explains all answers, or otherwise all answers of one part.
 
         A part helps if a program has two mistakes.  Small parts are unreliable: too many slips
-        explain them.
+        explain them.  A slip that happens only sometimes may explain only the wrong answers.
 
         :param came: see :meth:`wrong`
         :param place: index of a wrong answer, by default the first; parts without it are skipped

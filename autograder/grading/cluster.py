@@ -152,7 +152,7 @@ def mode_of_all(answers: Mapping[str, Mapping[str, Any]]) -> str:
     """
     Return the common isolation mode of all workers.
 
-    :param answers: the answers of :func:`about` by the workers' addresses
+    :param answers: the decoded results of :func:`about`, keyed by worker address
     :raises ClusterUnavailable: if hidden exams are not protected, or modes or versions differ
     """
     first = ''

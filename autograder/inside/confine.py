@@ -87,7 +87,7 @@ def landlock_version() -> int:
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     """
-    Give up all file access except as in the rules and, if Landlock can, TCP and signals.
+    Give up file access that no rule allows and, if Landlock supports it, TCP and signals.
 
     :param rules: described in the docstring of this module
     :param descriptors: descriptors of the rules' paths, by path, opened before the uid was changed

@@ -51,7 +51,7 @@ def is_left_out(name: str) -> bool:
 
 def read_package(folder: Path) -> dict[str, str]:
     """
-    Return the texts of a package's files by the paths that exams use.
+    Return the contents of a package's files, keyed by the paths that exams use.
 
     :param folder: the package, or a folder with the same structure
     :raises UnusableUploadError: if a file or folder is a link

@@ -100,8 +100,8 @@ def knowing_node(args: argparse.Namespace, known: Known | None = None) -> Iterat
     """
     Provide a node that has discovered the graph.
 
-    :param known: returns whether the graph contains the entity that the command needs; the wait
-        for it ends after LIMIT_S
+    :param known: returns whether the graph contains the entity that the command needs;
+        :func:`wait_for_graph` limits the wait
     """
     looks = (args.spin_time, *AGAIN_S, *([LIMIT_S] if known else []))
     for number, alone_s in enumerate(looks, 1):

@@ -379,7 +379,7 @@ def test_rate_in_a_callback_never_wakes(world):
     entered = threading.Event()
 
     def sleep_once():
-        rate.sleep()  # may return at once, if the rate's timer fired before
+        rate.sleep()  # may return at once if the rate's timer has already fired
         entered.set()
         rate.sleep()
         woken.set()
@@ -388,7 +388,7 @@ def test_rate_in_a_callback_never_wakes(world):
     thread = in_thread(to_the_end(world.executor))
     entered.wait(0.5)
     assert not woken.wait(0.5)  # fifty periods
-    world.executor.shutdown(timeout_sec=0)  # first; otherwise, the next tick finds no rate
+    world.executor.shutdown(timeout_sec=0)  # first; otherwise, a tick would use a destroyed rate
     rate.destroy()
     thread.join(SOON_S)
 

@@ -59,7 +59,7 @@ def graded(course):
 
 
 def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
-    """There is no line per student and no traceback, and the next grading enters the class."""
+    """The error is not repeated for each student, and the next grading enters all results."""
     with no_room_in_gradebook():
         table, said = graded(class_)
 
@@ -76,7 +76,7 @@ def test_a_full_disk_under_the_gradebook_is_one_line(class_, capfd):
 
 
 def test_a_full_disk_under_the_submissions_is_one_line(class_, monkeypatch):
-    """Writing the notebooks for nbgrader already fails."""
+    """The disk is already full when the grader writes the notebooks for nbgrader."""
     with monkeypatch.context() as patch:
         patch.setattr(record, '_stage', no_room)
         said = refusal_after_grading(class_, count=len(STUDENTS))

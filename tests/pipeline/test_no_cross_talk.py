@@ -110,7 +110,8 @@ def test_the_foreign_talker_is_heard_outside_a_sandbox():
         'ROS_DOMAIN_ID': os.environ.get('ROS_DOMAIN_ID', '0'),
     }
     variables.pop('ROS_AUTOMATIC_DISCOVERY_RANGE', None)
-    # One domain, because participants in a hundred would starve each other while other tests run.
+    # Use only one domain: participants in a hundred domains would starve each other while other
+    # tests run.
     with somebody_talks([int(variables['ROS_DOMAIN_ID'])]):
         done = subprocess.run(
             [sys.executable, '-c', code],

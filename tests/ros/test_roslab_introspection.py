@@ -318,7 +318,7 @@ def test_plot_moves_in_its_cell_until_it_is_stopped(kernel):
 
 
 def test_plot_is_redrawn_in_place_once_a_page_reports_that_it_shows_it(kernel):
-    """From then on, the notebook gets the picture at the end of a cell only."""
+    """From then on, the notebook gets the picture only at the end of a cell."""
     kernel.run(COUNTER, cell_id='a')
     shown = kernel.run(
         'curve = plot("number", "data")\nprint(curve._widget.model_id)', cell_id='b'

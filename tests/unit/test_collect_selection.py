@@ -205,7 +205,7 @@ class TestTheRightOne:
         ],
     )
     def test_one_of_several_without_a_cell_is_not_guessed(self, others, why, tmp_path, layout):
-        """Several notebooks without graded cells are left for a person to choose."""
+        """Without a cell or the name of the assignment, only a single notebook is taken."""
         files = {'ann/a.ipynb': OWN, **{f'ann/{name}': data for name, data in others.items()}}
 
         (row,) = collect(laid(tmp_path / 's', files), layout, layout.submitted, assignment=TALK)

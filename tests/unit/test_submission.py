@@ -1,4 +1,4 @@
-"""Reading submissions: any bytes give a notebook that can be graded, or a reason."""
+"""Reading submissions: any bytes give a gradable notebook or a reason for review."""
 
 import json
 

@@ -225,7 +225,7 @@ def _why_no_executable(run: Run) -> Cause:
 
 def installed(run: Run) -> dict[str, list[str]]:
     """
-    Return the installed files that ``run_package`` lists.
+    Return the names of executables and of ``lib`` folders that ``run_package`` lists.
 
     Students can forge this list, so it is used only for explanations.
     """
