@@ -1,4 +1,4 @@
-# The commands of the course. Every goal first prepares what it needs: a virtual environment with
+# The commands of the course. Most goals first prepare what they need: a virtual environment with
 # ROS 2, the course's ROS package and a Jupyter kernel. If everything is ready, this takes no time.
 # `make help` prints the lines that begin with #|. Students' copies lack instructors.mk.
 #

@@ -115,7 +115,7 @@ def sample_class_result(report: str) -> str:
     right = re.findall(r'^│ (pass__\S+) +│ +([\d.]+) of +(\d+) │', report, re.M)
     wrong = [name for name, points, of in right if float(points) < int(of)]
     if not sample or graded != int(sample[1]):
-        raise RouteFailed(f'expected the sample class, graded {graded} submissions')
+        raise RouteFailed(f'expected the sample class, but {graded} submissions were graded')
     if wrong or not right:
         raise RouteFailed(f'expected full points for {wrong[0] if wrong else "pass__..."}')
     if len(modes) != 1 or not modes < {'bwrap-user', 'bwrap-root'}:

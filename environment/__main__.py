@@ -30,7 +30,7 @@ def main(arguments: Sequence[str], environ: Mapping[str, str]) -> int:
         )
         return 2
     places = Places.of(environ.get('VENV') or '.venv', course)
-    # Imported where needed: `ready` runs before every make goal and must start quickly.
+    # Import modules where needed: `ready` runs before most make goals and must start quickly.
     if command == 'ready':
         from environment.stamps import is_ready
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Prepare the environment; called by make before every goal, from the root of the project.
+# Prepare the environment; make calls this before most goals, from the root of the project.
 # Instant if there is nothing to do. Otherwise, find a Python that can run the set-up. The set-up
 # itself chooses the Python for the course, which may be a different one.
 

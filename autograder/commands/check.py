@@ -108,7 +108,7 @@ def sandbox_for(visible: bool) -> Any:
         if not visible:
             raise
         print(
-            f'No sandbox works here, so the program runs as a plain process: {error.what}',
+            f'The program runs as a plain process, because no sandbox works here: {error.what}',
             file=sys.stderr,
         )
         return choose.usable('none')

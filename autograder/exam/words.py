@@ -37,7 +37,7 @@ class Causes:
     The causes of one text file, by name.
 
     A row of the file has these lines: ``cause``, or ``cause|name`` if several rows have the same
-    cause id; what is wrong; the repair.  Further lines are fields of
+    cause id; what is wrong; the fix.  Further lines are fields of
     :class:`autograder.exam.specification.Cause`: ``act: ...``, ``about:`` and ``closer:`` with
     words, or names of causes, separated by spaces.
 
@@ -49,13 +49,13 @@ class Causes:
         """
         Read the file.
 
-        :raises ExamInvalid: if a row lacks its text or its repair
+        :raises ExamInvalid: if a row lacks its sentence or its fix
         """
         self._file, self._words = Path(module).with_suffix('.txt'), words
         self._rows: dict[str, list[str]] = {}
         for head, *lines in rows(self._file.read_text(encoding='utf-8')):
             if len(lines) < 2:
-                raise ExamInvalid(f'{self._file.name}, {head}: expected a text and a repair.')
+                raise ExamInvalid(f'{self._file.name}, {head}: expected a sentence and a fix.')
             cause_id, _, name = head.partition('|')
             self._rows[name or cause_id] = [cause_id, *lines]
 

@@ -119,8 +119,8 @@ class ClearSolutionsByKind(ClearSolutions):
             return super().preprocess_cell(cell, resources, cell_index)
         if utils.is_solution(cell) and self.begin_solution_delimeter not in cell.source:
             raise RuntimeError(
-                f'{file.path}: expected a region from ### BEGIN SOLUTION to ### END SOLUTION, '
-                'got none: the magic line would be cleared with the solution.'
+                f'{file.path}: the solution is not between ### BEGIN SOLUTION and '
+                '### END SOLUTION, so the release would lose the magic line too.'
             )
         kind = 'xml' if file.name.endswith('.xml') else file.kind
         self.set_trait('code_stub', {**_STUBS, **self.code_stub})

@@ -1,5 +1,5 @@
 """
-Call a student's check with recorded runs from ``/runs``, and publish its answers on ``/answers``.
+Call a student's check with generated runs from ``/runs``, and publish its answers on ``/answers``.
 
 Usage: run_node.py ask_check.py WIRE SIMULATED CHECK.  WIRE and SIMULATED are the grader's
 ``probe_wire.py`` and ``simulated.py``, which create the objects that the check receives.  CHECK is

@@ -41,8 +41,7 @@ _RULES = {
     ),
     'rosmsg': (
         re.compile(r'[A-Z][A-Za-z0-9]*'),
-        'a message name starts with a capital letter and has only letters and digits, as in '
-        '%%rosmsg Speed',
+        'expected a capital letter, then letters and digits, as in %%rosmsg Speed',
     ),
     'rospkg': (
         re.compile('|'.join(map(re.escape, PACKAGE_FILES)).replace('NAME', r'[a-z][a-z0-9_]*')),

@@ -429,7 +429,7 @@ def test_whole_message_of_several_fields_or_of_text_is_reported():
             "self.create_subscription(String, 'chatter', 10, self.take)",
             "TypeError: Expected QoSProfile or int, but received <class 'method'>",
             'no_depth',
-            'Keep this order',
+            'Pass the arguments in this order',
         ),
         (
             'self.create_timer(self.take, 1.0)',

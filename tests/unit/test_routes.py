@@ -87,7 +87,7 @@ def test_sample_class_result_counts_submissions():
 @pytest.mark.parametrize(
     ('old', 'new', 'words'),
     [
-        ('the 3 example', 'the 4 example', 'graded 3 submissions'),
+        ('the 3 example', 'the 4 example', '3 submissions were graded'),
         ('18 of 18', '17.5 of 18', 'expected full points for pass__one'),
         ('isolation bwrap-user.', 'isolation landlock.', 'bwrap-user, landlock'),
         ('bwrap-user', 'landlock', 'expected full isolation, got landlock'),

@@ -81,5 +81,5 @@ def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
         Causes(module)['early']
 
     table.write_text('late\nIt is late.\n', encoding='utf-8')
-    with pytest.raises(ExamInvalid, match=r'exam\.txt, late: expected a text and a repair'):
+    with pytest.raises(ExamInvalid, match=r'exam\.txt, late: expected a sentence and a fix'):
         Causes(module)

@@ -2,11 +2,11 @@
 Lesson 11: a check that accepts the runs of correct temperature monitors and refuses others.
 
 The learner writes ``accepts(run)``, where ``run`` has the type that ``simulate()`` returns.  The
-grader calls it with recorded runs, made from the specification of the monitor in lesson 07 or one
-of its slips.  So the exam treats the check like any other program: its inputs are runs, and the
-correct answer is True for a correct monitor and False for one with a slip.  A check can have slips
-too: it compares too little, or it computes the expected warnings with one of the monitor's
-mistakes.
+grader calls it with runs that it generates from the specification of the monitor in lesson 07 or
+from one of its slips.  So the exam treats the check like any other program: its inputs are runs,
+and the correct answer is True for a correct monitor and False for one with a slip.  A check can
+have slips too: it compares too little, or it computes the expected warnings with one of the
+monitor's mistakes.
 
 No monitor runs: its specification, or a slip, determines what it logs after each reading.
 """
@@ -276,7 +276,7 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
         )
     if one_sided:
         raise Failed(
-            expected=f'{due} here, and {not due} for most runs of {_kind(not due)} nodes',
+            expected=f'{due} for these and {not due} for most runs of {_kind(not due)} nodes',
             observed=f'{not due} for {known} of {len(others)} runs of {_kind(not due)} nodes',
             why=WHY['one_sided'],
         )
