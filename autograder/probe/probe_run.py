@@ -265,6 +265,8 @@ class Probe:
                 take(self, number, step)
         except Stop as stop:
             reason = str(stop)
+        except MemoryError:  # of a message: nothing else here is large
+            reason = 'too_much_recorded'
         self.over_ns = self.clock_ns
         self.graph('end')
         if reason in ('complete', 'not_connected'):

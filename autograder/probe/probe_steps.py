@@ -185,7 +185,7 @@ def take(probe: Any, number: int, step: dict[str, Any]) -> None:
     """
     try:
         STEPS[step['do']](probe, step)
-    except Stop:
+    except (Stop, MemoryError):
         raise
     except Exception as error:
         words = ' '.join(f'{type(error).__name__}: {error}'.split())

@@ -5,12 +5,13 @@ A busy machine makes a run longer, but does not change its result.  A run that t
 minutes of real time is aborted, and the submission is for review.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+import math
 import time
 
 from autograder.errors import TooBusy
 from autograder.sandboxes.confinement import ConfinedProgram, Limits
-from autograder.sandboxes.processes import pss_bytes, states, usage, used_ns
+from autograder.sandboxes.processes import pss_bytes, states, Usage, usage, used_ns
 
 WATCH_EVERY_S = 0.05
 # Processor time allowed before the first node: imports take 0.3 s, or 1 s on a slow machine.
@@ -23,6 +24,7 @@ PROBE_S = 10.0
 # to 30 on two processors, correct programs used at most 0.1 s of their 5 s, and a program that
 # printed 7 MB used 0.2 s. Slow disks use more, and so does a person who pauses the probe.
 PREPARING_S, IDLE_S = 20.0, 5.0
+TICK_S = 0.01  # the kernel's precision of a process's start
 MOST_WALL_S = 600.0  # real time after which the machine is too busy for a verdict
 
 
@@ -45,10 +47,11 @@ class Watchdog:
         self.student, self.others = student, others
         self.limits = limits
         self.builds = builds
-        self.cpu_s = 0.0
+        self.cpu_s = self.sampled_s = 0.0
+        self.each: Mapping[int, tuple[float, float]] = {}
         self.began = self.looked = time.monotonic()
         self.idle_s = {True: 0.0, False: 0.0}  # while preparing, and afterwards
-        self.used_ns = 0
+        self.used_s = 0.0
 
     def due_in_s(self) -> float:
         """Return the real time until the next check."""
@@ -66,18 +69,38 @@ class Watchdog:
         if self.looked - self.began > MOST_WALL_S:
             raise TooBusy(f'The machine was too busy: a run took {MOST_WALL_S:.0f} s.')
         runs = self.student.process.poll() is None
-        resident, seconds = usage(*self.student.pids) if runs else (0, self.cpu_s)
-        self.cpu_s = max(self.cpu_s, seconds)
-        student_ns, others_ns = used_ns(*self.student.pids), sum(map(used_ns, self.others))
-        used_s = max(0, student_ns + others_ns - self.used_ns) / 1e9
-        self.used_ns = student_ns + others_ns
+        used = usage(*self.student.pids) if runs else Usage(0, 0.0, {})
+        self._sample(used.each, self.looked - before)
+        self.cpu_s = max(self.cpu_s, self.sampled_s, used.cpu_s)
+        others_s = sum(map(used_ns, self.others)) / 1e9
+        all_s = others_s + sum(used_s for used_s, _ in used.each.values())
+        earlier_s, self.used_s = self.used_s, all_s
         # If the grader's own process was delayed, do not count the delay as idle time.
-        idle_s = min(self.looked - before, WATCH_EVERY_S) - used_s
+        idle_s = min(self.looked - before, WATCH_EVERY_S) - max(0.0, all_s - earlier_s)
         return (
-            self._too_long(begun, others_ns / 1e9, idle_s)
+            self._too_long(begun, others_s, idle_s)
             or ('output_limit' if printed > self.limits.output else '')
-            or (self._too_large(resident) if runs else '')
+            or (self._too_large(used.resident) if runs else '')
         )
+
+    def _sample(self, each: Mapping[int, tuple[float, float]], gap_s: float) -> None:
+        """
+        Estimate the processor time of all processes, also of those whose exit code nobody reads.
+
+        Such a process leaves no trace of its processor time, and may live for less than one gap.
+        A process that lives for a tenth of a gap is seen in one of ten gaps, so each process that
+        is seen for the first time counts as if it had computed in the whole gap as in its life so
+        far.  On average, this also covers the time between its last check and its end.
+
+        :param each: as in :class:`autograder.sandboxes.processes.Usage`
+        :param gap_s: real time since the last check
+        """
+        for pid, (used_s, age_s) in each.items():
+            earlier_s = self.each[pid][0] if pid in self.each else math.inf
+            if used_s < earlier_s:  # a new process, perhaps with the pid of an ended one
+                earlier_s = used_s - gap_s * used_s / max(age_s - TICK_S / 2, used_s, TICK_S / 100)
+            self.sampled_s += used_s - earlier_s
+        self.each = each
 
     def _too_long(self, begun: bool, others_s: float, idle_s: float) -> str:
         if self.cpu_s + others_s > self.limits.cpu_s:

@@ -4,11 +4,12 @@ Read a program's use of threads, memory, processor time and ports from ``/proc``
 All facts come from the kernel, because the program itself is not trusted.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 import os
 from pathlib import Path
 import time
+from typing import NamedTuple
 
 # RTPS ports: 7400 + 250 x domain for discovery; 10 + 2 x N above that for participant N.
 FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
@@ -53,9 +54,13 @@ def used_ns(*pids: int) -> int:
     total = 0
     for process in family(*pids):
         with suppress(OSError):  # the process has ended
-            # Linux's clock id for the processor time of another process: clock_getcpuclockid(3).
-            total += time.clock_gettime_ns((~process << 3) | 2)
+            total += _used_ns(process)
     return total
+
+
+def _used_ns(process: int) -> int:
+    # Linux's clock id for the processor time of another process: clock_getcpuclockid(3).
+    return time.clock_gettime_ns((~process << 3) | 2)
 
 
 def ports(pid: int) -> set[int]:
@@ -158,20 +163,33 @@ def _read(path: str) -> bytes:
         os.close(file)
 
 
-def usage(*pids: int) -> tuple[int, float]:
+class Usage(NamedTuple):
     """
-    Return resident memory [bytes] and processor time [s] of processes and their descendants.
+    What processes and their descendants use.
 
-    :param pids: host pids
+    :param resident: memory [bytes]
+    :param cpu_s: processor time [s], also of ended children whose exit code a parent has read
+    :param each: processor time [s] and age [s] of each process that runs, by its host pid
     """
-    resident, ticks = 0, 0
+
+    resident: int
+    cpu_s: float
+    each: Mapping[int, tuple[float, float]]
+
+
+def usage(*pids: int) -> Usage:
+    """Return what processes and their descendants use, by their host pids."""
+    resident, ticks, each = 0, 0, {}
     for current in family(*pids):
         try:
             stat = _read(f'/proc/{current}/stat')
+            used_s = _used_ns(current) / 1e9
         except OSError:
             continue  # the process has ended
         fields = stat.rpartition(b')')[2].split()
         # Fields of proc(5): utime, stime, the same two for reaped children, and resident pages.
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE
-    return resident, ticks / CPU_TICKS
+        age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / CPU_TICKS
+        each[current] = used_s, age_s
+    return Usage(resident, ticks / CPU_TICKS, each)

@@ -88,8 +88,8 @@ def test_usage_counts_the_memory_of_children():
         [sys.executable, '-c', code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as parent:
         parent.stdout.readline()
-        resident, seconds = usage(parent.pid)
+        used = usage(parent.pid)
         parent.communicate(b'\n')
 
-    assert resident > 64 << 20
-    assert seconds >= 0
+    assert used.resident > 64 << 20
+    assert used.cpu_s >= 0

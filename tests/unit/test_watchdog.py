@@ -1,11 +1,13 @@
 """The budgets of real time for waiting while no process of a run computes."""
 
+from itertools import count
 from types import SimpleNamespace
 
 import pytest
 
 from autograder.runs import watchdog
 from autograder.sandboxes.confinement import Limits
+from autograder.sandboxes.processes import Usage
 
 PROGRAM, PROBE = 1, 2
 FOR_5_S, FOR_20_S = 101, 401
@@ -14,12 +16,15 @@ FOR_5_S, FOR_20_S = 101, 401
 @pytest.fixture
 def world(monkeypatch):
     """Return a simulated machine on which nothing computes, with a watchdog."""
-    world = SimpleNamespace(now=0.0, used_s=0.0, state={PROGRAM: b'S', PROBE: b'S'})
+    world = SimpleNamespace(now=0.0, used_s=0.0, state={PROGRAM: b'S', PROBE: b'S'}, children={})
     monkeypatch.setattr(watchdog.time, 'monotonic', lambda: world.now)
     monkeypatch.setattr(watchdog, 'states', lambda pid: world.state[pid])
-    monkeypatch.setattr(watchdog, 'usage', lambda pid: (0, 0.0))
-    used_ns = {PROGRAM: lambda: round(world.used_s * 1e9), PROBE: lambda: 0}
-    monkeypatch.setattr(watchdog, 'used_ns', lambda pid: used_ns[pid]())
+    monkeypatch.setattr(watchdog, 'used_ns', lambda probe: 0)
+
+    def usage(pid):
+        return Usage(0, 0.0, {pid: (world.used_s, world.now), **world.children})
+
+    monkeypatch.setattr(watchdog, 'usage', usage)
     student = SimpleNamespace(
         pids=(PROGRAM,),
         process=SimpleNamespace(poll=lambda: None),
@@ -63,6 +68,17 @@ def test_a_program_that_computes_or_waits_for_a_processor_uses_no_budget(world):
         world.used_s += 0.05
         assert world.look(1) == ''
     assert world.look(FOR_5_S + 1) == 'waits_outside'
+
+
+@pytest.mark.parametrize(('used_s', 'looks'), [(0.02, 400), (0.01, 800)])
+def test_each_child_that_nobody_reaps_counts_for_the_gap_in_which_it_is_seen(world, used_s, looks):
+    """A new child every 50 ms, which has computed all or half of its 25 ms so far: 20 s in all."""
+    for number in count(1):
+        world.children = {PROBE + number: (used_s, 0.025)}
+        if world.look(1, b'R') == 'cpu_limit':
+            break
+
+    assert number == pytest.approx(looks, abs=1)
 
 
 def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
