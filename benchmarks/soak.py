@@ -37,11 +37,15 @@ from tests.attacks.corpus import files_of, programs
 from tests.clock.style_pairs import judged, NAMES
 
 REPEATS = 12
+MANY = 10_000
+"""Number of runs from which on the figures are saved."""
 CORES = os.cpu_count() or 1
 SLOW_S = 3.0
 """The figures of a pass without load name each run that takes longer."""
 KINDS = ('sample', 'build', 'attack', 'style')
 """Kinds of tasks: samples, those whose package is built first, attacks, and styles of time."""
+GROUPS = {**{f'{kind}_s': (kind,) for kind in KINDS}, 'corpus_s': KINDS[:2], 'all_s': KINDS}
+"""Groups of tasks whose durations are reported, by the name of the figure."""
 REVIEW, OVER = 'for review: ', ', over its bound'
 
 
@@ -141,7 +145,7 @@ def main() -> int:
         **_figures(tasks, done, outcomes),
         'differing_pictures': sorted(report.differing(pictures)),
     }
-    full = len(done) >= len(WAYS) and not chosen.only
+    full = figures['runs'] >= MANY and not chosen.only
     # Save the results of a shorter measurement only if outcomes differ.
     report.save('soak', facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
@@ -232,11 +236,11 @@ def _repeat(
 def _durations(found: Sequence[Ran], way: Way) -> dict[str, Any]:
     """Return how long the runs of each kind of task take and, without load, name slow ones."""
     durations: dict[str, Any] = {}
-    for kind in KINDS:
-        each_s = [one.seconds for one in found if one.task.kind == kind]
+    for name, kinds in GROUPS.items():
+        each_s = [one.seconds for one in found if one.task.kind in kinds]
         if len(each_s) > 1:
             p95 = round(statistics.quantiles(each_s, n=20)[-1], 4)
-            durations[f'{kind}_s'] = {**report.spread(each_s), 'p95': p95}
+            durations[name] = {**report.spread(each_s), 'p95': p95}
     if way.jobs <= CORES:
         slow = [one for one in found if one.seconds > SLOW_S]
         slow.sort(key=lambda one: -one.seconds)
@@ -300,7 +304,7 @@ def _figures(
             'load': report.spread([repeat['load'] for repeat in mine]),
             **{
                 key: [one[key] for one in mine if key in one]
-                for key in (*(f'{kind}_s' for kind in KINDS), 'slow')
+                for key in (*GROUPS, 'slow')
                 if key in mine[0]
             },
         }
