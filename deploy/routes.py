@@ -273,7 +273,7 @@ def stop_hub(folder: Path, system: subprocess.Popen[str]) -> None:
         [one for one in inner if one.name() not in ('bwrap', 'bash')], timeout=STOPPED_S
     )
     if left:
-        raise RouteFailed(f'the hub has ended, but not {left[0]}')
+        raise RouteFailed(f'the hub has ended, but {left[0]} is still running')
 
 
 def first_of_three_free_ports() -> int:

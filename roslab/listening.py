@@ -141,8 +141,8 @@ def _subscribe(
     if not isinstance(topic, str):
         example = f"listen('chatter', {getattr(topic, '__name__', 'String')})"
         raise RoslabError(
-            'listen() expected the name of a topic and then a message class, as in '
-            f'{example}, got {topic!r} first.'
+            f'The first argument of listen() must be the name of a topic, as in {example}, '
+            f'not {topic!r}.'
         )
     if not (isinstance(msg_type, type) and hasattr(msg_type, 'get_fields_and_field_types')):
         raise RoslabError(

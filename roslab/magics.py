@@ -84,7 +84,7 @@ def run_cell(kind: str, line: str, cell: str, namespace: dict[str, Any]) -> None
         defined = _defined(module)
         say(f'{saved}{f"; defined {defined}" if defined else ""}.')
         for name in skipped:
-            say(f'Your name {name!r} was kept out of the notebook: it would hide roslab.{name}.')
+            say(f'Other cells cannot use your {name}: in the notebook, this is roslab.{name}.')
     elif file.unsolved or not file.body.strip():
         where = 'in place of YOUR CODE HERE' if file.unsolved else 'below the first line'
         raise not_written_yet(

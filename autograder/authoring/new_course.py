@@ -38,7 +38,8 @@ def new_course(folder: Path) -> list[Path]:
     name = folder.name.replace('-', '_')
     if not NAME.fullmatch(name):
         raise GraderError(
-            f'{folder.name}: use only lower-case letters, digits and underscores.', 'Rename it.'
+            f'{folder.name}: expected a lower-case letter, then such letters, digits or hyphens.',
+            'Rename it.',
         )
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise GraderError(f'{folder}: this folder exists and is not empty.')
@@ -70,7 +71,7 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     :raises GraderError: if a name is not valid, or a file already exists
     """
     if not NAME.fullmatch(name):
-        raise GraderError(f'{name}: use only lower-case letters, digits and underscores.')
+        raise GraderError(f'{name}: expected a lower-case letter, then such letters, digits or _.')
     if not LESSON.fullmatch(lesson):
         raise GraderError(f'{lesson}: expected a number and a name, such as 01_points.')
     words = {

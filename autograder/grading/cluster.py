@@ -61,7 +61,7 @@ class Cluster:
                 'Try: grade again. Finished runs are kept.',
             ) from error
         except CancelledError as error:
-            raise GraderError('The grading run was stopped, or the cluster was lost.') from error
+            raise GraderError('The run was stopped, or the cluster disconnected.') from error
 
     def close(self) -> None:
         """Cancel the tasks that have not started."""

@@ -226,7 +226,7 @@ def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:
         return engine.run(exam, files)
     except GraderError as error:
         return error
-    except Exception as error:  # a defect of the grader: for review, without a verdict
+    except Exception as error:  # a defect in the grader: for review, without a verdict
         return defect(error, exam.name)
 
 

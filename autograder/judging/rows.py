@@ -348,7 +348,7 @@ def require_warnings(
         or why_pattern(asked.answers, known, 'warns about', 'high value')
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,
-        blocks=not any(came),  # judge the other checks of a node that warns at all
+        blocks=not any(came),  # if the node warns at all, judge the other checks too
         share=share(run, followed, len(places) - len(wrong), len(places)) if shared else 0.0,
         act=acts_by_cause()['false_alarm'],
         # If an input was not sent, the indices of the recording differ.

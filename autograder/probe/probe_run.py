@@ -58,7 +58,7 @@ class Probe:
     def __init__(self, scenario: dict[str, Any]) -> None:
         """Create the probe's first endpoints, before the student's code starts."""
         self.scenario = scenario
-        # Send other output, such as rclpy's warnings, to standard error: it contains no events.
+        # Standard output is only for events: send rclpy's warnings to standard error.
         self.output = os.fdopen(os.dup(1), 'w', encoding='utf-8')
         os.dup2(2, 1)
         self.events, self.full = 0, False

@@ -377,7 +377,7 @@ class _RunLoop:
         if self.student.home is None:  # a program with a home folder shares the host's network
             self.domains = other_domains(ports(self.student.pid))
         expected = bool(self.student.namespaces) + self.student.supervised
-        if self.exit is None:  # the program still runs; a fork also has a launcher
+        if self.exit is None:  # the program is still running; a fork also has a launcher
             expected += 1 + bool(self.student.fork)
         self.left = len(running(*self.student.pids)) > expected
 

@@ -79,7 +79,7 @@ def run_task(task: bytes) -> bytes:
         answer = {'recording': recording.to_bytes().decode('utf-8'), 'timing': timing}
     except GraderError as error:
         answer = _fault(error)
-    except Exception as error:  # noqa: BLE001 - a defect of the grader, reported for review
+    except Exception as error:  # noqa: BLE001 - a defect in the grader, reported for review
         answer = _fault(errors.defect(error, 'A worker'))
     return json.dumps(answer).encode()
 

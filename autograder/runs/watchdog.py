@@ -85,12 +85,13 @@ class Watchdog:
 
     def _sample(self, each: Mapping[int, tuple[float, float]], gap_s: float) -> None:
         """
-        Estimate the processor time of all processes, also of those whose exit code nobody reads.
+        Estimate the processor time of all processes, even those whose exit code no process reads.
 
-        Such a process leaves no trace of its processor time, and may live for less than one gap.
-        A process that lives for a tenth of a gap is seen in one of ten gaps, so each process that
-        is seen for the first time counts as if it had computed in the whole gap as in its life so
-        far.  On average, this also covers the time between its last check and its end.
+        Such a process leaves no trace of its processor time, and may live for less than the gap
+        between two checks. A process that lives for a tenth of a gap is seen in one of ten gaps,
+        so each process that is seen for the first time counts as if it had computed in the whole
+        gap as in its life so far. On average, this also covers the time between its last check and
+        its end.
 
         :param each: as in :class:`autograder.sandboxes.processes.Usage`
         :param gap_s: real time since the last check

@@ -78,7 +78,7 @@ def ports(pid: int) -> set[int]:
 
 
 def first_port(domain: int) -> int:
-    """Return the port on which the first participant of a ROS domain receives."""
+    """Return the port on which the first participant of a ROS domain listens."""
     return FIRST_PORT + PORTS_A_DOMAIN * domain + OWN_PORTS[0]
 
 

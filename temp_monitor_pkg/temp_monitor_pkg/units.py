@@ -31,7 +31,7 @@ def to_celsius(value: float, unit: str) -> float:
     if unit == CELSIUS:
         return value
     if unit == FAHRENHEIT:
-        # Multiply before dividing: 86 degrees Fahrenheit are then exactly 30.
+        # Multiply before dividing, so that 86 degrees Fahrenheit is exactly 30 degrees Celsius.
         return (value - 32.0) * 5.0 / 9.0
     raise UnknownUnitError(unit)
 

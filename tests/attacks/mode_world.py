@@ -144,7 +144,7 @@ def main() -> None:
     lines = hostile_run(box, folder, sys.argv[3:] == ['linger'])
     answers = Path('tests/submissions/03_topics/pass__functions_style')
     results = []
-    for name in ('talker', 'running_mean'):  # one publishes by its timer, one answers
+    for name in ('talker', 'running_mean'):  # from a timer; from a callback
         exam = catalog.load(name, hidden=mode != 'none')
         files = {file: (answers / file).read_text('utf-8') for file in exam.requires}
         result = examine(exam, files, sandbox=box)

@@ -75,7 +75,7 @@ def built(source: Path, place: Path, toolchain: Path) -> str:
 
 
 def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
-    """C++ is two fifths of the work, and no graded program uses it."""
+    """C++ code takes two fifths of a build's CPU time, and no graded program uses it."""
     said = built(source, tmp_path, TOOLCHAIN)
     libraries = {path.name for path in (tmp_path / 'install' / 'lib').glob('lib*.so')}
     [modules] = (tmp_path / 'install').glob('lib/python3*/site-packages')

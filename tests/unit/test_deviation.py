@@ -1,4 +1,4 @@
-"""Find the first event that makes a check fail: the check names it, or a shorter run shows it."""
+"""Find the event that makes a check fail, from the check or by shortening the recording."""
 
 from autograder.exam.exam import Check, Failed, Run
 from autograder.judging.deviation import deviation

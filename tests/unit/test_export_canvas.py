@@ -68,7 +68,7 @@ def test_a_student_is_found_by_any_id(student):
 
 @pytest.mark.parametrize('login', ["o'neil@uni.example", 'bob+ros@uni.example'])
 def test_an_id_that_collect_had_to_change_is_found(login):
-    """An id that nbgrader cannot use is changed in the same way as by ``collect``."""
+    """The export changes an id that nbgrader cannot use in the same way as ``collect`` does."""
     data = book(ADA, BOB.replace('bob@uni.example', login))
     done = fill([Mark(student_id(login), 1.0, 6.5)], data)
 

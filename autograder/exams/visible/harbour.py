@@ -37,8 +37,8 @@ def both_nodes_exist(run: Run) -> None:
             )
     if others := [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]:
         raise Failed(
-            expected='two nodes, and no other',
-            observed=f'a further node, {others[0][:60]}',
+            expected='exactly two nodes',
+            observed=f'an additional node: {others[0][:60]}',
             why=WHY.of('further_node', about=[others[0]]),
         )
     ends = run.recording.endpoints('publisher', '/rosout')

@@ -99,7 +99,7 @@ def has_a_map_from_the_start(run: Run) -> None:
     if seen_s < FIRST_S:
         raise Failed(
             expected=f'the map {FIRST!r} as soon as the node exists',
-            observed=f'the map {FIRST!r} some time after the node exists',
+            observed=f'the map {FIRST!r} only some time after the node appears',
             why=WHY['first_map_late'],
         )
 

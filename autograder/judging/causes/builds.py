@@ -177,7 +177,7 @@ def _sentences(text: str) -> str:
 
 
 def why_no_program(run: Run) -> Cause | None:
-    """Return why a package has no program to run, None if it has one or is not a package."""
+    """Return why a package has no program to run; None if it has one or is not required."""
     code = run.recording.process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
         return build_cause(diagnose(output_of(run), run.files))

@@ -1,5 +1,5 @@
 """
-Tries: send finished log lines on /rosout by itself, without a logger and without a timer.
+Tries: publish ready-made log lines on /rosout directly, without a logger or a timer.
 
 Stopped by: lines have to come once a second of the virtual clock; a second publisher on /rosout is
     flagged

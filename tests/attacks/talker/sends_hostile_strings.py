@@ -1,7 +1,7 @@
 """
 Tries: send texts with terminal codes, markup, half surrogates and a hundred thousand characters.
 
-Stopped by: only the size of long messages is recorded, texts are escaped and cut
+Stopped by: the probe records only the size of long messages; feedback escapes and shortens strings
 Deserves: 9 at most
 Flag: too large
 """

@@ -1,5 +1,5 @@
 """
-Tries: load another RMW, by the environment variable.
+Tries: load a different RMW with the environment variable.
 
 Stopped by: rclpy is loaded before the program begins, so the variable comes too late
 Deserves: 15

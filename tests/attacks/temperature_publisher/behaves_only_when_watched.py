@@ -1,7 +1,7 @@
 """
 Tries: find out whether it is being graded, and do its work only then.
 
-Stopped by: nothing: on the wire it does what was asked, and that is what is graded
+Stopped by: nothing: the grader judges only what the program sends, and that is correct
 Deserves: 15
 """
 

@@ -1,8 +1,8 @@
 """
-Tries: give Fast DDS a profile of its own: shared memory only, and a file of the host as an entity.
+Tries: give Fast DDS its own profile: shared memory only, and a file of the host as an entity.
 
 Stopped by: messages that the probe cannot receive give no points; the program reads the profile
- with its own rights
+ with its own permissions
 Deserves: 2 at most
 """
 

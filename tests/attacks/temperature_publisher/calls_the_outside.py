@@ -1,7 +1,7 @@
 """
 Tries: reach the internet, the host's own services and its abstract sockets.
 
-Stopped by: a network namespace with nothing but a loopback, and no socket of the host in sight
+Stopped by: a network namespace that has only a loopback interface and no sockets of the host
 Deserves: 0
 """
 

@@ -1,5 +1,5 @@
 """
-Tries: hand in the course's own publisher, which is installed beside the messages.
+Tries: hand in the course's own publisher, which is installed with the messages.
 
 Stopped by: empty mounts hide the course's own nodes; only the messages are importable
 Deserves: 0

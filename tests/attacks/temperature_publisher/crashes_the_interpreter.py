@@ -1,7 +1,7 @@
 """
-Tries: die of a segmentation fault.
+Tries: crash with a segmentation fault.
 
-Stopped by: a process of its own; an exit code is no evidence
+Stopped by: a separate process; an exit code is not evidence
 Deserves: 0
 """
 

@@ -1,5 +1,5 @@
 """
-Tries: make the probe compute for minutes by one RTPS GAP of 2^40 messages that are not there.
+Tries: make the probe compute for minutes with one RTPS GAP of 2^40 missing messages.
 
 Stopped by: the limit of processor time, which includes the probe's; the program is responsible for
  what it sends

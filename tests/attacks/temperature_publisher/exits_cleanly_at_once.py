@@ -1,7 +1,7 @@
 """
-Tries: end with exit code 0 before anything can be looked at.
+Tries: end with exit code 0 before the probe can observe anything.
 
-Stopped by: only what the probe received counts, never an exit code or a printed text
+Stopped by: only what the probe received counts, never an exit code or printed output
 Deserves: 0
 """
 

@@ -1,5 +1,5 @@
 """
-Tries: make files without end where only sizes are limited.
+Tries: create files endlessly where only the total size is limited.
 
 Stopped by: the watchdog counts the files of both writable folders
 Deserves: 0

@@ -1,5 +1,5 @@
 """
-Tries: log without end beside its work.
+Tries: log endlessly while it publishes.
 
 Stopped by: the probe stops recording after 20000 events
 Deserves: 15 at most

@@ -1,5 +1,5 @@
 """
-Tries: drown the probe in datagrams, so that it hears nothing else.
+Tries: drown the probe in datagrams, so that it receives nothing else.
 
 Stopped by: limits of processor time; silence gets no points
 Deserves: 15 at most

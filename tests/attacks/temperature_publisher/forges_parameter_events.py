@@ -1,5 +1,5 @@
 """
-Tries: announce parameters on /parameter_events that no node has.
+Tries: announce, on /parameter_events, parameters that no node has.
 
 Stopped by: the grader does not use that topic
 Deserves: 15

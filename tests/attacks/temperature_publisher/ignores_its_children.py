@@ -1,5 +1,5 @@
 """
-Tries: compute for ever in short children whose exit codes, and so processor times, nobody reads.
+Tries: compute forever in short-lived children, whose exit codes and processor times are lost.
 
 Stopped by: the watchdog estimates the processor time of all children from those that it sees
 Deserves: 5 at most

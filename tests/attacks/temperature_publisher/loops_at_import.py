@@ -1,5 +1,5 @@
 """
-Tries: compute for ever before there is a node.
+Tries: compute forever before it creates a node.
 
 Stopped by: three seconds of processor time without a node
 Deserves: 0

@@ -1,5 +1,5 @@
 """
-Tries: compute for ever in a callback.
+Tries: compute forever in a callback.
 
 Stopped by: the limit of processor time
 Deserves: 5 at most

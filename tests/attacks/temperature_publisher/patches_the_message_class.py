@@ -1,7 +1,7 @@
 """
 Tries: make a wrong message look correct in the message class that an observer would use.
 
-Stopped by: the probe has a message class of its own, in its own process
+Stopped by: the probe uses its own message class, in a separate process
 Deserves: 14
 """
 

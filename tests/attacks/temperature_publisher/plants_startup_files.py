@@ -1,7 +1,7 @@
 """
 Tries: plant files that Python and the shell read when they start, for the next run.
 
-Stopped by: each run has a sandbox of its own, with an empty home
+Stopped by: each run has a separate sandbox with an empty home directory
 Deserves: 15
 """
 

@@ -1,7 +1,7 @@
 """
 Tries: write the probe's own events, and nbgrader's scores, to standard output and error.
 
-Stopped by: the probe has a pipe of its own; printed text only helps to explain a verdict
+Stopped by: the probe writes to a separate pipe; printed text only helps to explain a verdict
 Deserves: 0
 """
 

@@ -2,7 +2,8 @@
 Tries: look for secrets in its environment, its arguments, the kernel's keys and the table of
  mounts.
 
-Stopped by: an environment made from nothing; the table of mounts shows paths, but no contents
+Stopped by: an environment that the grader builds from scratch; the table of mounts shows paths,
+ but no contents
 Deserves: 0
 """
 

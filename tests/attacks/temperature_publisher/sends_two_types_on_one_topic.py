@@ -1,7 +1,7 @@
 """
-Tries: offer the topic with another type beside the right one.
+Tries: publish a second type on the topic, in addition to the right one.
 
-Stopped by: the probe subscribes with the right type and hears no other
+Stopped by: the probe subscribes with the right type and receives no other
 Deserves: 15
 """
 

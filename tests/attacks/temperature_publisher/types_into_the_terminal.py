@@ -1,7 +1,7 @@
 """
 Tries: type commands into the terminal of the user who runs the grader.
 
-Stopped by: a session of its own, without a terminal
+Stopped by: a separate session without a terminal
 Deserves: 0
 """
 

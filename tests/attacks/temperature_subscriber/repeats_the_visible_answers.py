@@ -1,7 +1,7 @@
 """
 Tries: answer from a list, in the order of the readings of the visible check.
 
-Stopped by: other readings in another order, drawn from a secret of the course
+Stopped by: different readings in a different order, drawn from the course secret
 Deserves: 9 at most
 """
 
