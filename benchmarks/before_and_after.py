@@ -44,7 +44,7 @@ def main() -> None:
     """Measure, then print and save the figures."""
     chosen = _arguments()
     facts = report.machine()
-    versions = {'before': chosen.folder, 'after': Layout.here().root}
+    versions = {'before': chosen.folder.resolve(), 'after': Layout.here().root}
     figures: dict[str, Any] = {'commits': {name: _commit(one) for name, one in versions.items()}}
     for (title, count), jobs in itertools.product(CLASSES.items(), JOBS):
         if jobs > count:

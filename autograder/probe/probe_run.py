@@ -39,6 +39,7 @@ MEET_S = 0.48
 SETTLE_S = 0.2  # time for both sides to discover a new endpoint, or its removal
 LONGEST_EVENT = 65536  # characters of a message's JSON; only the size of longer JSON is recorded
 MOST_EVENTS = 20000
+COMPLETE = 'complete'
 MOST_ASKED = 50  # maximum number of nodes whose services are called at the end
 ANSWER_S = 3.0
 QUESTIONS = ((GetParameters, 'get_parameters'), (GetTypeDescription, 'get_type_description'))
@@ -155,6 +156,8 @@ class Probe:
 
     def message(self, topic: str, message: Any, info: Any, **facts: Any) -> None:
         """Write an event for a received message, with the publisher's sequence number."""
+        if self.over_ns is not None:
+            return
         data = to_json(message)
         size = len(json.dumps(data))
         what = {'too_large': size} if size > LONGEST_EVENT else {'data': data}
@@ -253,25 +256,32 @@ class Probe:
     def run(self) -> None:
         """Run the scenario, then write the last graph and the ``end`` event."""
         self.began_ns = time.monotonic_ns()
-        reason = 'complete'
-        try:
-            if not self._wait_for_node():
-                raise Stop('no_node')
-            self.emit('seen', nodes=self.seen.askable())
-            self.graph('seen')  # the program may end in its first timer callback
-            self.listen(MEET_S)
-            self.graph('start')
-            for number, step in enumerate(self.scenario['steps'], 1):
-                take(self, number, step)
-        except Stop as stop:
-            reason = str(stop)
-        except MemoryError:  # of a message: nothing else here is large
-            reason = 'too_much_recorded'
+        reason = self._why_over(self._take_steps)
         self.over_ns = self.clock_ns
         self.graph('end')
-        if reason in ('complete', 'not_connected'):
-            self._ask_all()
+        if reason in (COMPLETE, 'not_connected'):
+            reason = self._why_over(self._ask_all, reason)
         self.emit('end', reason=reason)
+
+    def _why_over(self, part: Callable[[], None], reason: str = COMPLETE) -> str:
+        """Run a part of the run; return why it stopped, or the given reason if it did not."""
+        try:
+            part()
+        except Stop as stop:
+            return str(stop)
+        except MemoryError:  # only what the program sends is large
+            return 'too_much_recorded'
+        return reason
+
+    def _take_steps(self) -> None:
+        if not self._wait_for_node():
+            raise Stop('no_node')
+        self.emit('seen', nodes=self.seen.askable())
+        self.graph('seen')  # the program may end in its first timer callback
+        self.listen(MEET_S)
+        self.graph('start')
+        for number, step in enumerate(self.scenario['steps'], 1):
+            take(self, number, step)
 
     def _wait_for_node(self) -> bool:
         """Listen until a node appears; return whether one appeared in time."""

@@ -11,7 +11,7 @@ import time
 
 from autograder.errors import TooBusy
 from autograder.sandboxes.confinement import ConfinedProgram, Limits
-from autograder.sandboxes.processes import pss_bytes, states, Usage, usage, used_ns
+from autograder.sandboxes.processes import pss_bytes, Running, states, Usage, usage, used_ns
 
 WATCH_EVERY_S = 0.05
 # Processor time allowed before the first node: imports take 0.3 s, or 1 s on a slow machine.
@@ -48,7 +48,7 @@ class Watchdog:
         self.limits = limits
         self.builds = builds
         self.cpu_s = self.sampled_s = 0.0
-        self.each: Mapping[int, tuple[float, float]] = {}
+        self.each: Mapping[int, Running] = {}
         self.began = self.looked = time.monotonic()
         self.idle_s = {True: 0.0, False: 0.0}  # while preparing, and afterwards
         self.used_s = 0.0
@@ -70,37 +70,37 @@ class Watchdog:
             raise TooBusy(f'The machine was too busy: a run took {MOST_WALL_S:.0f} s.')
         runs = self.student.process.poll() is None
         used = usage(*self.student.pids) if runs else Usage(0, 0.0, {})
-        self._sample(used.each, self.looked - before)
+        # If the grader's own process was delayed, do not count the delay.
+        gap_s = min(self.looked - before, WATCH_EVERY_S)
+        self._sample(used.each, gap_s)
         self.cpu_s = max(self.cpu_s, self.sampled_s, used.cpu_s)
         others_s = sum(map(used_ns, self.others)) / 1e9
-        all_s = others_s + sum(used_s for used_s, _ in used.each.values())
+        all_s = others_s + sum(one.used_s for one in used.each.values())
         earlier_s, self.used_s = self.used_s, all_s
-        # If the grader's own process was delayed, do not count the delay as idle time.
-        idle_s = min(self.looked - before, WATCH_EVERY_S) - max(0.0, all_s - earlier_s)
+        idle_s = gap_s - max(0.0, all_s - earlier_s)
         return (
             self._too_long(begun, others_s, idle_s)
             or ('output_limit' if printed > self.limits.output else '')
             or (self._too_large(used.resident) if runs else '')
         )
 
-    def _sample(self, each: Mapping[int, tuple[float, float]], gap_s: float) -> None:
+    def _sample(self, each: Mapping[int, Running], gap_s: float) -> None:
         """
         Estimate the processor time of all processes, even those whose exit code no process reads.
 
         Such a process leaves no trace of its processor time, and may live for less than the gap
-        between two checks. A process that lives for a tenth of a gap is seen in one of ten gaps,
-        so each process that is seen for the first time counts as if it had computed in the whole
-        gap as in its life so far. On average, this also covers the time between its last check and
-        its end.
+        between two checks.  If it lives for a tenth of a gap, one of ten checks finds it.  So a
+        process that is found for the first time while it computes counts as if it computed as
+        much in the whole gap as in its life so far.
 
-        :param each: as in :class:`autograder.sandboxes.processes.Usage`
-        :param gap_s: real time since the last check
+        :param gap_s: real time since the last check [s]; a delay of the grader does not count
         """
-        for pid, (used_s, age_s) in each.items():
-            earlier_s = self.each[pid][0] if pid in self.each else math.inf
-            if used_s < earlier_s:  # a new process, perhaps with the pid of an ended one
-                earlier_s = used_s - gap_s * used_s / max(age_s - TICK_S / 2, used_s, TICK_S / 100)
-            self.sampled_s += used_s - earlier_s
+        for pid, (used_s, age_s, computes) in each.items():
+            earlier_s = self.each[pid].used_s if pid in self.each else math.inf
+            if used_s >= earlier_s:
+                self.sampled_s += used_s - earlier_s
+            elif computes:  # a new process, perhaps with the pid of an ended one
+                self.sampled_s += gap_s * used_s / max(age_s - TICK_S / 2, used_s, TICK_S / 2)
         self.each = each
 
     def _too_long(self, begun: bool, others_s: float, idle_s: float) -> str:
@@ -133,8 +133,8 @@ class Watchdog:
         :param begun: whether a node has been seen
         :param idle_s: real time since the last check, minus the processor time of all processes
         """
-        everyone = (*self.student.pids, *self.others)
-        if idle_s <= 0 or any(b'R' in states(pid) for pid in everyone):
+        computes = any(one.computes for one in self.each.values())
+        if idle_s <= 0 or computes or any(b'R' in states(pid) for pid in self.others):
             return False
         preparing = not self.student.released or (self.builds and not begun)
         self.idle_s[preparing] += idle_s

@@ -163,18 +163,32 @@ def _read(path: str) -> bytes:
         os.close(file)
 
 
+class Running(NamedTuple):
+    """
+    A process that has not ended.
+
+    :param used_s: its processor time [s]
+    :param age_s: real time since its start, to a hundredth of a second [s]
+    :param computes: whether one of its threads computes or waits for a processor
+    """
+
+    used_s: float
+    age_s: float
+    computes: bool
+
+
 class Usage(NamedTuple):
     """
     What processes and their descendants use.
 
     :param resident: memory [bytes]
     :param cpu_s: processor time [s], also of ended children whose exit code a parent has read
-    :param each: processor time [s] and age [s] of each process that runs, by its host pid
+    :param each: the processes, by their host pids
     """
 
     resident: int
     cpu_s: float
-    each: Mapping[int, tuple[float, float]]
+    each: Mapping[int, Running]
 
 
 def usage(*pids: int) -> Usage:
@@ -191,5 +205,5 @@ def usage(*pids: int) -> Usage:
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE
         age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / CPU_TICKS
-        each[current] = used_s, age_s
+        each[current] = Running(used_s, age_s, b'R' in _states(current))
     return Usage(resident, ticks / CPU_TICKS, each)

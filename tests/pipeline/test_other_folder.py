@@ -45,7 +45,7 @@ def graded(course):
     for student in ('ann', 'cho'):
         hand_in(course, student)
     hand_in(course, 'bob', temperature_topic='temprature_topic')
-    assert 'their results are unchanged' not in grade(course, course.submitted)
+    assert 'Their results are unchanged' not in grade(course, course.submitted)
     return course
 
 
@@ -60,7 +60,7 @@ def test_an_appeal_changes_one_student(graded, tmp_path):
     assert before == {'ann': 50, 'bob': 40, 'cho': 50}
     assert points(graded) == {'ann': 50, 'bob': 50, 'cho': 50, 'dee': 50}
     assert list(points(graded)) == ['ann', 'bob', 'cho', 'dee']
-    assert '2 other students are not in this folder; their results are unchanged.' in said
+    assert 'Students not in this folder: 2. Their results are unchanged.' in said
     assert 'cho' not in said
     new = pages(graded)
     assert sorted(new) == ['ann.html', 'bob.html', 'cho.html', 'dee.html']

@@ -362,6 +362,7 @@ def test_repair_of_a_field_goes_by_the_type_that_is_wanted(line, wanted, words):
         "unsupported operand type(s) for +=: 'float' and 'Float64'",
         'must be real number, not Float64',
         "'>' not supported between instances of 'Float64' and 'float'",
+        "'<' not supported between instances of 'float' and 'Float64'",
         "float() argument must be a string or a real number, not 'Float64'",
         "type Float64 doesn't define __round__ method",
         'unsupported format string passed to Float64.__format__',

@@ -7,7 +7,7 @@ import pytest
 
 from autograder.runs import watchdog
 from autograder.sandboxes.confinement import Limits
-from autograder.sandboxes.processes import Usage
+from autograder.sandboxes.processes import Running, Usage
 
 PROGRAM, PROBE = 1, 2
 FOR_5_S, FOR_20_S = 101, 401
@@ -22,7 +22,8 @@ def world(monkeypatch):
     monkeypatch.setattr(watchdog, 'used_ns', lambda probe: 0)
 
     def usage(pid):
-        return Usage(0, 0.0, {pid: (world.used_s, world.now), **world.children})
+        program = Running(world.used_s, world.now, world.state[pid] == b'R')
+        return Usage(0, 0.0, {pid: program, **world.children})
 
     monkeypatch.setattr(watchdog, 'usage', usage)
     student = SimpleNamespace(
@@ -74,15 +75,27 @@ def test_a_program_that_computes_or_waits_for_a_processor_uses_no_budget(world):
 def test_each_child_that_nobody_reaps_counts_for_the_gap_in_which_it_is_seen(world, used_s, looks):
     """A new child every 50 ms, which has computed all or half of its 25 ms so far: 20 s in all."""
     for number in count(1):
-        world.children = {PROBE + number: (used_s, 0.025)}
-        if world.look(1, b'R') == 'cpu_limit':
+        world.children = {PROBE + number: Running(used_s, 0.025, computes=True)}
+        if world.look(1) == 'cpu_limit':
             break
 
     assert number == pytest.approx(looks, abs=1)
 
 
 def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
+    """Neither as a wait, nor to the children that are found after it."""
     assert world.look(FOR_5_S - 2, every_s=3.0) == ''
+    world.children = {PROBE + number: Running(0.02, 0.025, computes=True) for number in (1, 2)}
+    world.look(1, every_s=100.0)
+    assert world.dog.cpu_s == pytest.approx(0.1)
+
+
+def test_processor_time_of_a_process_that_waits_is_not_an_estimate(world):
+    """A compiler's driver computes for milliseconds and then waits for the compiler."""
+    for number in range(100):
+        world.children = {PROBE + 1 + number: Running(0.004, 0.04, computes=False)}
+        world.look(1, b'R')
+    assert world.dog.cpu_s == 0.0
 
 
 def test_a_build_has_its_own_budget(world):
