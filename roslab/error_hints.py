@@ -42,7 +42,7 @@ _INVALID_HANDLE = (
 )
 _ORDER = (
     'If the message above does not help: not all cells above this one were run to the end and in '
-    'order. Run them with the menu Run, Run All Above Selected Cell.'
+    'order. Run first: all of them, with the menu Run, Run All Above Selected Cell.'
 )
 
 _MAGICS = str(Path(__file__).with_name('magics.py'))

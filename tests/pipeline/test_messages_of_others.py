@@ -126,5 +126,5 @@ def test_missing_package_is_reported_with_the_file_that_names_packages(exam):
 def test_missing_package_of_a_scenario_is_no_verdict_and_named_with_the_file(exam):
     scenario = replace(exam.scenario, watch={'/toys': 'toy_msgs/msg/Toy'})
 
-    with pytest.raises(ProbeFailed, match=r"'toy_msgs'\. Try: .* in environment/messages\.txt"):
+    with pytest.raises(ProbeFailed, match=r"'toy_msgs'\. Try: .* to environment/messages\.txt"):
         observe('pilot', scenario.to_json(), {'pilot.py': PILOT}, strongest())

@@ -191,7 +191,7 @@ class TestBeginning:
     @pytest.mark.parametrize('name', ['Doors', '2doors', 'd', 'doors!'])
     def test_a_name_that_no_ros_package_has_is_refused(self, tmp_path, name):
         """The name is also used for the message package."""
-        with pytest.raises(GraderError, match='use only lower-case letters'):
+        with pytest.raises(GraderError, match='expected a lower-case letter'):
             new_course(tmp_path / name)
 
     def test_an_exercise_replaces_none(self, tmp_path):
