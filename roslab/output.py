@@ -104,17 +104,13 @@ def _with_links(page: str) -> str:
     """
     Return HTML whose links to sections of notebooks work in the frontend of the running cell.
 
-    JupyterLab finds a section that it has not drawn yet only if the link marks its target as a
-    heading.  VS Code opens a link to a section as a second copy of the notebook, without a
-    kernel: there, a link leads to the heading if it is in the same notebook, otherwise to the
-    whole notebook.
+    VS Code opens such a link as a second copy of the notebook, without a kernel.  For VS Code, a
+    link leads to the heading if it is in the same notebook, otherwise to the whole notebook.
     """
     cell = current_cell()
-    cell_id = str(cell.request.get('metadata', {}).get('cellId', '')) if cell else ''
-    if not cell_id:
-        return page
-    in_vscode = cell_id.startswith('vscode-notebook-cell')
-    return _SECTION.sub(_vscode_link if in_vscode else r'href="\1#heading=\2"', page)
+    about = cell.request.get('metadata', {}) if cell else {}
+    in_vscode = str(about.get('cellId', '')).startswith('vscode-notebook-cell')
+    return _SECTION.sub(_vscode_link, page) if in_vscode else page
 
 
 def _vscode_link(link: re.Match[str]) -> str:

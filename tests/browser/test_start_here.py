@@ -4,16 +4,12 @@ The page that `make lab` opens, and the links of a lesson.
     make test-browser ARGS='-k start_here'
 """
 
-import json
 import re
 from typing import Any
 
 from conftest import Lab
-from lab_page import CELL_MS, OPEN_MS, open_notebook, run_all, TROUBLE, WITHOUT_WORDS
+from lab_page import CELL_MS, OPEN_MS, run_all, TROUBLE, WITHOUT_WORDS
 import pytest
-
-from autograder.layout import lesson_files
-from autograder.submission.outline import read_outline
 
 pytestmark = [pytest.mark.browser, pytest.mark.ros, pytest.mark.slow]
 
@@ -46,34 +42,4 @@ def test_lab_opens_start_here_and_its_links_lead_to_lessons(
     expect(heading).to_be_in_viewport()
     page.screenshot(path=shots / 'part_3.png')
     assert page.locator(TROUBLE).all_inner_texts() == []
-    assert page.errors == []
-
-
-def test_progress_leads_to_a_part_of_a_notebook_that_is_not_open(
-    lab: Lab, page: Any, shots: Any
-) -> None:
-    """The learner has done everything except the last part of lesson 05 that has a question."""
-    from playwright.sync_api import expect
-
-    parts = [
-        part
-        for path in lesson_files(lab.course / 'notebooks')
-        for part in read_outline(path).parts
-    ]
-    left = next(p for p in reversed(parts) if any(key.startswith('05-') for key in p.quizzes))
-    results = {
-        'checks': {name: points for part in parts for name, points in part.checks.items()},
-        'quizzes': {key: 1 for part in parts if part is not left for key in part.quizzes},
-    }
-    remembered = lab.course / 'autograder' / '_work' / 'progress.json'
-    remembered.write_text(json.dumps(results), encoding='utf-8')
-
-    open_notebook(lab, page, 'notebooks/START_HERE.ipynb')
-    run_all(page)
-    number = left.heading.partition(':')[0]
-    page.get_by_role('link', name=f'next: lesson 05, {number}').click(timeout=CELL_MS)
-
-    expect(page.get_by_role('heading', name=left.heading)).to_be_in_viewport(timeout=OPEN_MS)
-    page.screenshot(path=shots / 'part.png')
-    remembered.unlink()
     assert page.errors == []
