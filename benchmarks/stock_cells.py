@@ -31,7 +31,7 @@ WINDOW_S = 60
 # %% temperature_publisher
 ### BEGIN SOLUTION
 def main(args=None):
-    """Stand in for the answer: the benchmark inserts a submission here."""
+    """Mark the place where the benchmark inserts a submission."""
     raise NotImplementedError
 
 
