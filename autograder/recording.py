@@ -3,9 +3,8 @@ Read and write the recording of one run, with one JSON event per line.
 
 Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes every line
 and its fields.  The first line, the header, contains digests of files, scenario and environment,
-and a checksum that shows whether the file was truncated.  Other header fields (time, versions,
-``repeated``) are informative and do not affect a verdict.  The probe's events follow in the order
-of observation:
+and a checksum that shows whether the file was truncated.  Other header fields (time, versions) are
+informative and do not affect a verdict.  The probe's events follow in the order of observation:
 
 * about the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: whether a node is
   spun), ``imitated`` (another node has the name of the probe's node)

@@ -21,7 +21,7 @@ from autograder.grading.examine import examine
 from autograder.layout import Layout
 from autograder.runs import observe as observing
 from autograder.sandboxes.choose import strongest
-from autograder.sandboxes.processes import used_ns
+from autograder.sandboxes.processes import usage
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release
@@ -86,7 +86,7 @@ class _Clocked(observing._RunLoop):
 
     def _record_surroundings(self) -> None:
         pids = *self.student.pids, self.probe.pid, self.clock.driver.pid
-        _Clocked.cpu_s = used_ns(*pids) / 1e9
+        _Clocked.cpu_s = sum(one.used_s for one in usage(*pids).each.values())
         super()._record_surroundings()
 
     def _read(self, pipes: Any, key: Any) -> None:

@@ -279,9 +279,8 @@ def _reason(task: Task, ends: Sequence[Event]) -> str:
     """
     limits = [f'ended by the grader: {one["killed"]}' for one in ends if one['killed']]
     built = ['builds a package'] * task.builds
-    repeated = ['repeated'] * (len(ends) > 1)
     used_s = sum(one['cpu_s'] for one in ends)
-    return ', '.join([*limits, *built, *repeated, f'{used_s:.1f} s of processor time'])
+    return ', '.join([*limits, *built, f'{used_s:.1f} s of processor time'])
 
 
 def _verdicts(outcome: str) -> str:

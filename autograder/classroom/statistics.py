@@ -89,8 +89,6 @@ class ClassNumbers:
     :param missing: students without a submission to grade, each with the reason
     :param flagged: pairs of a student and a flag for the instructor
     :param slowest: the slowest students, each with the duration of the runs as recorded [s]
-    :param repeated: students whose runs were repeated, because the first run may have failed for a
-        reason outside the program
     :param recorded: number of submissions that needed no run in the last grading
     :param modes: isolation modes
     :param lacks: what these modes do not protect
@@ -107,7 +105,6 @@ class ClassNumbers:
     missing: tuple[tuple[str, str], ...]
     flagged: tuple[tuple[str, str], ...]
     slowest: tuple[tuple[str, float], ...]
-    repeated: tuple[str, ...]
     recorded: int
     modes: tuple[str, ...]
     lacks: tuple[str, ...]
@@ -139,9 +136,6 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         missing=tuple((one.student, one.reason) for one in missing),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
-        repeated=tuple(
-            one.student for one in results if any(x.timing.get('repeated') for x in one.exams)
-        ),
         recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),
         modes=tuple(modes(results)),
         lacks=tuple(missing_protections(results)),

@@ -54,8 +54,6 @@ def stats_text(numbers: ClassNumbers) -> str:
             lines.append(f'{"":33}{count} of {check.failed}: {words}')
     lines += [f'  flag: {student}: {flag}' for student, flag in numbers.flagged]
     lines += [f'  slowest: {student}: {seconds:.1f} s' for student, seconds in numbers.slowest]
-    if numbers.repeated:
-        lines.append(f'  run twice: {", ".join(numbers.repeated)}')
     if numbers.recorded:
         lines.append(f'  {numbers.recorded} needed no run: already recorded, or nothing to run')
     lines += [f'  NOT PROTECTED: {lack}' for lack in numbers.lacks]

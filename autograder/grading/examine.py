@@ -100,8 +100,7 @@ def judge_recording(
     checks = judge(exam, run)
     known = recording.header
     if not timing:
-        stored = {'kept_run_s': known['run_s']} if 'run_s' in known else {}
-        timing = {**stored, **({'repeated': 1.0} if known.get('repeated') else {})}
+        timing = {'kept_run_s': known['run_s']} if 'run_s' in known else {}
     mode = str(known.get('mode', ''))
     return ExamResult(
         exam.name,

@@ -2,15 +2,19 @@
 List facts in a recording that an instructor should look at; they do not affect a verdict.
 
 Most flags can have an innocent explanation, so they only state a fact.  Flags do not depend on the
-speed of the machine, so equal submissions get equal flags.
+speed of the machine.
 """
 
 from collections import Counter
 from collections.abc import Iterator
+import signal
 
 from autograder.exam.scenario import Scenario
 from autograder.recording import Event, Recording
 
+_SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+# Exit codes after a signal by which people and systems end a process; errors cause other signals.
+_ENDING = {code for one in _SIGNALS for code in (-one, 128 + one)}
 MANY_ENDPOINTS = 100
 """More publishers and subscriptions than this are flagged; the course needs fewer than ten."""
 
@@ -38,7 +42,15 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
         found.append('other processes of the program were still running at the end')
     if process.get('killed'):
         found.append(f'ended by the grader: {process["killed"]}')
+    elif process.get('exit') in _ENDING:
+        found.append(f'ended with exit code {process["exit"]}, as after a signal from outside')
+    elif scenario.program in ('build', 'package') and 'Killed' in _printed(process):
+        found.append('a compiler was killed')
     return tuple(found)
+
+
+def _printed(process: Event) -> str:
+    return f'{process.get("stdout", "")}{process.get("stderr", "")}'
 
 
 def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:

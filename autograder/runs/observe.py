@@ -283,7 +283,7 @@ class _RunLoop:
                     self._student_ended()
                 else:
                     self._read(pipes, key)
-            if not self.watchdog.due_in_s():
+            if not self.done and not self.watchdog.due_in_s():
                 begun = bool(self.events)
                 self.killed = self.killed or self.watchdog.look(self.printed, begun)
             if self.killed or (past_end and self._is_past_end()):
@@ -366,8 +366,11 @@ class _RunLoop:
         """Raise if the machine or another program ended the student's program."""
         if self.killed or self.exit is None:
             return
-        if oom_kills() > self.oom_kills and self.exit in KILLED:
-            raise ProbeFailed('The machine ran out of memory, and the system ended the program.')
+        builds = (
+            self.scenario['program'] in BUILDS
+        )  # the exit code is the build's, not a compiler's
+        if (self.exit in KILLED or (builds and self.exit)) and oom_kills() > self.oom_kills:
+            raise ProbeFailed('The machine ran out of memory, and the system ended a process.')
         # No process in the sandbox can signal the launcher, which is in another pid namespace.
         if self.student.namespaces and self.exit < 0:
             raise ProbeFailed(f'Another program ended the sandbox with signal {-self.exit}.')

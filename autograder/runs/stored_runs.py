@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import hashlib
 import json
 from pathlib import Path
-import signal
 from typing import Any
 
-from autograder.errors import ProbeFailed, RecordingInvalid
+from autograder.errors import RecordingInvalid
 from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
-from autograder.runs.observe import BUILDS, observe
+from autograder.runs.observe import observe
 from autograder.runs.task import parse_outcome, Place, task_of
 from autograder.runs.version import environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
@@ -75,11 +74,10 @@ def load_or_record(
         return parse_outcome(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
 
     def run() -> Outcome:
-        recording, timing = _run_with_retry(once, exam.scenario.program in BUILDS)
+        recording, timing = once()
         notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
         notes['made_with'] = dict(made_with())
         notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
-        notes |= {'repeated': True} if timing.get('repeated') else {}
         return Recording({**recording.header, **notes}, recording.events), timing
 
     if recordings is None:
@@ -96,40 +94,6 @@ def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
     recording, timing = run()
     recording.save(path)
     return recording, timing
-
-
-def _run_with_retry(once: Callable[[], Outcome], builds: bool) -> Outcome:
-    """
-    Run once; if the probe failed or something outside the sandbox ended the run, repeat it once.
-
-    A run that took ten minutes because the machine was too busy is not repeated.
-    """
-    with suppress(ProbeFailed):
-        recording, timing = once()
-        if not _may_have_been_ended(recording, builds):
-            return recording, timing
-    recording, timing = once()
-    return recording, {**timing, 'repeated': 1.0}
-
-
-ENDING = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
-"""Signals that people and systems send to end a process; a program's own errors cause others."""
-
-
-def _may_have_been_ended(recording: Recording, builds: bool) -> bool:
-    """
-    Return whether another program may have ended the student's program or a compiler.
-
-    A program that kills itself does so again when the run is repeated; the second run counts.
-
-    :param builds: whether the output may come from a compiler; a program can print anything
-    """
-    process = recording.process
-    if process.get('killed') or not process.get('exit'):
-        return False
-    if process['exit'] in {sign for one in ENDING for sign in (-one, 128 + one)}:
-        return True
-    return builds and 'Killed' in process.get('stderr', '') + process.get('stdout', '')
 
 
 def files_digest(files: Mapping[str, str]) -> str:

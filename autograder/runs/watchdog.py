@@ -11,7 +11,7 @@ import time
 
 from autograder.errors import TooBusy
 from autograder.sandboxes.confinement import ConfinedProgram, Limits
-from autograder.sandboxes.processes import pss_bytes, Running, states, Usage, usage, used_ns
+from autograder.sandboxes.processes import disk_is_busy, pss_bytes, Running, Usage, usage
 
 WATCH_EVERY_S = 0.05
 # Processor time allowed before the first node: imports take 0.3 s, or 1 s on a slow machine.
@@ -19,11 +19,12 @@ BUSY_S = 3.0
 # If the probe and the driver use this much more processor time than the program, a flood of
 # packets keeps them busy.
 PROBE_S = 10.0
-# Budgets of real time in which no process of the run computes: one until the program begins or its
-# package is built, one afterwards. A wait on the virtual clock takes no real time: at a load of 20
-# to 30 on two processors, correct programs used at most 0.1 s of their 5 s, and a program that
-# printed 7 MB used 0.2 s. Slow disks use more, and so does a person who pauses the probe.
-PREPARING_S, IDLE_S = 20.0, 5.0
+# Budgets of real time in one run. A wait on the virtual clock takes no real time, so a correct
+# program uses little: with 20 to 30 busy processes on two processors, 0.2 s of IDLE_S at most, and
+# nothing of STILL_S.
+SLOW_S = 20.0  # the program has not begun, its package is being built, or it waits for a disk
+IDLE_S = 2.5  # otherwise, no process computes
+STILL_S = 0.3  # nothing can happen any more on the virtual clock: all threads sleep
 TICK_S = 0.01  # the kernel's precision of a process's start
 MOST_WALL_S = 600.0  # real time after which the machine is too busy for a verdict
 
@@ -49,9 +50,9 @@ class Watchdog:
         self.builds = builds
         self.cpu_s = self.sampled_s = 0.0
         self.each: Mapping[int, Running] = {}
+        self.everything: Mapping[int, Running] = {}  # with the probe and the driver
         self.began = self.looked = time.monotonic()
-        self.idle_s = {True: 0.0, False: 0.0}  # while preparing, and afterwards
-        self.used_s = 0.0
+        self.left_s = {'slow': SLOW_S, 'idle': IDLE_S, 'still': STILL_S}
 
     def due_in_s(self) -> float:
         """Return the real time until the next check."""
@@ -70,16 +71,14 @@ class Watchdog:
             raise TooBusy(f'The machine was too busy: a run took {MOST_WALL_S:.0f} s.')
         runs = self.student.process.poll() is None
         used = usage(*self.student.pids) if runs else Usage(0, 0.0, {})
+        others = usage(*self.others).each
         # If the grader's own process was delayed, do not count the delay.
         gap_s = min(self.looked - before, WATCH_EVERY_S)
         self._sample(used.each, gap_s)
+        self._charge_idle_time(others, gap_s, begun)
         self.cpu_s = max(self.cpu_s, self.sampled_s, used.cpu_s)
-        others_s = sum(map(used_ns, self.others)) / 1e9
-        all_s = others_s + sum(one.used_s for one in used.each.values())
-        earlier_s, self.used_s = self.used_s, all_s
-        idle_s = gap_s - max(0.0, all_s - earlier_s)
         return (
-            self._too_long(begun, others_s, idle_s)
+            self._too_long(begun, sum(one.used_s for one in others.values()))
             or ('output_limit' if printed > self.limits.output else '')
             or (self._too_large(used.resident) if runs else '')
         )
@@ -95,20 +94,50 @@ class Watchdog:
 
         :param gap_s: real time since the last check [s]; a delay of the grader does not count
         """
-        for pid, (used_s, age_s, computes) in each.items():
+        for pid, (used_s, age_s, states) in each.items():
             earlier_s = self.each[pid].used_s if pid in self.each else math.inf
             if used_s >= earlier_s:
                 self.sampled_s += used_s - earlier_s
-            elif computes:  # a new process, perhaps with the pid of an ended one
+            elif b'R' in states:  # a new process, perhaps with the pid of an ended one
                 self.sampled_s += gap_s * used_s / max(age_s - TICK_S / 2, used_s, TICK_S / 2)
         self.each = each
 
-    def _too_long(self, begun: bool, others_s: float, idle_s: float) -> str:
+    def _charge_idle_time(self, others: Mapping[int, Running], gap_s: float, begun: bool) -> None:
+        """
+        Charge the time in which no process computed to its budgets.
+
+        Progress does not renew a budget; otherwise, a program could alternate waits outside the
+        virtual clock with short waits on it.  A thread in state D can continue by itself, and a
+        stopped probe (T or t) when somebody continues it.
+
+        :param others: the processes of the probe and of the clock's driver
+        :param gap_s: real time since the last check [s]
+        :param begun: whether a node has been seen
+        """
+        earlier, self.everything = self.everything, {**self.each, **others}
+        before, used = (
+            {pid: one.used_s for pid, one in processes.items()}
+            for processes in (earlier, self.everything)
+        )
+        idle_s = gap_s - max(0.0, sum(used.values()) - sum(before.values()))
+        states = b''.join(one.states for one in self.everything.values())
+        if idle_s <= 0 or b'R' in states:
+            return
+        preparing = not self.student.released or (self.builds and not begun)
+        if preparing or (b'D' in states and disk_is_busy()):
+            self.left_s['slow'] -= idle_s
+            return
+        self.left_s['idle'] -= idle_s
+        stopped = any(one.states.strip(b'SZX') for one in others.values())
+        if used == before and not states.strip(b'STZX') and not stopped:
+            self.left_s['still'] -= gap_s
+
+    def _too_long(self, begun: bool, others_s: float) -> str:
         if self.cpu_s + others_s > self.limits.cpu_s:
             return 'cpu_limit'
         if others_s > self.cpu_s + PROBE_S:
             return 'probe_broken'
-        if self._too_idle(begun, idle_s):
+        if min(self.left_s.values()) < 0:
             return 'waits_outside'
         if not begun and not self.builds and self.cpu_s > BUSY_S:
             return 'busy_before_node'
@@ -122,20 +151,3 @@ class Watchdog:
             return 'inode_limit'
         # The folders of a sandbox with namespaces are limited by their file system.
         return 'disk_limit' if self.student.home and size > self.limits.folder else ''
-
-    def _too_idle(self, begun: bool, idle_s: float) -> bool:
-        """
-        Return whether the total time in which no process computed exceeds its budget.
-
-        Progress does not renew a budget; otherwise, a program could alternate waits outside the
-        virtual clock with short waits on it.
-
-        :param begun: whether a node has been seen
-        :param idle_s: real time since the last check, minus the processor time of all processes
-        """
-        computes = any(one.computes for one in self.each.values())
-        if idle_s <= 0 or computes or any(b'R' in states(pid) for pid in self.others):
-            return False
-        preparing = not self.student.released or (self.builds and not begun)
-        self.idle_s[preparing] += idle_s
-        return self.idle_s[preparing] > (PREPARING_S if preparing else IDLE_S)

@@ -18,18 +18,8 @@ CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 
 
-def states(*pids: int) -> bytes:
-    """
-    Return one state letter for each thread of some processes and their descendants.
-
-    R means running or waiting for a processor, D waiting for a disk, T stopped: proc(5).
-
-    :param pids: host pids
-    """
-    return b''.join(map(_states, family(*pids)))
-
-
 def _states(process: int) -> bytes:
+    """Return one letter for each thread of a process."""
     found = b''
     with suppress(OSError):  # the process has ended
         for task in os.listdir(f'/proc/{process}/task'):
@@ -47,15 +37,6 @@ def running(*pids: int) -> list[int]:
     :param pids: host pids
     """
     return [one for one in family(*pids) if _states(one).strip(b'ZX')]
-
-
-def used_ns(*pids: int) -> int:
-    """Return the processor time that processes and their descendants have used [ns]."""
-    total = 0
-    for process in family(*pids):
-        with suppress(OSError):  # the process has ended
-            total += _used_ns(process)
-    return total
 
 
 def _used_ns(process: int) -> int:
@@ -114,6 +95,11 @@ def ready_to_run() -> int:
     return _count('/proc/stat', b'procs_running')
 
 
+def disk_is_busy() -> bool:
+    """Return whether a thread on the machine waits for a disk: procs_blocked in proc_stat(5)."""
+    return _count('/proc/stat', b'procs_blocked') > 0
+
+
 def _count(path: str, wanted: bytes) -> int:
     # Read the whole file: with hundreds of processors, /proc/stat is longer than 64 KiB.
     for line in Path(path).read_bytes().splitlines():
@@ -169,12 +155,13 @@ class Running(NamedTuple):
 
     :param used_s: its processor time [s]
     :param age_s: real time since its start, to a hundredth of a second [s]
-    :param computes: whether one of its threads computes or waits for a processor
+    :param states: one letter for each thread: R computes or waits for a processor, S sleeps, D
+        cannot be interrupted (it waits for a disk or a child after vfork), T is stopped: proc(5)
     """
 
     used_s: float
     age_s: float
-    computes: bool
+    states: bytes
 
 
 class Usage(NamedTuple):
@@ -192,7 +179,11 @@ class Usage(NamedTuple):
 
 
 def usage(*pids: int) -> Usage:
-    """Return what processes and their descendants use, by their host pids."""
+    """
+    Return what processes and their descendants use.
+
+    :param pids: host pids
+    """
     resident, ticks, each = 0, 0, {}
     for current in family(*pids):
         try:
@@ -205,5 +196,5 @@ def usage(*pids: int) -> Usage:
         ticks += sum(int(fields[number]) for number in (11, 12, 13, 14))
         resident += int(fields[21]) * PAGE
         age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / CPU_TICKS
-        each[current] = Running(used_s, age_s, b'R' in _states(current))
+        each[current] = Running(used_s, age_s, _states(current))
     return Usage(resident, ticks / CPU_TICKS, each)

@@ -85,14 +85,6 @@ class TestNumbers:
 
         assert (marks.lower_quartile, marks.median, marks.upper_quartile) == (7, 7, 7)
 
-    def test_runs_that_took_place_twice_are_named(self):
-        """A repeated run is named, whether it was run now or came from a recording."""
-        numbers = numbers_of(
-            timed('a', run_s=1.0, repeated=1.0), timed('b', run_s=2.0), timed('c', repeated=1.0)
-        )
-
-        assert numbers.repeated == ('a', 'c')
-
     def test_for_review_counts_nowhere_but_in_its_list(self):
         """A submission for review has no mark of zero and no failed checks."""
         numbers = numbers_of(FULL, REVIEW)

@@ -23,6 +23,14 @@ def recording(*events, nodes=(NODE,), endpoints=(), count=None, reason='complete
     return Recording({}, [*events, graph, *last])
 
 
+def test_flag_of_a_killed_compiler():
+    """A program that is not built can print anything."""
+    run = recording(exit=1, stdout='c++: fatal error: Killed signal terminated program cc1plus')
+
+    assert flags_of(run, Scenario(program='build')) == ('a compiler was killed',)
+    assert flags_of(run, Scenario()) == ()
+
+
 def test_honest_run_has_no_flag():
     assert flags_of(recording(endpoints=[end('/chatter')]), Scenario()) == ()
 
@@ -32,6 +40,8 @@ def test_honest_run_has_no_flag():
     [
         (recording(endpoints=[end('/clock')]), '/clock'),
         (recording({'event': 'imitated'}), "grader's own node"),
+        (recording(exit=137), 'ended with exit code 137'),
+        (recording(exit=-15), 'ended with exit code -15'),
         (recording(nodes=[NODE, NODE]), 'same name'),
         (recording(nodes=[NODE, '/a b']), 'does not allow'),
         (recording(endpoints=[end('/rosout')]), 'on /rosout, where only'),

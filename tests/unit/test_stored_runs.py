@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from autograder.errors import ProbeFailed, TooBusy
+from autograder.errors import ProbeFailed
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
 from autograder.grading.examine import examine
 from autograder.recording import header, Recording
 from autograder.runs import stored_runs as module
-from autograder.runs.stored_runs import _load_or_run, _run_with_retry
+from autograder.runs.stored_runs import _load_or_run
 
 WHOLE = Recording(
     {**header('talker', 'bwrap-user'), 'files': 'a'},
@@ -136,58 +136,17 @@ def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
     assert replace(again, timing={}) == replace(first, timing={})
 
 
-def test_a_run_that_took_place_twice_says_so_for_good(exam, tmp_path, monkeypatch):
-    """A recording of a repeated run, for example after a probe failure, remains marked."""
-    whole, ended = module.observe, []
-
-    def ends_once(*given):
-        if not ended:
-            ended.append(given)
-            raise ProbeFailed('The probe failed.')
-        return whole(*given)
-
-    monkeypatch.setattr(module, 'observe', ends_once)
-    first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
-    again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
-
-    assert first.timing['repeated'] == again.timing['repeated'] == 1.0
-    assert Recording.load(tmp_path / 'talker' / first.recording).header['repeated'] is True
-
-
-def test_a_run_for_which_the_machine_was_too_busy_is_not_repeated():
-    """Such a run took ten minutes, and the next one would take as long."""
+def test_a_failed_run_is_neither_repeated_nor_stored(exam, tmp_path, monkeypatch):
+    """A run takes place once; without a recording, the next grading runs the program again."""
     runs = []
 
-    def once():
-        runs.append('a run')
-        raise TooBusy('The machine was too busy.')
+    def fails(*given):
+        runs.append(given)
+        raise ProbeFailed('The probe failed.')
 
-    with pytest.raises(TooBusy):
-        _run_with_retry(once, builds=True)
+    monkeypatch.setattr(module, 'observe', fails)
+    with pytest.raises(ProbeFailed):
+        examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
 
     assert len(runs) == 1
-
-
-@pytest.mark.parametrize(
-    ('process', 'builds', 'count'),
-    [
-        ({'exit': 1, 'stdout': 'c++: fatal error: Killed signal terminated program'}, True, 2),
-        ({'exit': 1, 'stdout': 'Killed'}, False, 1),
-        ({'exit': -9}, False, 2),
-        ({'exit': -11}, True, 1),
-        ({'exit': -9, 'killed': 'cpu_limit'}, True, 1),
-    ],
-)
-def test_a_run_is_repeated_once_if_something_outside_may_have_ended_it(process, builds, count):
-    """A program can print anything, so a compiler's error message counts only in a build."""
-    runs = []
-
-    def once():
-        runs.append('a run')
-        event = {'event': 'process', 'killed': '', **process}
-        return Recording(WHOLE.header, (*WHOLE.events[:-1], event)), {}
-
-    _, timing = _run_with_retry(once, builds)
-
-    assert len(runs) == count
-    assert timing == ({'repeated': 1.0} if count == 2 else {})
+    assert not list(tmp_path.rglob('*.jsonl'))

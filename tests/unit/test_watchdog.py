@@ -10,20 +10,20 @@ from autograder.sandboxes.confinement import Limits
 from autograder.sandboxes.processes import Running, Usage
 
 PROGRAM, PROBE = 1, 2
-FOR_5_S, FOR_20_S = 101, 401
+FOR_STILL, FOR_IDLE, FOR_20_S = 8, 51, 401
 
 
 @pytest.fixture
 def world(monkeypatch):
     """Return a simulated machine on which nothing computes, with a watchdog."""
-    world = SimpleNamespace(now=0.0, used_s=0.0, state={PROGRAM: b'S', PROBE: b'S'}, children={})
+    world = SimpleNamespace(now=0.0, used_s=0.0, children={}, disk=False)
+    world.state = {PROGRAM: b'S', PROBE: b'S'}
     monkeypatch.setattr(watchdog.time, 'monotonic', lambda: world.now)
-    monkeypatch.setattr(watchdog, 'states', lambda pid: world.state[pid])
-    monkeypatch.setattr(watchdog, 'used_ns', lambda probe: 0)
+    monkeypatch.setattr(watchdog, 'disk_is_busy', lambda: world.disk)
 
     def usage(pid):
-        program = Running(world.used_s, world.now, world.state[pid] == b'R')
-        return Usage(0, 0.0, {pid: program, **world.children})
+        used_s, children = (world.used_s, world.children) if pid == PROGRAM else (0.0, {})
+        return Usage(0, 0.0, {pid: Running(used_s, world.now, world.state[pid]), **children})
 
     monkeypatch.setattr(watchdog, 'usage', usage)
     student = SimpleNamespace(
@@ -47,16 +47,42 @@ def world(monkeypatch):
     return world
 
 
-@pytest.mark.parametrize('state', [b'S', b'D', b'T'])
-def test_a_program_that_waits_outside_the_clock_has_five_seconds(world, state):
-    """From outside, waiting for a disk looks like waiting for a child after vfork."""
-    assert world.look(FOR_5_S - 2, state) == ''
-    assert world.look(2, state) == 'waits_outside'
+@pytest.mark.parametrize('state', [b'S', b'T'])
+def test_a_run_in_which_all_threads_sleep_has_0_3_s(world, state):
+    """Nothing can happen on the virtual clock any more; a program can also stop itself."""
+    assert world.look(FOR_STILL - 1, state) == ''
+    assert world.look(1, state) == 'waits_outside'
+
+
+@pytest.mark.parametrize(('disk', 'looks'), [(False, FOR_IDLE), (True, FOR_20_S)])
+def test_a_thread_that_cannot_be_interrupted_has_longer(world, disk, looks):
+    """It waits for a child after vfork, or for a disk, which the kernel counts."""
+    world.disk = disk
+    assert world.look(looks - 2, b'D') == ''
+    assert world.look(2, b'D') == 'waits_outside'
+
+
+@pytest.mark.parametrize('state', [b'T', b't'])
+def test_a_probe_that_is_stopped_from_outside_has_longer(world, state):
+    """A person who pauses or debugs the probe must not cost points at once."""
+    world.state[PROBE] = state
+    assert world.look(FOR_IDLE - 1) == ''
+    assert world.look(1) == 'waits_outside'
+
+
+def test_short_waits_outside_the_clock_add_up(world):
+    """A program that computes a little between any two checks has the longer budget."""
+    looks = 0
+    while world.look(1) == '':
+        world.used_s += 0.0001
+        looks += 1
+
+    assert looks == pytest.approx(FOR_IDLE, abs=2)
 
 
 def test_computing_renews_no_budget(world):
-    """Short waits with some work between them add up to one long wait."""
-    for _ in range(49):
+    """Sleeps with some work between them add up to one long sleep."""
+    for _ in range(FOR_STILL // 2 - 1):
         assert world.look(2) == ''
         assert world.look(1, b'R') == ''
     assert world.look(3) == 'waits_outside'
@@ -64,18 +90,18 @@ def test_computing_renews_no_budget(world):
 
 def test_a_program_that_computes_or_waits_for_a_processor_uses_no_budget(world):
     """A program that waits at the moment of each check may have computed between the checks."""
-    assert world.look(2 * FOR_5_S, b'R') == ''
-    for _ in range(2 * FOR_5_S):
+    assert world.look(2 * FOR_IDLE, b'R') == ''
+    for _ in range(2 * FOR_IDLE):
         world.used_s += 0.05
         assert world.look(1) == ''
-    assert world.look(FOR_5_S + 1) == 'waits_outside'
+    assert world.look(FOR_STILL) == 'waits_outside'
 
 
 @pytest.mark.parametrize(('used_s', 'looks'), [(0.02, 400), (0.01, 800)])
 def test_each_child_that_nobody_reaps_counts_for_the_gap_in_which_it_is_seen(world, used_s, looks):
     """A new child every 50 ms, which has computed all or half of its 25 ms so far: 20 s in all."""
     for number in count(1):
-        world.children = {PROBE + number: Running(used_s, 0.025, computes=True)}
+        world.children = {PROBE + number: Running(used_s, 0.025, states=b'R')}
         if world.look(1) == 'cpu_limit':
             break
 
@@ -84,8 +110,8 @@ def test_each_child_that_nobody_reaps_counts_for_the_gap_in_which_it_is_seen(wor
 
 def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
     """Neither as a wait, nor to the children that are found after it."""
-    assert world.look(FOR_5_S - 2, every_s=3.0) == ''
-    world.children = {PROBE + number: Running(0.02, 0.025, computes=True) for number in (1, 2)}
+    assert world.look(FOR_STILL - 1, every_s=3.0) == ''
+    world.children = {PROBE + number: Running(0.02, 0.025, states=b'R') for number in (1, 2)}
     world.look(1, every_s=100.0)
     assert world.dog.cpu_s == pytest.approx(0.1)
 
@@ -93,7 +119,7 @@ def test_a_delay_of_the_grader_is_not_charged_to_the_program(world):
 def test_processor_time_of_a_process_that_waits_is_not_an_estimate(world):
     """A compiler's driver computes for milliseconds and then waits for the compiler."""
     for number in range(100):
-        world.children = {PROBE + 1 + number: Running(0.004, 0.04, computes=False)}
+        world.children = {PROBE + 1 + number: Running(0.004, 0.04, states=b'S')}
         world.look(1, b'R')
     assert world.dog.cpu_s == 0.0
 
@@ -102,7 +128,7 @@ def test_a_build_has_its_own_budget(world):
     """A build uses its own budget, and the program has a separate one afterwards."""
     world.dog.builds = True
     assert world.look(FOR_20_S - 2, begun=False) == ''
-    assert world.look(FOR_5_S - 2) == ''
+    assert world.look(FOR_STILL - 2) == ''
     assert world.look(2) == 'waits_outside'
 
 

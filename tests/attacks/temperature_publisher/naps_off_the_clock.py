@@ -1,7 +1,7 @@
 """
 Tries: use neither processor time nor much virtual time, by naps where the clock does not see them.
 
-Stopped by: a limit of 5 s per run in which no process computes
+Stopped by: a limit of 0.3 s per run in which all threads sleep outside the virtual clock
 Deserves: 0
 Ends: waits_outside
 """

@@ -1,7 +1,7 @@
 """
 Tries: order 300 places on the virtual clock, for children that never begin.
 
-Stopped by: time stands still, and a limit of 5 s in which no process computes
+Stopped by: a limit of 0.3 s per run in which all threads sleep outside the virtual clock
 Deserves: 0
 Ends: waits_outside
 """

@@ -1,7 +1,7 @@
 """
 Tries: keep a thread in disk sleep, by ``clone(CLONE_VFORK)`` with a child that pauses.
 
-Stopped by: a limit of 5 s per run in which no process computes
+Stopped by: a limit of 2.5 s per run in which no process computes
 Deserves: 0
 Ends: waits_outside
 """

@@ -1,7 +1,7 @@
 """
 Tries: sleep unnoticed by the virtual clock, with a direct system call.
 
-Stopped by: a limit of 5 s per run in which no process computes
+Stopped by: a limit of 0.3 s per run in which all threads sleep outside the virtual clock
 Deserves: 0
 Ends: waits_outside
 """
