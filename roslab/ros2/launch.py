@@ -7,6 +7,7 @@ As with the real command, log lines always appear, but printed text only with
 
 import argparse
 from collections.abc import Iterator, Sequence
+import os
 from pathlib import Path
 import re
 import signal
@@ -134,6 +135,7 @@ def _started(start: Start) -> subprocess.Popen[str]:
     """Start a program in a separate session, so that it gets Ctrl-C once, from this process."""
     process = subprocess.Popen(
         start.command,
+        env={'RCUTILS_LOGGING_BUFFERED_STREAM': '1', **os.environ},  # send each line at once
         stdout=subprocess.PIPE if start.screen else subprocess.DEVNULL,
         stderr=subprocess.STDOUT if start.screen else subprocess.PIPE,
         text=True,
