@@ -22,6 +22,9 @@ ENDS = {
     'too_much_recorded': 'there were more than 32 MB of messages',
     'output_limit': 'the program had printed more than 8 MB',
     'memory_limit': 'the program used more than 1 GiB of memory',
+    'disk_limit': 'the files of the program used more than 64 MB',
+    'inode_limit': 'the program had more than 20000 files',
+    'probe_broken': 'the recorder could not handle the messages',
     'waits_outside': 'the program waited for something outside Python and ROS',
     'busy_before_node': 'the program had computed for 3 s without creating a node',
 }

@@ -2,8 +2,8 @@
 Kill and restart a grading run repeatedly: nothing may be lost, duplicated or left over.
 
 The program grades a class once without interruption.  Then it grades the class from scratch and,
-at random moments, kills the command itself or a process of a run (sandbox, probe, student's
-program) without warning.  It starts the same command again until the command completes.  The
+at random moments, kills the command itself or a process of the grader in a run (sandbox,
+probe) without warning.  It starts the same command again until the command completes.  The
 results and the gradebook must be the same as after the uninterrupted grading.  No sandbox may
 outlive its grader, and no temporary file may be left at the end.
 """
@@ -151,8 +151,7 @@ def _killed_or_done(
         with suppress(psutil.Error):  # the process has just ended
             chance.choice(of_runs).kill()
         account.kills['run'] += 1
-        # The grader repeats a killed run, or marks the submission for review until it is
-        # restarted.
+        # The grader marks the submission for review, and the next grading runs it again.
         try:
             found = _facts(layout, grading)
         except RuntimeError:

@@ -371,9 +371,12 @@ class _RunLoop:
         )  # the exit code is the build's, not a compiler's
         if (self.exit in KILLED or (builds and self.exit)) and oom_kills() > self.oom_kills:
             raise ProbeFailed('The machine ran out of memory, and the system ended a process.')
-        # No process in the sandbox can signal the launcher, which is in another pid namespace.
+        # No process in the sandbox can signal the launcher or the fork's parent, which are in
+        # another pid namespace.
         if self.student.namespaces and self.exit < 0:
             raise ProbeFailed(f'Another program ended the sandbox with signal {-self.exit}.')
+        if not self.student.reported():
+            raise ProbeFailed('Another program ended the process that reports the exit code.')
 
     def _record_surroundings(self) -> None:
         """Record what the probe cannot see: other ROS domains, and processes left running."""

@@ -89,7 +89,8 @@ class ConfinedProgram:
         ``/proc``; for a plain user also ``user``, and ``nested`` for the user namespace inside it
     :param fork: host pid of the program if it is a fork, else 0; the ``process`` of a fork is a
         launcher that ends with the program's exit code
-    :param on_end: called when all processes have ended
+    :param on_end: waits until the parent of a fork has ended, and returns its exit code, or None
+        if its server has failed
     :param supervised: whether :mod:`autograder.inside.confine` ends the program's descendants
     :param home: the folder that the program may write to, None if it has its own file system
     :param claimed: the program's ROS domain, None if it has its own network
@@ -104,7 +105,7 @@ class ConfinedProgram:
     pidfd: int
     namespaces: dict[str, int] = field(default_factory=dict)
     fork: int = 0
-    on_end: Callable[[], object] | None = None
+    on_end: Callable[[], int | None] | None = None
     supervised: bool = False
     home: Path | None = None
     claimed: Claim | None = None
@@ -134,6 +135,16 @@ class ConfinedProgram:
         self.ended_unread = self.ended_unread or ended == errno.ECONNRESET
         return not self.released or any(unread) or self.ended_unread
 
+    def reported(self) -> bool:
+        """
+        Wait until a fork has ended, and return whether its exit code was reported.
+
+        The fork's parent, which reports it, ends with 0 unless something outside killed it or its
+        server.  Only the first call of this method waits.
+        """
+        on_end, self.on_end = self.on_end, None
+        return on_end is None or on_end() == 0
+
     def kill(self) -> None:
         """End all processes inside, then the launcher; the reverse order could leave orphans."""
         try:
@@ -151,8 +162,7 @@ class ConfinedProgram:
         for descriptor in (self.pidfd, *self.namespaces.values()):
             os.close(descriptor)
         self.namespaces = {}
-        if self.on_end:
-            self.on_end()
+        self.reported()
         for stream in (self.process.stdout, self.process.stderr):
             if stream is not None:
                 stream.close()

@@ -66,7 +66,21 @@ class Killer:
 def program(one: psutil.Process) -> bool:
     """Return whether a process is the student's program itself."""
     separate = os.readlink(f'/proc/{one.pid}/ns/pid') != os.readlink('/proc/self/ns/pid')
-    return separate and any('run_node.py' in word for word in one.cmdline())
+    return separate and _runs_nodes(one)
+
+
+def _runs_nodes(one: psutil.Process) -> bool:
+    return any('run_node.py' in word for word in one.cmdline())
+
+
+def server(one: psutil.Process) -> bool:
+    """Return whether a process is the fork server of students' programs."""
+    return _runs_nodes(one) and not _runs_nodes(one.parent())
+
+
+def parent(one: psutil.Process) -> bool:
+    """Return whether a process is the parent of a student's program, a child of the server."""
+    return _runs_nodes(one) and _runs_nodes(one.parent()) and not program(one)
 
 
 def launcher(one: psutil.Process) -> bool:
@@ -74,10 +88,18 @@ def launcher(one: psutil.Process) -> bool:
     return one.name() == 'bwrap' and forked.LAUNCHER[-1] in one.cmdline()
 
 
-def test_a_launcher_that_is_killed_makes_no_verdict():
+@pytest.mark.parametrize(
+    ('wanted', 'said'),
+    [
+        (launcher, 'ended the sandbox with signal 9'),
+        (server, 'ended the process that reports'),
+        (parent, 'ended the process that reports'),
+    ],
+)
+def test_a_process_of_the_grader_that_is_killed_makes_no_verdict(wanted, said):
     """Without evidence, the student does not get a zero: an instructor decides."""
-    killer = Killer(launcher)
-    with pytest.raises(ProbeFailed, match='Another program ended the sandbox with signal 9'):
+    killer = Killer(wanted)
+    with pytest.raises(ProbeFailed, match=said):
         graded(ANSWER.read_text(encoding='utf-8'), killer)
 
     assert killer.runs == 1
