@@ -38,7 +38,7 @@ from tests.clock.style_pairs import judged, NAMES
 
 REPEATS = 12
 MANY = 10_000
-"""Number of runs from which on the figures are saved."""
+"""Number of runs from which on the figures are saved as ``soak``, not ``one_pass``."""
 CORES = os.cpu_count() or 1
 SLOW_S = 3.0
 """The figures of a pass without load name each run that takes longer."""
@@ -130,7 +130,7 @@ def main() -> int:
     done: list[dict[str, Any]] = []
     until = time.monotonic() + 60 * chosen.minutes
     try:
-        while len(done) < REPEATS and time.monotonic() < until:
+        while len(done) < chosen.passes and time.monotonic() < until:
             repeat, found = _repeat(tasks, sandbox, len(done), until)
             done.append(repeat)
             for one in found:
@@ -145,9 +145,10 @@ def main() -> int:
         **_figures(tasks, done, outcomes),
         'differing_pictures': sorted(report.differing(pictures)),
     }
-    full = figures['runs'] >= MANY and not chosen.only
-    # Save the results of a shorter measurement only if outcomes differ.
-    report.save('soak', facts, figures, full=full or bool(figures['differing']))
+    # Save a measurement that did not run all tasks only if outcomes differ.
+    full = not chosen.only and figures['least_repeats_of_a_task'] > 0
+    name = 'soak' if figures['runs'] >= MANY else 'one_pass'
+    report.save(name, facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
 
 
@@ -155,6 +156,8 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog='python -m benchmarks.soak')
     help_text = 'start no further run after this many minutes (default: no limit)'
     parser.add_argument('--minutes', type=float, default=1e6, metavar='M', help=help_text)
+    help_text = f'number of passes (default: {REPEATS})'
+    parser.add_argument('--passes', type=int, default=REPEATS, metavar='N', help=help_text)
     parser.add_argument('--only', default='', metavar='TEXT', help='run only tasks named *TEXT*')
     parser.add_argument('--list', action='store_true', help='print the names of the tasks only')
     return parser.parse_args()
