@@ -97,13 +97,13 @@ def why_not_numbered(
         return cause_of('no_number')
     if len(set(texts)) == 1:
         return cause_of('never_counts', repair=COUNT_IN)
-    if not place:
-        if due - 1 in numbers:
-            return cause_of('counts_from_zero')
+    if not place and due - 1 in numbers:
+        return cause_of('counts_from_zero')
+    before = texts[place - 1] if place else ''
+    if all(number >= due for number in set(numbers) - set(whole_numbers_in(before))):
+        if place:
+            return cause_of('wrong_step', repair=COUNT_IN)
         return cause_of('begins_later', due=due, number=numbers[0])
-    changed = set(numbers) - set(whole_numbers_in(texts[place - 1]))
-    if all(number >= due for number in changed):
-        return cause_of('wrong_step', repair=COUNT_IN)
     words: dict[str, Any] = {'count': due - 1, 'repair': COUNT_IN}
     words['when'] = f' Just then, {when}.' if when else ''
     acts = {'set_again': 'recount', 'remainder': 'wrapped_count', 'cycles': 'cycle()'}
