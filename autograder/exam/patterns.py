@@ -55,7 +55,8 @@ def _why_gaps(right: Sequence[bool], verb: str, what: str) -> Cause | None:
     count, total = sum(right), len(right)
     if 0 < count < total - 1 and all(right[:count]):
         some = what if count == 1 else f'{count} {what}s'
-        return Cause('first_only', f'Your node {verb} only the first {some}.', EACH)
+        after = f'Look for what {what} {count + 1} changes in your node. {EACH}'
+        return Cause('first_only', f'Your node {verb} only the first {some}.', after)
     if 1 < count < total and all(right[-count:]):
         lost = 'one' if total - count == 1 else str(total - count)
         return Cause('all_but_first', f'Your node {verb} all {what}s but the first {lost}.', EACH)

@@ -102,6 +102,8 @@ def why_not_numbered(
     before = texts[place - 1] if place else ''
     if all(number >= due for number in set(numbers) - set(whole_numbers_in(before))):
         if place:
+            if whole_numbers_in(before) == numbers:
+                return cause_of('same_number', due=due)
             return cause_of('wrong_step', repair=COUNT_IN)
         return cause_of('begins_later', due=due, number=numbers[0])
     words: dict[str, Any] = {'count': due - 1, 'repair': COUNT_IN}

@@ -265,7 +265,9 @@ def why_other_rhythm(
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
     sizes = [len(list(some)) for _, some in groupby(found, key=itemgetter('clock_ns'))]
-    if 0.0 in gaps and (len(found) > due + 1.5 or min(sizes[:-1], default=1) > 1):
+    between = [gap for gap in gaps if gap]
+    several = len(found) > due + 1.5 or min(sizes[:-1], default=1) > 1 or _is(period_s, *between)
+    if 0.0 in gaps and several:
         steps = _gaps([place for place, size in enumerate(sizes) if size > 1])
         same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1
         often = f', once in {steps[0]:g} periods' if same else ''

@@ -246,7 +246,7 @@ class TestTalker:
             ([f'hello {number}' for number in range(2, 9)], 'begins_later'),
             ([f'hello {number}' for number in range(7)], 'counts_from_zero'),
             ([f'hello {number}' for number in range(1, 15, 2)], 'wrong_step'),
-            ([f'hello {number // 2}' for number in range(2, 16)], 'wrong_step'),
+            ([f'hello {number // 2}' for number in range(2, 16)], 'same_number'),
             (['hello 1'] * 7, 'never_counts'),
             (['hello {self.count}'] * 7, 'no_f_string'),
             ([f'hello{number}' for number in range(1, 8)], 'wrong_text'),
