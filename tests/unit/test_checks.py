@@ -215,7 +215,7 @@ class TestMessages:
             ([0.6, 1.1, 1.6, 2.1, 2.6, 3.1], 'wrong_rate'),
             ([1.1, 3.1], 'some_missing'),
             ([], None),
-            ([1.1, 1.1, 2.1, 3.1], None),
+            ([1.1, 1.1, 2.1, 3.1], 'several_at_once'),
         ],
         ids=['twice as fast', 'a hole', 'silence', 'doubled'],
     )
