@@ -193,7 +193,7 @@ class Played:
             return
         try:
             text = self.program.says.format(self.heard, space=self.space)
-        except ValueError:  # a string cannot be rounded
+        except (TypeError, ValueError):  # a string or a dict cannot be rounded
             text = str(self.heard).upper()
         number = self.heard if isinstance(self.heard, (int, float)) else 1.0
         for node in self.nodes:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from itertools import groupby
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Feed, FeedTopic, Join, Qos, Scenario
+from autograder.exam.scenario import Advance, Feed, FeedTopic, Join, Leave, Qos, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Rule, sorted_answers, Specification
 from autograder.exam.words import Causes
@@ -31,6 +31,7 @@ HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
 LISTEN_S = 2.0  # per subscription: enough to notice a timer that publishes again [s]
 FIRST_S = 0.08  # minimum from the first map until the node is seen; discovery takes 0.11 s [s]
 REST_S = 5.0  # after the last survey: enough to notice a timer that publishes again [s]
+ALONE_S = 31.0  # without a publisher of surveys: enough to notice a map repeated every 30 s [s]
 EXERCISE = 'Exercise 1: a map server'
 Maps = tuple[str, ...]
 """The maps published after one survey."""
@@ -282,6 +283,8 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
             steps=(
                 Join('early', '/map', TYPE, HISTORY, LISTEN_S),
                 *feeds,
+                Leave('/survey'),
+                Advance(ALONE_S),
                 Join('late', '/map', TYPE, HISTORY, LISTEN_S),
             ),
         ),

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import Limit, limiting_slips, within
-from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.scenario import Advance, Feed, Leave, Scenario
 from autograder.exam.slips import changing, SKIPS_EQUAL
-from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.specification import Cause, Rule, Slip, Specification
 from autograder.exam.words import Causes
-from autograder.judging.checks import require_messages, SECOND
+from autograder.judging.checks import field_of, require_messages, SECOND
 from autograder.judging.claims import node, passes
 from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import (
@@ -31,7 +31,7 @@ SOURCE, TARGET, TWIST = '/cmd_vel_raw', '/cmd_vel', 'geometry_msgs/msg/Twist'
 FIELDS = 'linear.x', 'angular.z'
 LIMIT, SILENCE_S, LATE_S = 0.5, 0.5, 0.1
 STOP = (0.0, 0.0)
-QUIET_S = 0.9  # at the start, without a command
+QUIET_S = 0.9  # at the start, without a command, and at the end, without a driver
 SHORT_S, MIDDLE_S, LONG_S = (0.31, 0.43), 0.83, 1.66  # from one command to the next
 BURST = 3
 Pair = tuple[float, float]
@@ -99,6 +99,11 @@ def limiting(cut: Limit) -> Rule:
     return guarding(pair)
 
 
+def limiting_turns(most: float) -> Rule:
+    """Return the rule of a safety stop that also limits the turn."""
+    return guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, most)))
+
+
 def skipping(instead: Sequence[Pair]) -> Rule:
     """Return the rule of a safety stop that skips a command that equals the previous one."""
 
@@ -130,7 +135,8 @@ SLIPS = (
         'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))
     ),
     WHY.slip(
-        'turn_limited', guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, LIMIT)))
+        'turn_limited',
+        *map(limiting_turns, (LIMIT, 1.0, 2.0)),
     ),
     WHY.slip(
         'turn_scaled',
@@ -217,11 +223,20 @@ def stops_in_silence(run: Run) -> None:
     for place in silent:
         stops = (came[place] or ()).count(STOP)
         if stops > asked.answers[place].count(STOP):
-            why = asked.cause(came, place, silent) or WHY['repeats_stop']
+            why = asked.cause(came, place, silent) or _why_again(run, place)
             after = f'after message {place + 1}'
             raise Failed(expected=f'one stop {after}', observed=f'{stops} stops {after}', why=why)
     require_values(run, asked, came, silent, fields=FIELDS)
     require_all_sent(run, came)
+
+
+def _why_again(run: Run, place: int) -> Cause:
+    """Explain more than one stop in a silence; during the last silence, the driver leaves."""
+    last_ns = run.recording.messages(TARGET)[-1]['clock_ns']
+    late_s = [(last_ns - one['clock_ns']) / SECOND for one in run.recording.of('left')]
+    last = place == len(run.asked('commands').answers) - 1
+    alone = last and any(0 <= one <= LATE_S for one in late_s)
+    return WHY['stops_alone' if alone else 'repeats_stop']
 
 
 def keeps_its_times(run: Run) -> None:
@@ -232,7 +247,7 @@ def keeps_its_times(run: Run) -> None:
         if message['after_input'] is None:  # a different check reports these
             continue
         late_s = (message['clock_ns'] - sent[message['after_input']]) / SECOND
-        values = message['data']['linear']['x'], message['data']['angular']['z']
+        values = tuple(field_of(message, one) for one in FIELDS)
         if values != STOP and late_s > GRAIN_S:
             raise Failed(
                 expected='a command that is published when it arrives',
@@ -274,7 +289,7 @@ def build(commands: Sequence[Command]) -> Exam:
             file='safety_stop.py',
             watch={TARGET: TWIST},
             feed={SOURCE: TWIST},
-            steps=(Advance(QUIET_S), *singles, burst),
+            steps=(Advance(QUIET_S), *singles, burst, Leave(SOURCE), Advance(QUIET_S)),
         ),
         read='Exercise 3: a safety stop',
         asks={'commands': Specification(commands, guarding(), SLIPS, BURST)},
