@@ -15,7 +15,7 @@ from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import Limit, limiting_slips, within
 from autograder.exam.scenario import Advance, Feed, Leave, Scenario
 from autograder.exam.slips import changing, SKIPS_EQUAL
-from autograder.exam.specification import Cause, Rule, Slip, Specification
+from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, require_messages, SECOND
 from autograder.judging.claims import node, passes
@@ -134,10 +134,7 @@ SLIPS = (
     WHY.slip(
         'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))
     ),
-    WHY.slip(
-        'turn_limited',
-        *map(limiting_turns, (LIMIT, 1.0, 2.0)),
-    ),
+    WHY.slip('turn_limited', *map(limiting_turns, (LIMIT, 1.0, 2.0))),
     WHY.slip(
         'turn_scaled',
         guarding(
@@ -223,20 +220,11 @@ def stops_in_silence(run: Run) -> None:
     for place in silent:
         stops = (came[place] or ()).count(STOP)
         if stops > asked.answers[place].count(STOP):
-            why = asked.cause(came, place, silent) or _why_again(run, place)
+            why = asked.cause(came, place, silent) or WHY['repeats_stop']
             after = f'after message {place + 1}'
             raise Failed(expected=f'one stop {after}', observed=f'{stops} stops {after}', why=why)
     require_values(run, asked, came, silent, fields=FIELDS)
     require_all_sent(run, came)
-
-
-def _why_again(run: Run, place: int) -> Cause:
-    """Explain more than one stop in a silence; during the last silence, the driver leaves."""
-    last_ns = run.recording.messages(TARGET)[-1]['clock_ns']
-    late_s = [(last_ns - one['clock_ns']) / SECOND for one in run.recording.of('left')]
-    last = place == len(run.asked('commands').answers) - 1
-    alone = last and any(0 <= one <= LATE_S for one in late_s)
-    return WHY['stops_alone' if alone else 'repeats_stop']
 
 
 def keeps_its_times(run: Run) -> None:
