@@ -30,11 +30,13 @@ class Reading:
     One message that the probe sends.
 
     :param kind: description that feedback may show, without the value of a hidden reading
+    :param behind_s: how far the clock of its sensor is behind; whole seconds [s]
     """
 
     value: float
     kind: str
     unit: str = 'Celsius'
+    behind_s: int = 0
 
     @property
     def celsius(self) -> float | None:
@@ -77,7 +79,7 @@ class Reading:
         return {
             'temperature_value': self.value,
             'unit': self.unit,
-            'timestamp': {'sec': 100 + pair, 'nanosec': 250_000_000},
+            'timestamp': {'sec': 100 + pair - self.behind_s, 'nanosec': 250_000_000},
             # The specification has no rule about the sensor, whose name may be empty.
             'sensor_id': SENSORS[pair % len(SENSORS)],
         }

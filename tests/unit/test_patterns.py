@@ -356,6 +356,18 @@ class TestSensor:
 
         assert why(sensor_watch.warns_of_silence, run).cause_id == cause_id
 
+    @pytest.mark.parametrize(
+        ('text', 'right'),
+        [
+            ('1234.567 m', True),
+            *[(text, True) for text in ('1,234.57', '1_234.567', '1.234,57', '1234,57 (2)')],
+            *[(text, False) for text in ('1234.56', '1234.6', '-1234.57', '1,234')],
+        ],
+    )
+    def test_number_of_a_distance_may_be_rounded_to_two_decimals(self, text, right):
+        """Thousands may be marked; cutting off decimals is not rounding."""
+        assert sensor_watch._shows(text, 1234.567) == right
+
     def test_refusals_that_are_counted_from_the_start_are_reported(self):
         """The second refused publisher causes two lines, the first one only one."""
         events = []

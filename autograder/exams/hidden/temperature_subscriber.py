@@ -97,8 +97,9 @@ exam = build(
         cool(_draw),
         *fahrenheit(_draw),
         # A node that does not return after an unknown unit judges this reading again; a node that
-        # compares values in any unit does not warn about the cool reading in an unknown unit.
-        hot(_draw),
+        # compares values in any unit does not warn about the cool reading in an unknown unit.  Its
+        # stamp is older than all others: the specification has no rule about stamps.
+        replace(hot(_draw), behind_s=20),
         *_units,
         replace(cool(_draw), kind=UNKNOWN, unit='Rankine'),
         _nan,

@@ -8,7 +8,8 @@ policy if a publisher offers too little.
 
 First, two publishers without a deadline appear, one after the other.  Then a compatible one sends
 some distances on time and falls silent.  The number of missed deadlines is known: the first is one
-period after the last distance, and the others follow once per period.
+period after the last distance, and the others follow once per period.  In the hidden exam, the
+sensor then returns, and falls silent for longer.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from dataclasses import replace
 from itertools import takewhile
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario
+from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario, Step
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.words import Causes
@@ -36,7 +37,9 @@ NODE = '/sensor_watch'
 TOPIC = '/distance'
 DEADLINE_NS = 300_000_000
 EVERY_S = 0.2  # between two distances [s]
-SILENCE_S = 1.45  # after the last distance: four deadlines and time to log the last one [s]
+GRAIN = 0.005  # the number may be rounded to 0.01 [m]
+SILENCES_S = {'silence': 1.45, 'long silence': 31.05}
+"""Times after the last distance, each with time to log the last missed deadline [s]."""
 BY_RCLPY = 'New publisher discovered on topic'
 """Start of the line that rclpy's default callback logs for an incompatible publisher."""
 REQUEST = {
@@ -58,12 +61,13 @@ EXERCISE = 'Exercise 2: a listener that notices silence'
 WHY = Causes(__file__)
 
 
-def warnings_before_silence(run: Run) -> list[Event]:
-    """Return the WARN lines before the silence, when no deadline is missed."""
+def needless_warnings(run: Run) -> list[Event]:
+    """Return the WARN lines before and between the silences, when no deadline is missed."""
     until = ('mark', 'silence')
     events = takewhile(lambda one: (one['event'], one.get('name')) != until, run.recording.events)
     before = Recording(run.recording.header, tuple(events))
-    return own_logs(replace(run, recording=before), NODE, WARN)
+    parts = replace(run, recording=before), run.during('speaking again')
+    return [line for part in parts for line in own_logs(part, NODE, WARN)]
 
 
 def deadlines_ns(run: Run) -> list[int | None]:
@@ -72,19 +76,30 @@ def deadlines_ns(run: Run) -> list[int | None]:
     return [end['qos']['deadline_ns'] for end in ends if end['type'] == TYPE]
 
 
-def missed_deadlines(run: Run) -> int:
-    """Return how many deadlines are missed during the silence, given the requested deadline."""
+def missed_deadlines(run: Run, silence_s: float) -> int:
+    """Return how many deadlines are missed during a silence, given the requested deadline."""
     asked = [one for one in deadlines_ns(run) if one]
-    return int(SILENCE_S * SECOND // min(asked)) if asked else 0
+    return int(silence_s * SECOND // min(asked)) if asked else 0
+
+
+def _alike(some: Sequence[float], others: Sequence[float]) -> bool:
+    """Return whether numbers are equal, apart from rounding to 0.01."""
+    near = (abs(one - other) <= GRAIN for one, other in zip(some, others))
+    return len(some) == len(others) and all(near)
+
+
+def _shows(text: str, distance: float) -> bool:
+    """Return whether a text has the number, rounded to 0.01 or finer; thousands may be marked."""
+    readings = (numbers_in(text.replace(mark, '')) for mark in ('', *",._' "))
+    return any(_alike([one], [distance]) for numbers in readings for one in numbers)
 
 
 def logs_each_distance(run: Run) -> None:
     """It logs each distance in one INFO line that contains the number."""
     distances = run.asked('distances').inputs
     for index, distance in enumerate(distances):
-        found = [
-            line for line in own_logs(run, NODE, INFO) if distance in numbers_in(str(line['text']))
-        ]
+        logged = own_logs(run, NODE, INFO)
+        found = [line for line in logged if _shows(str(line['text']), distance)]
         # A later line may repeat the number, for example as the shortest distance so far.
         at_once = [line for line in found if line['after_input'] == index]
         due = distances.count(distance)
@@ -107,7 +122,7 @@ def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
     """
     asked = run.asked('distances')
     came = [
-        tuple(one for line in row or () if one in numbers_in(str(line['text'])))
+        tuple(one for line in row or () if _shows(str(line['text']), one))
         for one, row in zip(asked.inputs, rows(run, 'distances', own_logs(run, NODE, INFO)))
     ]
     if why := why_silent(run) or asked.cause(came, index):
@@ -122,8 +137,7 @@ def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
     # A missed deadline may cause a WARN line after any distance; it does not replace the INFO
     # line.
     return (
-        why_not_logged(run, then, INFO, lambda text: distance in numbers_in(text))
-        or WHY['not_logged']
+        why_not_logged(run, then, INFO, lambda text: _shows(text, distance)) or WHY['not_logged']
     )
 
 
@@ -142,22 +156,24 @@ def _why_unheard(run: Run) -> Cause | None:
 
 def warns_of_silence(run: Run) -> None:
     """Each missed deadline causes a WARN line, and nothing else does."""
-    early = warnings_before_silence(run)
+    early = needless_warnings(run)
     if early:
         raise Failed(
-            expected='no WARN line before the sensor has fallen silent',
+            expected='no WARN line while no deadline is missed',
             observed=repr(shortened(str(early[0]['text']), 80)),
             why=_why_default(early) or _why_early(run, early),
             shown_by=early,
         )
-    silence = own_logs(run.during('silence'), NODE)
-    found, due = sum(line['level'] == WARN for line in silence), missed_deadlines(run)
-    if found != due or not due:
-        raise Failed(
-            expected=f'one WARN line for each deadline missed in {SILENCE_S:g} s of silence',
-            observed=lines(found, WARN),
-            why=_why_other_count(run, silence, due),
-        )
+    for phase, silence_s in run.facts['silences_s'].items():
+        silence = own_logs(run.during(phase), NODE)
+        found = sum(line['level'] == WARN for line in silence)
+        due = missed_deadlines(run, silence_s)
+        if found != due or not due:
+            raise Failed(
+                expected=f'one WARN line for each deadline missed in {silence_s:g} s of silence',
+                observed=lines(found, WARN),
+                why=_why_other_count(run, silence, due),
+            )
 
 
 def _why_early(run: Run, early: Sequence[Event]) -> Cause:
@@ -232,11 +248,21 @@ def _why_no_error(run: Run, found: Sequence[Event]) -> Cause | None:
     return why_not_logged(run, found, ERROR) or WHY['no_incompatible_callback']
 
 
-def build(distances: Sequence[float]) -> Exam:
+def _spoken(distances: Sequence[float], silence: str) -> list[Step]:
+    """Return the steps that send distances on time, and then nothing."""
+    sent = [{'data': distance} for distance in distances]
+    return [
+        Feed('sensor', sent, optional=True, every_s=EVERY_S, rest_s=0.0),
+        *(Mark(silence), Advance(SILENCES_S[silence] - EVERY_S)),
+    ]
+
+
+def build(distances: Sequence[float], later: Sequence[float] = ()) -> Exam:
     """
     Return the exam for some distances.
 
     :param distances: numbers with decimals [m]; the first one occurs only once
+    :param later: distances after the first silence, followed by a long one; by default, neither
     """
     weak, strong = Qos('BEST_EFFORT'), Qos('BEST_EFFORT', deadline_s=0.3)
     lazy = [
@@ -244,7 +270,7 @@ def build(distances: Sequence[float]) -> Exam:
         for name in LAZY
         for step in (Mark(name), Offer(name, TOPIC, TYPE, weak), Advance(1.0), Leave(name))
     ]
-    sent = [{'data': distance} for distance in distances]
+    again = [Mark('speaking again'), *_spoken(later, 'long silence')] if later else []
     exam = Exam(
         'sensor_watch',
         title='A listener that notices silence',
@@ -257,12 +283,12 @@ def build(distances: Sequence[float]) -> Exam:
                 # This publisher is compatible, sends nothing and leaves, so no deadline is missed.
                 *(Mark('guest'), Offer('guest', TOPIC, TYPE, strong), Leave('guest')),
                 *(Advance(0.5), Mark('speaking'), Offer('sensor', TOPIC, TYPE, strong)),
-                Feed('sensor', sent, optional=True, every_s=EVERY_S, rest_s=0.0),
-                *(Mark('silence'), Advance(SILENCE_S - EVERY_S), Mark('over')),
+                *(*_spoken(distances, 'silence'), *again, Mark('over')),
             ),
         ),
         read='Part 5: Promises over time',
-        asks={'distances': Specification(distances, LOGGED, SLIPS)},
+        facts={'silences_s': dict([*SILENCES_S.items()][: 2 if later else 1])},
+        asks={'distances': Specification([*distances, *later], LOGGED, SLIPS, like=_alike)},
     )
     needs, part_3 = ['starts_its_node'], 'Part 3: Offer and request'
     exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))
