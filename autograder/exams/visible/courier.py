@@ -159,12 +159,13 @@ def _why_again(run: Run, first: int, second: int, third: int) -> Cause | None:
     return WHY['delivers_again'] if second or third else None
 
 
-def build(alone_s: float, between_s: float = 1.0) -> Exam:
+def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:
     """
     Return the exam: three subscriptions join in turn, the third after the first two have left.
 
     :param alone_s: time before the first subscription joins [s]
     :param between_s: additional time between the delivery and the second subscription [s]
+    :param others: number of further subscriptions, which join in turn after the third
     """
     steps: tuple[Step, ...] = (
         Advance(alone_s),
@@ -184,6 +185,7 @@ def build(alone_s: float, between_s: float = 1.0) -> Exam:
         Leave('second'),
         Advance(ALONE_S),
         Join('third', TOPIC, TYPE),
+        *(Join(f'other_{number}', TOPIC, TYPE) for number in range(others)),
         Advance(AFTER_S),
     )
     exam = Exam(
