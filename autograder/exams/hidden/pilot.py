@@ -1,4 +1,4 @@
-"""Hidden exam of lesson 02, part 5: secret values; the first message is a turn."""
+"""Hidden exam of lesson 02, part 5: secret values; the first message is a speed."""
 
 from autograder.exam.inputs import generator
 from autograder.exams.visible.pilot import build, journey
@@ -9,4 +9,4 @@ _sizes = [*_small[:2], *_large, *_small[2:]]
 _signs = [_draw.choice((-1, 1)) for _ in _sizes]
 _signs[2:4] = (-_signs[0], -_signs[1])  # each topic has numbers above and below zero
 _values = [round(sign * size / 1000, 3) for sign, size in zip(_signs, _sizes)]
-exam = build(journey(_values, first=1))
+exam = build(journey(_values, first=0))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, feeds, Scenario
+from autograder.exam.scenario import Advance, Feed, feeds, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.words import Causes
@@ -26,14 +26,32 @@ BEAT_S, INSPECT_S = 0.5, 1.2
 EVERY_S = 2.5  # between two pictures: enough for a thread that polls for them [s]
 REST_S = 2.0  # after the last single picture, and again after the burst [s]
 QUIET_S = 3.2  # at the start, without a picture [s]
+FIRST = 2  # pictures before the pause
+PAUSE_S = 14.0  # longer than an idle thread usually waits [s]
 EXERCISE = 'Exercise 1: a heartbeat that never waits'
 looked_at = each(lambda picture: (picture.upper(),))
 WHY = Causes(__file__, INSPECT_S=INSPECT_S)
+
+
+def _ends_in_the_pause(pictures: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return the results of a node whose thread ends when no picture comes for some time."""
+    return [*looked_at(pictures[:FIRST]), *[()] * len(pictures[FIRST:])]
+
+
+def _skips_waiting(pictures: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return the results of a node that keeps equal pictures only once while they wait."""
+    # Only in the burst, where pictures wait, does one equal the last but one.
+    again = (False, False, *map(str.__eq__, pictures[2:], pictures))
+    return [() if one else due for one, due in zip(again, looked_at(pictures))]
+
+
 SLIPS = (
     WHY.slip('passes_on', each(lambda picture: (picture,))),
     WHY.slip('empty_result', each(lambda picture: ('',))),
     WHY.slip('strips', each(lambda picture: (picture.strip().upper(),))),
     *leaving_out(looked_at),
+    WHY.slip('ends_in_the_pause', _ends_in_the_pause),
+    WHY.slip('skips_waiting', _skips_waiting),
 )
 
 
@@ -98,7 +116,12 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
     :param burst: number of pictures at the end that are sent at once
     """
     sent = [{'data': picture} for picture in pictures]
-    steps = (Advance(QUIET_S), *feeds(SOURCE, sent, burst, every_s=EVERY_S, rest_s=REST_S))
+    rest_s = QUIET_S + PAUSE_S + 2 * REST_S
+    steps = (
+        Advance(QUIET_S),
+        Feed(SOURCE, sent[:FIRST], every_s=EVERY_S, rest_s=PAUSE_S),
+        *feeds(SOURCE, sent[FIRST:], burst, every_s=EVERY_S, rest_s=REST_S),
+    )
     exam = Exam(
         'inspector',
         title='A heartbeat that never waits',
@@ -111,7 +134,7 @@ def build(pictures: Sequence[str], burst: int) -> Exam:
             steps=steps,
         ),
         read='Part 3: Callbacks and threads',
-        facts={'seconds': QUIET_S + EVERY_S * len(sent) + 2 * REST_S, 'slow_callback': True},
+        facts={'seconds': rest_s + EVERY_S * len(sent), 'slow_callback': True},
         asks={'pictures': Specification(tuple(pictures), looked_at, SLIPS, burst)},
     )
     exam.check(points=1, read=EXERCISE)(node('/inspector'))

@@ -35,8 +35,9 @@ BOTH = range(len(SOURCES))
 TICK_S = 0.1  # interval at which a rule evaluates the timer after an input [s]
 QUIET_S = 0.9  # at the start, without an input [s]
 # No interval between two inputs is a multiple of the period.  So a timer created when an input
-# arrives never ticks exactly when another one arrives.
-SHORT_S, MIDDLE_S, LONG_S = 0.91, 1.66, 4.34
+# arrives never ticks exactly when another one arrives.  ``FIRST_S`` is the age of the first value
+# when the other topic begins.
+SHORT_S, MIDDLE_S, FIRST_S, LONG_S = 0.91, 1.66, 3.02, 4.34
 Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
 
@@ -149,6 +150,13 @@ def changed(change: Change, *which: int) -> Rule:
     )
 
 
+def _silent_at_first(inputs: Sequence[PilotInput]) -> list[tuple[Any, ...]]:
+    """Return the commands of a node that begins when no value is old."""
+    due = joining()(inputs)
+    begins = next(place for place, row in enumerate(due) if {*row} - {STOP})
+    return [*[()] * begins, *due[begins:]]
+
+
 def _whole_seconds(begins_s: float, time_s: float) -> float:
     """Return the whole seconds of a clock that shows ``begins_s`` at the first input [s]."""
     return math.floor(time_s + begins_s)
@@ -177,13 +185,14 @@ SLIPS = (
     WHY.slip('forgets_values', joining(keeps=lambda values: [])),
     WHY.slip('stop_overwrites', joining(keeps=lambda values: [0.0])),
     WHY.slip('silent_when_old', joining(stop=lambda now, ages: None)),
+    WHY.slip('silent_at_first', _silent_at_first),
     WHY.slip('stops_for_good', joining(for_good=True)),
     WHY.slip('other_age', joining(old=lambda ages: max(ages) > 2 * OLD_S)),
     WHY.slip(
         'whole_seconds',
         joining(old=lambda ages: math.floor(max(ages)) > OLD_S),
         # If a clock starts at a different fraction of a second, each stop is only shorter.
-        *(joining(clock=partial(_whole_seconds, one / 10)) for one in range(4, 9)),
+        *(joining(clock=partial(_whole_seconds, one)) for one in (0.45, 0.55, 0.65, 0.75)),
     ),
     WHY.slip(
         'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
@@ -306,19 +315,20 @@ def build(inputs: Sequence[PilotInput]) -> Exam:
     return exam
 
 
-def journey(values: Sequence[float], first: int = 0) -> list[PilotInput]:
+def journey(values: Sequence[float], first: int = 1) -> list[PilotInput]:
     """
     Return inputs in which the messages of each topic begin, pause, resume and repeat a value.
 
     :param values: fifteen different numbers other than 0.0; the third and fourth are beyond ±1.0
-    :param first: topic of the first message
+    :param first: topic of the first message, which is old when the other topic begins
     """
-    one, two = first, 1 - first
-    topics = [one, two, one, two, one, two, one, one, two, one, two, two, two, two, one]
+    one, two = 1 - first, first
+    topics = [two, one, two, one, two, one, two, one, one, two, one, two, two, two, two, one]
     topics += [two, one] * 3
     # Each topic has a 0.0, and at the end the same value three times.
     numbers = [*values[:4], 0.0, *values[4:7], 0.0, *values[7:13], *list(values[13:]) * 3]
-    lasts = {5: LONG_S, 10: MIDDLE_S, 12: MIDDLE_S}
+    numbers.insert(0, -values[1])
+    lasts = {0: FIRST_S, 6: LONG_S, 11: MIDDLE_S, 13: MIDDLE_S}
     return [
         PilotInput(topic, number, lasts.get(place, SHORT_S))
         for place, (topic, number) in enumerate(zip(topics, numbers, strict=True))
