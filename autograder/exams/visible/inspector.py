@@ -77,7 +77,7 @@ def why_starved(run: Run) -> Cause | None:
     late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
     starved = late and all(last_s < one < results[-1] + BEAT_S for one in late)
     several = 'MultiThreadedExecutor' in Code(run.files).calls
-    return WHY['threads_used_up' if several else 'starved'] if starved else None
+    return WHY['threads_used_up'] if starved and several else None
 
 
 def keeps_its_rhythm(run: Run) -> None:
