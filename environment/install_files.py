@@ -27,6 +27,8 @@ body .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
 body .jp-OutputArea-output { --mix: in srgb, var(--jp-content-font-color1); }
 body .jp-OutputArea-output pre .ansi-yellow-fg { color: color-mix(var(--mix), #ddb62b); }
 body .jp-OutputArea-output pre .ansi-red-intense-fg { color: color-mix(var(--mix), #e75c58); }
+/* JupyterLab holds only the active cell in place while it draws others; a link selects a cell. */
+body .jp-Notebook .jp-Cell.jp-mod-selected { overflow-anchor: auto; }
 """
 ROS2_MARK = "the course's own small ros2 command"
 

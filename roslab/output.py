@@ -10,11 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence, Sized
 from html import unescape
+from pathlib import Path
 import re
 import sys
 from typing import Any, NamedTuple
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
 
+from autograder.explaining.feedback_html import section_id
+from autograder.submission.notebook import read_release
+
+_HEADING = re.compile(r'^#{1,6} (.+)$', re.MULTILINE)
 _SECTION = re.compile(r'href="([^"#]+\.ipynb)#([^"]+)"')
 
 
@@ -104,13 +109,38 @@ def _with_links(page: str) -> str:
     """
     Return HTML whose links to sections of notebooks work in the frontend of the running cell.
 
-    VS Code opens such a link as a second copy of the notebook, without a kernel.  For VS Code, a
-    link leads to the heading if it is in the same notebook, otherwise to the whole notebook.
+    JupyterLab finds a heading only after it has drawn it, but waits for a cell.  For JupyterLab,
+    a link leads to the cell with the heading.
+
+    VS Code opens a link to a section as a second copy of the notebook, without a kernel.  For
+    VS Code, a link leads to the heading if it is in the same notebook, otherwise to the whole
+    notebook.
     """
     cell = current_cell()
-    about = cell.request.get('metadata', {}) if cell else {}
-    in_vscode = str(about.get('cellId', '')).startswith('vscode-notebook-cell')
-    return _SECTION.sub(_vscode_link, page) if in_vscode else page
+    cell_id = str(cell.request.get('metadata', {}).get('cellId', '')) if cell else ''
+    if not cell_id:
+        return page
+    in_vscode = cell_id.startswith('vscode-notebook-cell')
+    return _SECTION.sub(_vscode_link if in_vscode else _jupyterlab_link, page)
+
+
+def _jupyterlab_link(link: re.Match[str]) -> str:
+    address, section = map(unescape, link.groups())
+    try:
+        cell_id = _cell_with_heading(Path(unquote(address)), section)
+    except (OSError, ValueError, KeyError, TypeError):
+        cell_id = ''  # not a file here, or not a notebook
+    return f'href="{link[1]}#cell-id={quote(cell_id)}"' if cell_id else link[0]
+
+
+def _cell_with_heading(path: Path, section: str) -> str:
+    """Return the id of the cell whose heading has this section id, empty if there is none."""
+    for cell in read_release(path)['cells']:
+        if cell['cell_type'] == 'markdown':
+            headings = _HEADING.findall(cell['source'].replace('`', ''))
+            if section in map(section_id, headings):
+                return str(cell.get('id', ''))
+    return ''
 
 
 def _vscode_link(link: re.Match[str]) -> str:

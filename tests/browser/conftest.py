@@ -131,18 +131,32 @@ def students_lab(course: Path, tmp_path: Path) -> Iterator[Lab]:
         yield running
 
 
+@pytest.fixture
+def gradual_lab(course: Path, tmp_path: Path) -> Iterator[Lab]:
+    """Return a JupyterLab that draws the cells of a notebook one after another, its default."""
+    with _running(course, tmp_path, at_once=False) as running:
+        yield running
+
+
 @contextmanager
-def _running(course: Path, home: Path, config: Path | None = None) -> Iterator[Lab]:
+def _running(
+    course: Path, home: Path, config: Path | None = None, at_once: bool = True
+) -> Iterator[Lab]:
     """
     Run a JupyterLab.
 
     :param home: folder for the files that JupyterLab keeps
     :param config: a folder with settings that override those of the environment
+    :param at_once: draw all cells of a notebook when it opens
     """
     settings = home / 'settings' / '@jupyterlab' / 'notebook-extension'
     settings.mkdir(parents=True)
-    # Put all cells into the page, not only the visible ones.
-    (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
+    if at_once:
+        (settings / 'tracker.jupyterlab-settings').write_text('{"windowingMode": "none"}')
+    # The style of this version; the environment may contain that of an earlier set-up.
+    style = home / '.jupyter' / 'custom' / 'custom.css'
+    style.parent.mkdir(parents=True)
+    style.write_text(install_files.STYLE)
     # If UNDER_TEST is set, ipykernel does not capture the output of C code, such as log lines.
     inherited = {name: text for name, text in os.environ.items() if name != UNDER_TEST}
     if config is not None:

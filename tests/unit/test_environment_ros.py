@@ -143,6 +143,7 @@ def test_install_files_adapts_jupyterlab(places):
     assert path_file.read_text().splitlines() == [str(places.project), str(PROJECT)]
     style = places.site_packages() / 'jupyter_server' / 'static' / 'custom' / 'custom.css'
     assert 'word-break: normal' in style.read_text()
+    assert '.jp-mod-selected { overflow-anchor: auto; }' in style.read_text()
     settings = {
         path: json.loads((places.venv / path).read_text())
         for path in (

@@ -1,6 +1,7 @@
 """Contents, links to the next lesson, and the map are generated from the outlines."""
 
 import html
+import json
 from pathlib import Path
 import re
 
@@ -116,14 +117,20 @@ def test_released_lesson_begins_with_contents_and_ends_with_the_next_lesson(path
     assert (cells[1].id, cells[-1].id) == ('lesson-contents', 'lesson-next')
 
 
-def test_links_in_outputs_open_no_second_copy_in_vscode(monkeypatch):
-    """JupyterLab and VS Code give a heading different ids."""
+@pytest.fixture
+def shown(monkeypatch):
+    """Return a function that returns a link as a frontend gets it."""
 
-    def shown(address, cell_id):
+    def link(address, cell_id):
         cell = output.Cell(1, {'metadata': {'cellId': cell_id}})
         monkeypatch.setattr(output, 'current_cell', lambda: cell)
         return output._with_links(f'<a href="{html.escape(address)}">')
 
+    return link
+
+
+def test_links_in_outputs_open_no_second_copy_in_vscode(shown):
+    """JupyterLab and VS Code give a heading different ids."""
     headings = [part.heading for path in LESSONS for part in read_outline(path).parts]
     assert len(headings) > 50
     for heading in headings:
@@ -135,6 +142,38 @@ def test_links_in_outputs_open_no_second_copy_in_vscode(monkeypatch):
         assert shown(there, vscode) == '<a href="../02_b/b.ipynb">'
     page = 'https://docs.ros.org/en/jazzy/index.html#nodes'
     assert shown(page, '5f2e') == shown(page, vscode) == f'<a href="{page}">'
+
+
+@pytest.mark.parametrize('path', LESSONS, ids=lambda path: path.stem)
+def test_links_in_outputs_lead_to_the_cell_of_a_heading_in_jupyterlab(path, shown, monkeypatch):
+    """JupyterLab does not find the id of a heading that it has not drawn yet."""
+    monkeypatch.chdir(LESSONS[0].parent)
+    address = f'../{path.parent.name}/{path.name}'
+    cells = nbformat.read(path, as_version=4).cells
+    headings = {
+        heading.replace('`', ''): cell.id
+        for cell in reversed(cells)
+        if cell.cell_type == 'markdown'
+        for heading in re.findall('^##+ (.+)$', cell.source, re.MULTILINE)
+    }
+    assert len(headings) > 5
+    for heading, cell_id in headings.items():
+        link = f'{address}#{section_id(heading)}'
+        assert shown(link, '5f2e') == f'<a href="{address}#cell-id={cell_id}">'
+        assert html.unescape(shown(link, '')) == f'<a href="{link}">'
+
+
+def test_links_in_outputs_remain_if_the_heading_is_not_found(shown, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path('text.ipynb').write_text('Not a notebook')
+    Path('list.ipynb').write_text('{"cells": [1]}')
+    nbformat.write(new_notebook(cells=[new_markdown_cell('## Part 1')]), 'other.ipynb')
+    old = {'cells': [{'cell_type': 'markdown', 'source': ['## Setup']}]}
+    Path('without_ids.ipynb').write_text(json.dumps(old))
+
+    for name in ('missing', 'text', 'list', 'other', 'without_ids'):
+        link = f'<a href="{name}.ipynb#Setup">'
+        assert shown(f'{name}.ipynb#Setup', '5f2e') == link
 
 
 def test_start_here_names_the_points_that_a_person_gives():
