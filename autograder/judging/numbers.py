@@ -100,12 +100,11 @@ def why_not_numbered(
     if not place and due - 1 in numbers:
         return cause_of('counts_from_zero')
     before = texts[place - 1] if place else ''
+    if place and whole_numbers_in(before) == numbers:
+        return cause_of('same_number', due=due)
     if all(number >= due for number in set(numbers) - set(whole_numbers_in(before))):
-        if place:
-            if whole_numbers_in(before) == numbers:
-                return cause_of('same_number', due=due)
-            return cause_of('wrong_step', repair=COUNT_IN)
-        return cause_of('begins_later', due=due, number=numbers[0])
+        situation = 'wrong_step' if place else 'begins_later'
+        return cause_of(situation, due=due, number=numbers[0], repair=COUNT_IN)
     words: dict[str, Any] = {'count': due - 1, 'repair': COUNT_IN}
     words['when'] = f' Just then, {when}.' if when else ''
     acts = {'set_again': 'recount', 'remainder': 'wrapped_count', 'cycles': 'cycle()'}

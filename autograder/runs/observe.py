@@ -366,10 +366,9 @@ class _RunLoop:
         """Raise if the machine or another program ended the student's program."""
         if self.killed or self.exit is None:
             return
-        builds = (
-            self.scenario['program'] in BUILDS
-        )  # the exit code is the build's, not a compiler's
-        if (self.exit in KILLED or (builds and self.exit)) and oom_kills() > self.oom_kills:
+        # A build whose compiler was killed ends with an exit code of its own.
+        ended = self.exit in KILLED or (self.exit and self.scenario['program'] in BUILDS)
+        if ended and oom_kills() > self.oom_kills:
             raise ProbeFailed('The machine ran out of memory, and the system ended a process.')
         # No process in the sandbox can signal the launcher or the fork's parent, which are in
         # another pid namespace.
