@@ -18,7 +18,7 @@ import subprocess
 import sys
 
 from autograder.sandboxes.sandbox import HERE
-from environment.ros import FILE_NAME, further_messages
+from environment import ros
 
 RUNS_PROGRAMS = (
     *('clock/*.[ch]', 'clock/virtual_clock.py', 'fastdds.xml', 'sandboxes/seccomp/*.bpf'),
@@ -122,13 +122,13 @@ def commit(root: Path) -> str:
 
 def _digest_of_grader() -> str:
     files = sorted(path for pattern in RUNS_PROGRAMS for path in HERE.glob(pattern))
-    files.append(HERE.parent / 'environment' / 'clock.py')  # the compiler's options
+    files.append(Path(ros.__file__).with_name('clock.py'))  # the compiler's options
     return _digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
 
 
 def _digest_of_settings(venv: Path) -> str:
     """Return a digest of the ROS settings that does not depend on folder names."""
-    text = (venv / FILE_NAME).read_text(encoding='utf-8')
+    text = (venv / ros.FILE_NAME).read_text(encoding='utf-8')
     share = Path(json.loads(text)['workspace'], 'share')
     for folder, name in ((venv, 'VENV'), (HERE.parent, 'COURSE'), (sys.base_prefix, 'PYTHON')):
         text = text.replace(str(folder), f'<{name}>')
@@ -148,7 +148,7 @@ def _digest_of_packages(venv: Path) -> str:
 
 @lru_cache(maxsize=4)
 def _further(venv: Path) -> Mapping[str, list[str]]:
-    return further_messages(venv)
+    return ros.further_messages(venv)
 
 
 def _digest(data: bytes, length: int = 16) -> str:
