@@ -44,8 +44,8 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
         found.append(f'ended by the grader: {process["killed"]}')
     elif process.get('exit') in _ENDING:
         found.append(f'ended with exit code {process["exit"]}, as after a signal from outside')
-    elif scenario.program in ('build', 'package') and 'Killed' in _printed(process):
-        found.append('a compiler was killed')
+    elif process.get('exit') and scenario.build_type and 'Killed' in _printed(process):
+        found.append('printed "Killed", as after a compiler was killed')
     return tuple(found)
 
 

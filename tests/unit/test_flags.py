@@ -27,7 +27,9 @@ def test_flag_of_a_killed_compiler():
     """A program that is not built can print anything."""
     run = recording(exit=1, stdout='c++: fatal error: Killed signal terminated program cc1plus')
 
-    assert flags_of(run, Scenario(program='build')) == ('a compiler was killed',)
+    assert flags_of(run, Scenario(program='build', build_type='a/msg/A')) == (
+        'printed "Killed", as after a compiler was killed',
+    )
     assert flags_of(run, Scenario()) == ()
 
 

@@ -34,8 +34,8 @@ STOP = (0.0, 0.0)
 BOTH = range(len(SOURCES))
 TICK_S = 0.1  # interval at which a rule evaluates the timer after an input [s]
 QUIET_S = 0.9  # at the start, without an input [s]
-# No interval between two inputs is a multiple of the period.  So a timer created when an input
-# arrives never ticks exactly when another one arrives.  ``FIRST_S`` is the age of the first value
+# No two inputs are a multiple of the period apart.  So a timer created when an input arrives never
+# ticks exactly when another one arrives.  ``FIRST_S`` is the age of the first value
 # when the other topic begins.
 SHORT_S, MIDDLE_S, FIRST_S, LONG_S = 0.91, 1.66, 3.02, 4.34
 Heard = Sequence[Sequence[float]]
