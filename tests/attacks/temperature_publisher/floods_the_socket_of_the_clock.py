@@ -3,7 +3,7 @@ Tries: keep the driver of the virtual clock busy with messages on its socket.
 
 Stopped by: the limit of processor time, which includes the driver's
 Deserves: 0
-Ends: busy_before_node
+Flag: ended by the grader
 """
 
 import os
