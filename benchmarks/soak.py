@@ -278,7 +278,7 @@ def _reason(task: Task, ends: Sequence[Event]) -> str:
     """
     Return possible reasons for the duration of a run.
 
-    :param ends: the ``process`` event of each run of the program
+    :param ends: the ``process`` event of the run; empty if nothing was run
     """
     limits = [f'ended by the grader: {one["killed"]}' for one in ends if one['killed']]
     built = ['builds a package'] * task.builds

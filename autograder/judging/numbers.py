@@ -40,10 +40,10 @@ ROUNDED: tuple[Change, ...] = (
 """Ways of rounding a number too coarsely for a log line."""
 
 
-def near(some: Iterable[float], others: Sequence[float]) -> bool:
-    """Return whether a number from one list equals one from the other, within :data:`GRAIN`."""
+def near(some: Iterable[float], others: Sequence[float], grain: float = GRAIN) -> bool:
+    """Return whether a number from one list equals one from the other, within a tolerance."""
     return any(
-        abs(one - other) <= GRAIN or one == other or (math.isnan(one) and math.isnan(other))
+        abs(one - other) <= grain or one == other or (math.isnan(one) and math.isnan(other))
         for one in some
         for other in others
     )

@@ -26,7 +26,7 @@ from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
 from autograder.judging.causes.redaction import redacted
 from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.claims import node, requests
-from autograder.judging.numbers import numbers_in, rounded
+from autograder.judging.numbers import near, numbers_in, rounded
 from autograder.judging.rhythm import GRAIN_S
 from autograder.judging.rows import rows
 from autograder.recording import ERROR, Event, INFO, Recording, WARN
@@ -84,14 +84,14 @@ def missed_deadlines(run: Run, silence_s: float) -> int:
 
 def _alike(some: Sequence[float], others: Sequence[float]) -> bool:
     """Return whether numbers are equal, apart from rounding to 0.01."""
-    near = (abs(one - other) <= GRAIN for one, other in zip(some, others))
-    return len(some) == len(others) and all(near)
+    alike = (near([one], [other], GRAIN) for one, other in zip(some, others))
+    return len(some) == len(others) and all(alike)
 
 
 def _shows(text: str, distance: float) -> bool:
     """Return whether a text has the number, rounded to 0.01 or finer; thousands may be marked."""
     readings = (numbers_in(text.replace(mark, '')) for mark in ('', *",._' "))
-    return any(_alike([one], [distance]) for numbers in readings for one in numbers)
+    return any(near([distance], numbers, GRAIN) for numbers in readings)
 
 
 def logs_each_distance(run: Run) -> None:
