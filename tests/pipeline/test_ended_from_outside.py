@@ -74,8 +74,10 @@ def _runs_nodes(one: psutil.Process) -> bool:
 
 
 def server(one: psutil.Process) -> bool:
-    """Return whether a process is the fork server of students' programs."""
-    return _runs_nodes(one) and not _runs_nodes(one.parent())
+    """Return whether a process is the fork server of the student's program."""
+    # Earlier tests may have left further servers, which are idle.
+    forked_it = any(map(program, one.children(recursive=True)))
+    return forked_it and _runs_nodes(one) and not _runs_nodes(one.parent())
 
 
 def parent(one: psutil.Process) -> bool:
