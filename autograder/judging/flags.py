@@ -36,8 +36,6 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
         found.append('more messages and log lines than the grader records')
     if any('too_large' in message for message in recording.of('message')):
         found.append('a message too large to be recorded')
-    for domain in process.get('domains', ()):
-        found.append(f'the program also takes part in ROS domain {domain}')
     if process.get('left'):
         found.append('other processes of the program were still running at the end')
     if process.get('killed'):

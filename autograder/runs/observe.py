@@ -27,7 +27,7 @@ from autograder.runs.watchdog import Watchdog
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.forked import INSIDE, PROBE, start_program, STUDENT
 from autograder.sandboxes.probes import start_probe
-from autograder.sandboxes.processes import family, oom_kills, other_domains, ports, running
+from autograder.sandboxes.processes import family, oom_kills, running
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from environment.ros import RosEnvironment
 
@@ -180,7 +180,6 @@ class _RunLoop:
         self.ready_s = 0.0
         self.done = False
         self.left = False
-        self.domains: list[int] = []
         self.released_ns = 0
         self.oom_kills = oom_kills()
 
@@ -378,9 +377,7 @@ class _RunLoop:
             raise ProbeFailed('Another program ended the process that reports the exit code.')
 
     def _record_surroundings(self) -> None:
-        """Record what the probe cannot see: other ROS domains, and processes left running."""
-        if self.student.home is None:  # a program with a home folder shares the host's network
-            self.domains = other_domains(ports(self.student.pid))
+        """Record what the probe cannot see: processes left running."""
         expected = bool(self.student.namespaces) + self.student.supervised
         if self.exit is None:  # the program is still running; a fork also has a launcher
             expected += 1 + bool(self.student.fork)
@@ -394,7 +391,6 @@ class _RunLoop:
             'killed': self.killed,
             'cpu_s': round(self.watchdog.cpu_s, 2),
             'left': self.left,
-            'domains': self.domains,
         }
         return {'event': 'process', **facts, **ends}
 

@@ -67,14 +67,13 @@ def load_or_record(
         'environment': environment_digest(sandbox.ros.python, texts),
     }
 
-    def once() -> Outcome:
+    def run() -> Outcome:
         scenario = exam.scenario.to_json()
         if place is None:
-            return observe(exam.name, scenario, files, sandbox, on_event)
-        return parse_outcome(place.run(task_of(exam.name, scenario, files, sandbox.mode)))
-
-    def run() -> Outcome:
-        recording, timing = once()
+            recording, timing = observe(exam.name, scenario, files, sandbox, on_event)
+        else:
+            task = task_of(exam.name, scenario, files, sandbox.mode)
+            recording, timing = parse_outcome(place.run(task))
         notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
         notes['made_with'] = dict(made_with())
         notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}

@@ -116,7 +116,7 @@ def claim_free_domain() -> Claim:
 
     :raises SandboxUnavailable: if no domain is free
     """
-    used = {(port - FIRST_PORT) // PORTS_A_DOMAIN for port in ports(os.getpid())}
+    used = {(port - FIRST_PORT) // PORTS_A_DOMAIN for port in ports()}
     free = sorted(set(DOMAINS) - used)
     secrets.SystemRandom().shuffle(free)
     claimed = claim(free)

@@ -4,16 +4,17 @@ Read a program's use of threads, memory, processor time and ports from ``/proc``
 All facts come from the kernel, because the program itself is not trusted.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 import os
 from pathlib import Path
 import time
 from typing import NamedTuple
 
+from autograder.inside.confine import family, read_small
+
 # RTPS ports: 7400 + 250 x domain for discovery; 10 + 2 x N above that for participant N.
-FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS, MOST_DOMAIN = 7400, 250, range(10, 240), 232
-FIRST_EPHEMERAL_PORT = 32768  # Linux assigns ports from here on to unbound sockets: ip(7)
+FIRST_PORT, PORTS_A_DOMAIN, OWN_PORTS = 7400, 250, 10
 CPU_TICKS = os.sysconf('SC_CLK_TCK')
 PAGE = os.sysconf('SC_PAGESIZE')
 
@@ -23,7 +24,7 @@ def _states(process: int) -> bytes:
     found = b''
     with suppress(OSError):  # the process has ended
         for task in os.listdir(f'/proc/{process}/task'):
-            stat = _read(f'/proc/{process}/task/{task}/stat')
+            stat = read_small(f'/proc/{process}/task/{task}/stat')
             found += stat.rpartition(b')')[2][1:2]
     return found
 
@@ -44,45 +45,19 @@ def _used_ns(process: int) -> int:
     return time.clock_gettime_ns((~process << 3) | 2)
 
 
-def ports(pid: int) -> set[int]:
-    """
-    Return the UDP ports that are in use in the network of a process.
-
-    :param pid: host pid
-    """
+def ports() -> set[int]:
+    """Return the UDP ports that are in use in the network of this process."""
     found = set()
     for name in ('udp', 'udp6'):
-        with suppress(OSError, ValueError, IndexError):  # the process has ended
-            lines = Path(f'/proc/{pid}/net/{name}').read_text('ascii').splitlines()[1:]
+        with suppress(OSError):  # a system without IPv6
+            lines = Path(f'/proc/self/net/{name}').read_text('ascii').splitlines()[1:]
             found |= {int(line.split()[1].rpartition(':')[2], 16) for line in lines}
     return found
 
 
 def first_port(domain: int) -> int:
     """Return the port on which the first participant of a ROS domain listens."""
-    return FIRST_PORT + PORTS_A_DOMAIN * domain + OWN_PORTS[0]
-
-
-def other_domains(used: set[int]) -> list[int]:
-    """
-    Return the ROS domains other than 0 that have a participant, judged by the ports in use.
-
-    A participant uses the domain's first port, for discovery, and two consecutive ports above it.
-    Ephemeral ports can match this pattern by chance, in one of several thousand runs.
-
-    :param used: UDP ports
-    """
-    found = []
-    for domain in range(1, MOST_DOMAIN + 1):
-        first = FIRST_PORT + PORTS_A_DOMAIN * domain
-        if first not in used:
-            continue
-        own = [first + port for port in OWN_PORTS[::2]]
-        if first >= FIRST_EPHEMERAL_PORT:
-            own = [port for port in own if port + 1 in used]
-        if any(port in used for port in own):
-            found.append(domain)
-    return found
+    return FIRST_PORT + PORTS_A_DOMAIN * domain + OWN_PORTS
 
 
 def oom_kills() -> int:
@@ -125,30 +100,6 @@ def pss_bytes(*pids: int) -> int:
     return total
 
 
-def family(*pids: int) -> Iterator[int]:
-    """Yield the pids of processes and their descendants, without those that have ended."""
-    waiting = list(pids)
-    while waiting:
-        current = waiting.pop()
-        try:
-            tasks = os.listdir(f'/proc/{current}/task')
-        except OSError:
-            continue  # the process has ended
-        yield current
-        for task in tasks:
-            with suppress(OSError):
-                waiting += map(int, _read(f'/proc/{current}/task/{task}/children').split())
-
-
-def _read(path: str) -> bytes:
-    """Read a small file of ``/proc`` with little overhead; a watchdog check reads about twenty."""
-    file = os.open(path, os.O_RDONLY)
-    try:
-        return os.read(file, 1 << 16)
-    finally:
-        os.close(file)
-
-
 class Running(NamedTuple):
     """
     A process that has not ended.
@@ -187,7 +138,7 @@ def usage(*pids: int) -> Usage:
     resident, ticks, each = 0, 0, {}
     for current in family(*pids):
         try:
-            stat = _read(f'/proc/{current}/stat')
+            stat = read_small(f'/proc/{current}/stat')
             used_s = _used_ns(current) / 1e9
         except OSError:
             continue  # the process has ended

@@ -5,7 +5,6 @@ import pytest
 from autograder.exam.scenario import FeedTopic, Offer, Scenario
 from autograder.judging.flags import flags_of
 from autograder.recording import Recording
-from autograder.sandboxes.processes import other_domains
 
 NODE = '/talker'
 
@@ -53,7 +52,6 @@ def test_honest_run_has_no_flag():
         (recording(count=101), 'more than 100'),
         (recording(reason='too_many_events'), 'than the grader records'),
         (recording({'event': 'message', 'too_large': 10**6}), 'too large'),
-        (recording(domains=[7]), 'ROS domain 7'),
         (recording(left=True), 'other processes'),
         (recording(killed='cpu_limit'), 'cpu_limit'),
     ],
@@ -78,25 +76,3 @@ def test_first_news_of_a_node_without_its_name_is_no_flag():
     run = recording(nodes=[])
 
     assert flags_of(run, Scenario()) == ()
-
-
-def test_ports_of_domain_0_are_no_other_domain():
-    """The ports of the probe and of nodes in its domain are expected."""
-    assert other_domains({7400, 7410, 7411, 7412, 7413, 40001}) == []
-
-
-def test_other_domain_is_known_by_its_two_ports():
-    """A participant opens its domain's shared port and a port of its own."""
-    first = 7400 + 250 * 42
-
-    assert other_domains({7400, first, first + 10}) == [42]
-    assert other_domains({7400, first}) == []
-
-
-def test_ports_that_linux_gives_at_random_are_no_domain():
-    """Two random ports can fit a domain by chance; a participant has two adjacent ones."""
-    first = 7400 + 250 * 208
-
-    assert first >= 32768
-    assert other_domains({7400, 7410, 7411, first, first + 88}) == []
-    assert other_domains({7400, 7410, 7411, first, first + 10, first + 11}) == [208]

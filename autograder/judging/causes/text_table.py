@@ -110,6 +110,9 @@ def _creates_node(code: Code) -> bool:
 
 _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'catches_all': lambda code: any(find(one, 'catch_all') for one in code.programs),
+    'chooses_domain': lambda code: (
+        'ROS_DOMAIN_ID' in code.texts or any(find(one, 'domain_id=') for one in code.programs)
+    ),
     'ends_itself': lambda code: code.can_exit,
     'loops': lambda code: code.has_loop,
     'serves': lambda code: 'spin' in code.calls or code.has_loop,

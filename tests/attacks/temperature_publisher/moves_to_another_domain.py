@@ -1,9 +1,8 @@
 """
 Tries: work where the probe does not listen: in another ROS domain.
 
-Stopped by: only messages that the probe receives count; the open ports reveal the domain
+Stopped by: only messages that the probe receives count
 Deserves: 0
-Flag: ROS domain 42
 """
 
 import os

@@ -3,7 +3,6 @@ Tries: behave honestly, but also join a second domain, where other programs may 
 
 Stopped by: the sandbox has a separate network, without other programs in any domain
 Deserves: 15
-Flag: ROS domain 7
 """
 
 import honest
