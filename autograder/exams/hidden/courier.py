@@ -6,6 +6,7 @@ from autograder.exams.visible.courier import build
 _draw = generator('courier', 'moments')
 # The first subscription joins after about one minute, at a time when a parcel would be late if a
 # node published it blindly at a multiple of 5 s, or checked every 3 s.
+# No other one joins soon after it: a node that waits for two would then be on time.
 # Ten more join at the end, because a node may have names or room for only a few.
 exam = build(
     alone_s=_draw.choice((57.8, 57.85, 57.9)),

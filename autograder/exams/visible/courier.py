@@ -33,7 +33,6 @@ LATEST_S = 2.05  # a node that checks every two seconds is still on time [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
 
-
 WHY = Causes(__file__, TOPIC=TOPIC)
 
 

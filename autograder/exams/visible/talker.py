@@ -111,7 +111,7 @@ def _why_text(texts: list[str], place: int, first: int, when: str) -> Cause | No
 def offers_reliable_qos(run: Run) -> None:
     """Its quality of service is reliable and volatile, the default with depth 10."""
     ends = run.recording.endpoints('publisher', heard_on(run))
-    require_qos(ends, reliability='RELIABLE', durability='VOLATILE')
+    require_qos(ends, reliability='RELIABLE', durability='VOLATILE', lifespan_ns=None)
 
 
 def build(space: str, seconds: float, comes: bool = False) -> Exam:
