@@ -19,7 +19,7 @@ def surveys(draw: random.Random) -> list[str]:
     spaced, twice = draw.sample(range(4), k=2)
     texts[spaced] = f'  {texts[spaced].capitalize()} '
     texts.insert(twice, texts[twice])
-    long = ', '.join(draw.choices(_ROOMS, k=60))
+    long = ', '.join(draw.choices(_ROOMS, k=350))
     return [*texts[:-1], texts[0], long, '', texts[-1]]
 
 

@@ -11,9 +11,10 @@ at the start and one after the surveys, and request a history.
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
+from operator import itemgetter
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, FeedTopic, Join, Leave, Qos, Scenario
+from autograder.exam.scenario import Advance, feeds, FeedTopic, Join, Leave, Qos, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Rule, sorted_answers, Specification
 from autograder.exam.words import Causes
@@ -30,13 +31,11 @@ FIRST = 'unknown'
 HISTORY = Qos(durability='TRANSIENT_LOCAL', depth=50)
 LISTEN_S = 2.0  # per subscription: enough to notice a timer that publishes again [s]
 FIRST_S = 0.08  # minimum from the first map until the node is seen; discovery takes 0.11 s [s]
-REST_S = 5.0  # after the last survey: enough to notice a timer that publishes again [s]
+REST_S = 5.0  # before and after a burst: enough to notice a timer that publishes again [s]
 ALONE_S = 31.0  # without a publisher of surveys: enough to notice a map repeated every 30 s [s]
 EXERCISE = 'Exercise 1: a map server'
 Maps = tuple[str, ...]
 """The maps published after one survey."""
-
-
 WHY = Causes(__file__, FIRST=FIRST)
 
 
@@ -45,11 +44,12 @@ def passed_on(change: Callable[[str], str] = str, times: int = 1) -> Rule:
     return each(lambda text: (change(text),) * times)
 
 
+CUTS = (50, 64, 80, 100, 128, 200, 255, 256, 500, 512, 1000, 1023, 1024, 2000, 2048)
 SLIPS = (
     *leaving_out(passed_on()),
     WHY.slip('repeats', passed_on(times=2)),
     WHY.slip('one_behind', lambda texts: [(), *((text,) for text in texts[:-1])]),
-    WHY.slip('text_cut', passed_on(lambda text: text[:100])),
+    WHY.slip('text_cut', *(passed_on(itemgetter(slice(to))) for to in CUTS)),
     WHY.slip(
         'text_changed', *(passed_on(one) for one in (str.strip, str.lower, str.upper, str.title))
     ),
@@ -267,10 +267,6 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
     :param burst: number of surveys at the end that are sent at once, at most five
     """
     messages = [{'data': text} for text in surveys]
-    singles = len(surveys) - burst
-    feeds = [Feed('/survey', messages[:singles], optional=True, rest_s=0.0 if burst else REST_S)]
-    if burst:
-        feeds.append(Feed('/survey', messages[singles:], burst=True, optional=True, rest_s=REST_S))
     exam = Exam(
         'map_server',
         title='The map server',
@@ -282,7 +278,7 @@ def build(surveys: Sequence[str], burst: int = 0) -> Exam:
             feed={'/survey': FeedTopic(TYPE, Qos())},
             steps=(
                 Join('early', '/map', TYPE, HISTORY, LISTEN_S),
-                *feeds,
+                *feeds('/survey', messages, burst, optional=True, rest_s=REST_S),
                 Leave('/survey'),
                 Advance(ALONE_S),
                 Join('late', '/map', TYPE, HISTORY, LISTEN_S),

@@ -9,12 +9,14 @@ policy if a publisher offers too little.
 First, two publishers without a deadline appear, one after the other.  Then a compatible one sends
 some distances on time and falls silent.  The number of missed deadlines is known: the first is one
 period after the last distance, and the others follow once per period.  In the hidden exam, the
-sensor then returns, and falls silent for longer.
+sensor then returns with faster messages, and falls silent for longer.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
+import math
+import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario, Step
@@ -36,7 +38,7 @@ TYPE = 'std_msgs/msg/Float64'
 NODE = '/sensor_watch'
 TOPIC = '/distance'
 DEADLINE_NS = 300_000_000
-EVERY_S = 0.2  # between two distances [s]
+EVERY_S = {'silence': 0.2, 'long silence': 0.02}  # between the distances before it [s]
 GRAIN = 0.005  # the number may be rounded to 0.01 [m]
 SILENCES_S = {'silence': 1.45, 'long silence': 31.05}
 """Times after the last distance, each with time to log the last missed deadline [s]."""
@@ -56,8 +58,6 @@ SLIPS = (
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'
-
-
 WHY = Causes(__file__)
 
 
@@ -90,6 +90,8 @@ def _alike(some: Sequence[float], others: Sequence[float]) -> bool:
 
 def _shows(text: str, distance: float) -> bool:
     """Return whether a text has the number, rounded to 0.01 or finer; thousands may be marked."""
+    if math.isinf(distance):  # '000inf' and 'infm' show it, 'info' and 'infrared' do not
+        return bool(re.search('inf(?![or])', text, re.IGNORECASE))
     readings = (numbers_in(text.replace(mark, '')) for mark in ('', *",._' "))
     return any(near([distance], numbers, GRAIN) for numbers in readings)
 
@@ -253,10 +255,10 @@ def _why_no_error(run: Run, found: Sequence[Event]) -> Cause | None:
 
 def _spoken(distances: Sequence[float], silence: str) -> list[Step]:
     """Return the steps that send distances on time, and then nothing."""
-    sent = [{'data': distance} for distance in distances]
+    sent, every_s = [{'data': distance} for distance in distances], EVERY_S[silence]
     return [
-        Feed('sensor', sent, optional=True, every_s=EVERY_S, rest_s=0.0),
-        *(Mark(silence), Advance(SILENCES_S[silence] - EVERY_S)),
+        Feed('sensor', sent, optional=True, every_s=every_s, rest_s=0.0),
+        *(Mark(silence), Advance(SILENCES_S[silence] - every_s)),
     ]
 
 
