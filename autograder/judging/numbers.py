@@ -34,7 +34,7 @@ def whole_numbers_in(text: str) -> list[int]:
 
 ROUNDED_IN_TEXT = cause_of('rounded_in_text')
 ROUNDED: tuple[Change, ...] = (
-    lambda number: math.modf(number)[1],  # int(), or infinity
+    lambda number: number - math.fmod(number, 1.0),  # int()
     *(lambda number, to=to: float(format(number, to)) for to in ('.0f', '.1g', '.2g', '.3g')),
 )
 """Ways of rounding a number too coarsely for a log line."""
