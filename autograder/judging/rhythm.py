@@ -3,9 +3,9 @@
 import ast
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations, groupby, pairwise
+from itertools import accumulate, combinations, groupby, pairwise
 import math
-from operator import itemgetter
+import operator
 from statistics import median
 from typing import Any
 
@@ -264,7 +264,7 @@ def why_other_rhythm(
     """
     gaps = [(two['clock_ns'] - one['clock_ns']) / SECOND * rate for one, two in pairwise(found)]
     due = during_s / period_s
-    sizes = [len(list(some)) for _, some in groupby(found, key=itemgetter('clock_ns'))]
+    sizes = [len(list(some)) for _, some in groupby(found, key=operator.itemgetter('clock_ns'))]
     between = [gap for gap in gaps if gap]
     several = len(found) > due + 1.5 or min(sizes[:-1], default=1) > 1 or _is(period_s, *between)
     if 0.0 in gaps and several:
@@ -280,6 +280,11 @@ def why_other_rhythm(
         return cause_of('stops', what=what, closer=[cause_of('used_up', act='next(1)')])
     if change := _why_changed(gaps, period_s, grain_s, what):
         return change
+    times = list(accumulate(gaps))
+    count = sum(times[-1] - one < period_s - GRAIN_S for one in times)
+    repeated = map(operator.sub, times[-count:], times[-2 * count : -count])
+    if len(times) >= 2 * count > 2 and _is(period_s, *repeated):
+        return cause_of('several_timers', what=what, count=count, period_s=period_s)
     periods = [gap / period_s for gap in gaps]
     whole = (
         abs(one - round(one)) * period_s <= max(grain_s, GRAIN_S * one * period_s)

@@ -216,8 +216,9 @@ class TestMessages:
             ([1.1, 3.1], 'some_missing'),
             ([], None),
             ([1.1, 1.1, 2.1, 3.1], 'several_at_once'),
+            ([1.1, 1.3, 2.1, 2.3, 3.1, 3.3], 'several_timers'),
         ],
-        ids=['twice as fast', 'a hole', 'silence', 'doubled'],
+        ids=['twice as fast', 'a hole', 'silence', 'doubled', 'two timers'],
     )
     def test_other_rhythms_fail(self, clocks, cause):
         """A cause is named only if the evidence is certain."""

@@ -1,6 +1,6 @@
 """The exams of lesson 02 and of limit_keeper, without a program: inputs, rules and causes."""
 
-from itertools import combinations, groupby
+from itertools import combinations
 
 import pytest
 
@@ -66,7 +66,7 @@ def ticked(inputs, begins_s):
                 old = tick_s - min(sent)[0] > pilot.OLD_S
                 row.append(pilot.STOP if old else (sent[0][1], sent[1][1]))
             tick_s += pilot.PERIOD_S
-        found.append(tuple(one for one, _ in groupby(row)))
+        found.append(pilot.merged(row, lasts_s))
     return found
 
 

@@ -10,7 +10,7 @@ The rules return the commands after each input.  Repetitions of a command are me
 number depends on when the node created its timer.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from itertools import groupby
 import math
@@ -38,6 +38,7 @@ QUIET_S = 0.9  # at the start, without an input [s]
 # ticks exactly when another one arrives.  ``FIRST_S`` is the age of the first value
 # when the other topic begins.
 SHORT_S, MIDDLE_S, FIRST_S, LONG_S = 0.91, 1.66, 3.02, 4.34
+REPLACED_S = 0.03  # from a value to a new one on the same topic; few timers tick between [s]
 Heard = Sequence[Sequence[float]]
 """The values received so far on each topic, in order of arrival."""
 
@@ -61,6 +62,12 @@ class PilotInput(NamedTuple):
 def latest(heard: Heard) -> tuple[float, ...]:
     """Return the latest value of each topic, 0.0 for a topic without a message."""
     return tuple(one[-1] if one else 0.0 for one in heard)
+
+
+def merged(row: Iterable[Any], lasts_s: float) -> tuple[Any, ...]:
+    """Return commands without repetitions, and none after a value that is soon replaced."""
+    found = (one for one, _ in groupby(row) if one is not None)
+    return tuple(found) if lasts_s > REPLACED_S else ()
 
 
 def joining(
@@ -108,17 +115,18 @@ def joining(
                     heard = [keeps(one) for one in heard]
                     stopped = all(heard)
             now_s += lasts_s
-            found.append(tuple(one for one, _ in groupby(row) if one is not None))
+            found.append(merged(row, lasts_s))
         return found
 
     return rule
 
 
-def queueing(begins_s: float) -> Rule:
+def queueing(begins_s: float, skips: int) -> Rule:
     """
-    Return the rule of a node that keeps values in queues, and takes one from each queue per tick.
+    Return the rule of a node that keeps values in queues, and drops one from each queue per tick.
 
     :param begins_s: time from the first input to the next tick [s]
+    :param skips: how many values the node drops before it publishes, 0 or 1
     """
 
     def rule(inputs: Sequence[PilotInput]) -> list[tuple[Any, ...]]:
@@ -132,10 +140,11 @@ def queueing(begins_s: float) -> Rule:
             while (tick_s := begins_s + ticks * PERIOD_S) < now_s:
                 ticks += 1
                 if all(waiting):
-                    taken = tuple(one.pop(0) if len(one) > 1 else one[0] for one in waiting)
+                    taken = tuple(one[:2][-skips] for one in waiting)
+                    waiting = [one[1:] or one for one in waiting]
                     fresh = tick_s - min(came_s) <= OLD_S
                     row.append(taken if fresh else STOP)
-            found.append(tuple(one for one, _ in groupby(row)))
+            found.append(merged(row, lasts_s))
         return found
 
     return rule
@@ -211,7 +220,7 @@ SLIPS = (
         'limited', *(changed(partial(within, most=1.0), *some) for some in (BOTH, *zip(BOTH)))
     ),
     WHY.slip('answers_inputs', joining(timer=False)),
-    WHY.slip('oldest_first', *(queueing(moment_s) for moment_s in _MOMENTS_S)),
+    WHY.slip('oldest_first', *(queueing(one, skips) for skips in (0, 1) for one in _MOMENTS_S)),
     *changing(
         lambda change: changed(change, *BOTH),
         *(lambda change, which=which: changed(change, which) for which in BOTH),
@@ -222,8 +231,9 @@ SLIPS = (
 def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
     """Return the specification and the commands after each input, with repetitions merged."""
     found = published(run, 'commands', TARGET, 'linear.x', 'angular.z')
-    return run.facts['commands'], [
-        row if row is None else tuple(one for one, _ in groupby(row)) for row in found
+    asked = run.asked('commands')
+    return asked, [
+        row if row is None else merged(row, one.lasts_s) for one, row in zip(asked.inputs, found)
     ]
 
 
@@ -323,23 +333,18 @@ def journey(values: Sequence[float], first: int = 1) -> list[PilotInput]:
     :param first: topic of the first message, which is old when the other topic begins
     """
     one, two = 1 - first, first
-    topics = [two, one, two, one, two, one, two, one, one, two, one, two, two, two, two, one]
-    topics += [two, one] * 3
-    # Each topic has a 0.0, and at the end the same value three times.
-    numbers = [*values[:4], 0.0, *values[4:7], 0.0, *values[7:13], *list(values[13:]) * 3]
-    numbers.insert(0, -values[1])
-    lasts = {0: FIRST_S, 6: LONG_S, 11: MIDDLE_S, 13: MIDDLE_S}
+    topics = [two, one, two, one, one, two, two, one, two, one, one, two, one, two, two, two, two]
+    topics += [one, *[two, one] * 3]
+    # Each topic has a 0.0, a value that is soon replaced, and at the end a value three times.
+    numbers = [-values[1], *values[:2], -values[2], values[2], -values[3], values[3], 0.0]
+    numbers += [*values[4:7], 0.0, *values[7:13], *list(values[13:]) * 3]
+    lasts = {0: FIRST_S, 8: LONG_S, 13: MIDDLE_S, 15: MIDDLE_S}
+    lasts |= {2: SHORT_S - REPLACED_S, 3: REPLACED_S, 4: SHORT_S - REPLACED_S, 5: REPLACED_S}
     return [
         PilotInput(topic, number, lasts.get(place, SHORT_S))
         for place, (topic, number) in enumerate(zip(topics, numbers, strict=True))
     ]
 
 
-exam = build(
-    journey(
-        [
-            *(0.5, 0.2, 1.2, -1.5, 0.4, 0.6, -0.7, 0.1),
-            *(1.0, -0.2, 0.25, 0.9, 0.35, 0.7, 0.3),
-        ]
-    )
-)
+_values = (0.5, 0.2, 1.2, -1.5, 0.4, 0.6, -0.7, 0.1, 1.0, -0.2, 0.25, 0.9, 0.35, 0.7, 0.3)
+exam = build(journey(_values))
