@@ -8,7 +8,7 @@ Specification from the lesson: node ``inspector``; it answers each ``std_msgs/ms
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, feeds, Scenario
@@ -48,6 +48,7 @@ def _skips_waiting(pictures: Sequence[str]) -> list[tuple[str, ...]]:
 SLIPS = (
     WHY.slip('passes_on', each(lambda picture: (picture,))),
     WHY.slip('empty_result', each(lambda picture: ('',))),
+    WHY.slip('grows', lambda pictures: [(one,) for one in accumulate(map(str.upper, pictures))]),
     WHY.slip('strips', each(lambda picture: (picture.strip().upper(),))),
     *leaving_out(looked_at),
     WHY.slip('ends_in_the_pause', _ends_in_the_pause),
