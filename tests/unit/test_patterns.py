@@ -420,6 +420,19 @@ class TestManaged:
 
             assert found.cause_id == 'rounded_in_text'
 
+    def test_limit_that_cleanup_loses_is_reported(self, monkeypatch):
+        """The last configuration fails, because nobody set the parameter again."""
+        monkeypatch.setattr(managed_pressure, '_require_warnings', lambda run, phase: None)
+        seen = []
+        for phase, count in (('still', 2), ('again', 3), ('highest', 5)):
+            done = at(1.0, 'answer', service=managed_pressure.CHANGE, data={'success': True})
+            seen += [at(1.0, 'mark', name=phase), *[done] * count]
+        seen[-1] = {**seen[-1], 'data': {'success': False}}
+
+        found = why(managed_pressure.takes_the_new_limit, run_of(*seen))
+
+        assert found.cause_id == 'loses_the_limit'
+
 
 def test_map_that_is_published_for_each_newcomer_is_reported():
     """The map arrives at the moment at which the late subscription connects."""

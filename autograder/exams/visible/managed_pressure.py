@@ -221,13 +221,14 @@ def ignores_while_not_active(run: Run) -> None:
 
 def takes_the_new_limit(run: Run) -> None:
     """It uses a new limit after it is configured again, and not earlier."""
-    done = [{'success': True}] * 3
+    done = [{'success': True}] * 5
     require_answers(run, CHANGE, done[:2], 'activate and deactivate', 'still')
     _require_warnings(run, 'still')
-    require_answers(run, CHANGE, done, 'cleanup, configure and activate', 'again')
+    require_answers(run, CHANGE, done[:3], 'cleanup, configure and activate', 'again')
     _require_warnings(run, 'again')
-    what = 'deactivate, cleanup and configure'
-    require_answers(run, CHANGE, done, what, 'highest', lambda place: WHY['still_refuses'])
+    what = 'deactivate, then cleanup and configure, twice'
+    whys = [WHY['still_refuses']] * 4 + [WHY['loses_the_limit']]
+    require_answers(run, CHANGE, done, what, 'highest', whys.__getitem__)
 
 
 def _require_warnings(run: Run, phase: str) -> None:
@@ -301,7 +302,7 @@ def build(
         # A node may refuse to set the parameter before cleanup, so set it again afterwards.
         *(Mark('still'), second, activate, *sent['still'], deactivate),
         *(Mark('again'), cleanup, second, configure, activate, *sent['again']),
-        *(Mark('highest'), deactivate, cleanup, third, configure),
+        *(Mark('highest'), deactivate, cleanup, third, configure, cleanup, configure),
         # Set NaN last, because a node that accepts it would be in the wrong state afterwards.
         *(Mark('not a number'), cleanup, nan, *refusal),
     )
