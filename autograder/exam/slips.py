@@ -50,7 +50,20 @@ def warning_slips(
     :param more: slips of the exercise, which are less likely than a wrong comparison
     """
     due = rule(operator.gt)
-    return (*_comparisons(rule, limit), *more, *_memories(due), *_in_a_burst(due, burst))
+    rising = WHY.slip('warns_of_maxima', lambda inputs: rule(_rising())(inputs))
+    return (*_comparisons(rule, limit), *more, *_memories(due), rising, *_in_a_burst(due, burst))
+
+
+def _rising() -> Compare:
+    """Return the comparison of a program that warns only about values above all earlier ones."""
+    highest = -math.inf
+
+    def higher(value: float, limit: float) -> bool:
+        nonlocal highest
+        before, highest = highest, max(highest, value)
+        return value > max(limit, before)
+
+    return higher
 
 
 def _comparisons(rule: Callable[[Compare], Rule], limit: str) -> tuple[Slip, ...]:

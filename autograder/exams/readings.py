@@ -7,6 +7,7 @@ The exams ``temperature_subscriber`` and ``warning_check`` use this specificatio
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import accumulate
 import math
 import operator
 from typing import Any
@@ -125,8 +126,16 @@ def keeps_last(readings: Sequence[Reading]) -> list[int]:
     return warnings
 
 
+def keeps_fahrenheit(readings: Sequence[Reading]) -> Sequence[int]:
+    """Return the warnings of a monitor that converts every reading after one in Fahrenheit."""
+    met = accumulate((one.unit == 'Fahrenheit' for one in readings), operator.or_)
+    known = zip(readings, (now and one.unit in UNITS for one, now in zip(readings, met)))
+    return warns()([replace(one, unit='Fahrenheit') if it else one for one, it in known])
+
+
 UNIT_SLIPS = (
     WHY.slip('keeps_last', keeps_last),
+    WHY.slip('keeps_unit', keeps_fahrenheit),
     WHY.slip(
         'ignores_unit',
         warns(celsius=lambda one: None if one.celsius is None else one.value),

@@ -29,7 +29,7 @@ _edges = [
     round(-_first - _draw.uniform(1.0, 3.0), 2),  # only its absolute value is above the limit
     round(_draw.uniform(500.0, 900.0), 1),  # above the limit, but not a sensor fault
     _between(),
-    *(0.0, math.nan, math.inf),
+    *(0.0, math.nan),
 ]
 _draw.shuffle(_edges)
 _again = _high()
@@ -42,7 +42,8 @@ exam = build(
     pressures={
         'accepted': (9.5, 1.5),
         # A repeated pressure and a different one: each needs its own warning.
-        'active': (*_edges, _again, _again, _high(), _between()),
+        # Infinity follows: after it, a node that warns only about each new maximum never warns.
+        'active': (*_edges, math.inf, _again, _again, _high(), _between()),
         'paused': (9.75, 20.5),
         'still': (_high(), _between()),
         'again': (_between(), *(_high() for _ in range(1 + BURST))),

@@ -72,10 +72,9 @@ def hot(draw: random.Random) -> Reading:
 
 
 def cool(draw: random.Random) -> Reading:
-    """Return a reading in Celsius below the threshold."""
-    return Reading(
-        round(draw.uniform(1.0, THRESHOLD_C - 1.0), 2), f'a reading below {THRESHOLD_C:g} °C'
-    )
+    """Return a reading in Celsius below the threshold, which no count in a log line equals."""
+    whole, part = divmod(draw.uniform(1.0, THRESHOLD_C - 1.0), 1.0)
+    return Reading(round(whole + 0.2 + 0.6 * part, 2), f'a reading below {THRESHOLD_C:g} °C')
 
 
 _draw = generator('temperature_subscriber', 'readings')
