@@ -59,7 +59,9 @@ def _why_gaps(right: Sequence[bool], verb: str, what: str) -> Cause | None:
         return Cause('first_only', f'Your node {verb} only the first {some}.', after)
     if 1 < count < total and all(right[-count:]):
         lost = 'one' if total - count == 1 else str(total - count)
-        return Cause('all_but_first', f'Your node {verb} all {what}s but the first {lost}.', EACH)
+        first = 'Look for a condition on a count, a flag or an earlier value. '
+        text = f'Your node {verb} all {what}s but the first {lost}.'
+        return Cause('all_but_first', text, first + EACH)
     for period in range(2, min(LONGEST, total // 2) + 1):
         for rest in range(period):
             on = [place % period == rest for place in range(total)]

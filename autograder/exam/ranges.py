@@ -40,6 +40,7 @@ def range_slips(
             'no_lower_end',
             lambda value: value <= highest,
             lambda value: -math.inf < value <= highest,
+            lambda value: abs(value) <= highest,
         ),
         slip(
             'no_upper_end',

@@ -34,7 +34,7 @@ def whole_numbers_in(text: str) -> list[int]:
 
 ROUNDED_IN_TEXT = cause_of('rounded_in_text')
 ROUNDED: tuple[Change, ...] = (
-    lambda number: number - math.fmod(number, 1.0),  # int()
+    lambda number: math.modf(number)[1],  # int()
     *(lambda number, to=to: float(format(number, to)) for to in ('.0f', '.1g', '.2g', '.3g')),
 )
 """Ways of rounding a number too coarsely for a log line."""
@@ -94,7 +94,7 @@ def why_not_numbered(
         return cause_of('no_f_string')
     numbers = whole_numbers_in(text)
     if not numbers:
-        return cause_of('no_number')
+        return cause_of('number_missing' if any(map(whole_numbers_in, texts)) else 'no_number')
     if len(set(texts)) == 1:
         return cause_of('never_counts', repair=COUNT_IN)
     if not place and due - 1 in numbers:

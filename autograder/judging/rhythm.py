@@ -19,6 +19,7 @@ from autograder.submission.code.source_code import Code
 
 GRAIN_S = 0.015
 """Tolerance of a rhythm [s]; a program that polls a clock deviates by up to 0.01 s."""
+CONNECTS = 'a subscription connects'
 FLOOD = 10
 """A flood is more than this multiple of the expected count; its recording may be incomplete."""
 
@@ -150,6 +151,22 @@ def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | N
     return cause_of('unheard') if in_rhythm else None
 
 
+def _greets(run: Run, found: Sequence[Event], period_s: float) -> bool:
+    """
+    Return whether each new subscription seems to cause a message between two periods.
+
+    The first one is that of the subscription after a time without one, which is not recorded.
+    """
+    after, _ = _missed(run, found)
+    if after not in found:
+        return False
+    first, *others = _seconds(found[found.index(after) :])
+    joined = other_moments(run, found).get(CONNECTS, ())
+    timed = [one for one in others if not _near(one, joined)]
+    off = timed and not _is(0.0, math.remainder(timed[0] - first, period_s))
+    return bool(off) and _is(period_s, *_gaps(timed))
+
+
 def why_disturbed(
     run: Run, found: Sequence[Event], period_s: float, few: bool, what: str
 ) -> Cause | None:
@@ -164,6 +181,8 @@ def why_disturbed(
     gaps = _gaps(seconds)
     if unheard := _why_unheard(run, found, period_s):
         return unheard
+    if _greets(run, found, period_s):
+        return cause_of('additional', what=what, event=CONNECTS)
     if few and _is(period_s, *gaps) and _end_s(run, found) - seconds[-1] <= 1.5 * period_s:
         return cause_of('begins_late', what=what)
     late = [one for one, gap in zip(seconds[1:], gaps) if gap > period_s + GRAIN_S]
@@ -219,7 +238,7 @@ def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[flo
         if one['event'] == 'input':
             name = 'a message arrives'
         elif one['event'] == 'joined' and one['matched']:
-            name = 'a subscription connects'
+            name = CONNECTS
         elif one['event'] == 'message' and one['topic'] != found[0].get('topic'):
             name = f'your node publishes on {one["topic"].rpartition("/")[2]}'
         else:

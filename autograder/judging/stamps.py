@@ -5,7 +5,7 @@ In these exams, the ROS clock starts far from system time and advances in steps.
 enough to detect a wrong clock, a lost fraction or an invented stamp.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
@@ -33,7 +33,8 @@ def require_stamps(
         valid stamp is the time of the message
     :param field: name of a field of type ``builtin_interfaces/msg/Time``
     """
-    for message, earliest_ns in found:
+    pairs = list(found)
+    for message, earliest_ns in pairs:
         stamp = field_of(message, field)
         stamp_ns = stamp['sec'] * SECOND + stamp['nanosec']
         first_ns, now_ns = clock.at(earliest_ns), clock.at(message['clock_ns'])
@@ -44,8 +45,20 @@ def require_stamps(
             if run.secret
             else f'a stamp of {now_ns / SECOND:g} s, the ROS time when the message was sent',
             observed=_described(run, stamp_ns / SECOND, now_ns / SECOND),
-            why=_why_stamp(run, field, stamp, now_ns / SECOND),
+            why=cause_of('prepared_stamp', field=field, about=[field])
+            if _one_behind(pairs, clock, field) and not why_it_sleeps(run)
+            else _why_stamp(run, field, stamp, now_ns / SECOND),
         )
+
+
+def _one_behind(found: Sequence[tuple[Event, int]], clock: RosClock, field: str) -> bool:
+    """Return whether each stamp is the time of the previous message, except the first stamp."""
+    taken = [field_of(message, field) for message, _ in found[1:]]
+    taken_ns = [one['sec'] * SECOND + one['nanosec'] for one in taken]
+    return len(taken) > 1 and all(
+        clock.at(earliest_ns) <= one <= clock.at(message['clock_ns'])
+        for (message, earliest_ns), one in zip(found, taken_ns)
+    )
 
 
 def _described(run: Run, seconds: float, now: float) -> str:

@@ -21,13 +21,14 @@ from typing import Any
 
 from autograder.clock.virtual_clock import virtual_clock, VirtualClock
 from autograder.errors import ProbeFailed
+from autograder.inside.confine import family
 from autograder.recording import header, Recording
 from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.watchdog import Watchdog
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.forked import INSIDE, PROBE, start_program, STUDENT
 from autograder.sandboxes.probes import start_probe
-from autograder.sandboxes.processes import family, oom_kills, running
+from autograder.sandboxes.processes import oom_kills, running
 from autograder.sandboxes.sandbox import HERE, Sandbox
 from environment.ros import RosEnvironment
 

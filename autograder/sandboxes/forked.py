@@ -12,11 +12,11 @@ import socket
 
 from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import ProbeFailed
+from autograder.inside.confine import family
 from autograder.sandboxes import landlock
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.fork_server import Fork, free_server, load_together, Loaded
 from autograder.sandboxes.probes import compile_code, loaded_probe
-from autograder.sandboxes.processes import family
 from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
 
 LAUNCHER = ('sh', '-c', f'read code; exit "${{code:-{KILLED[1]}}}"')

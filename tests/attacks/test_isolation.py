@@ -22,7 +22,7 @@ LAUNCHER = """
 import sys
 from pathlib import Path
 from autograder.sandboxes.confinement import Limits, Program
-from autograder.sandboxes.processes import family
+from autograder.inside.confine import family
 from autograder.sandboxes.choose import strongest
 box = strongest()
 argv = (box.ros.python, '/grader/inside/run_node.py', '/submission/x.py')

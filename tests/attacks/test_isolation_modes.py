@@ -19,8 +19,8 @@ import pytest
 from autograder.errors import SandboxUnavailable
 from autograder.exam import catalog
 from autograder.grading.examine import examine
+from autograder.inside.confine import family
 from autograder.sandboxes import choose, isolation, landlock
-from autograder.sandboxes.processes import family
 from environment.ros import ros_environment
 
 pytestmark = [pytest.mark.attacks, pytest.mark.ros]

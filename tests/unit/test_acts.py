@@ -350,7 +350,7 @@ class TestTable:
     def test_act_of_the_table_is_a_word_that_is_known(self):
         """The table has only known acts; a misspelt one would be read as a name in the code."""
         shapes = re.compile(
-            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|nan|inf|\w+Group'
+            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|environ|nan|inf|\w+Group'
         )
         acts = (*acts_by_cause().values(), ANSWER)
         words = {word for one in acts for word in one.split() if word != '|'}

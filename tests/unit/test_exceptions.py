@@ -71,6 +71,7 @@ def at(code, error, below=''):
             'destroyed_early',
             'already destroyed',
         ),
+        ('RuntimeError: coroutine raised StopIteration', 'used_up', 'end of its iterator'),
         ('ValueError: generator already executing', 'nested_spin', 'A callback spins'),
         ('RuntimeError: Executor is already spinning', 'nested_spin', 'A callback spins'),
         (

@@ -391,15 +391,15 @@ class TestCourier:
         early = self.run_of(('first', 'first'), lost=1)
         assert cause_of(courier.delivers_once, early) == 'published_too_early'
 
-    @pytest.mark.parametrize('exit', [None, 0])
-    def test_node_that_goes_after_the_delivery_has_delivered_by_chance(self, exit):
+    @pytest.mark.parametrize(('exit', 'cause_id'), [(None, 'destroyed'), (0, 'exited_early')])
+    def test_node_that_goes_after_the_delivery_has_delivered_by_chance(self, exit, cause_id):
         """If the node ends some time later, the delivery counts, but delivers_once fails."""
         at_once = self.run_of(('first', 'first'), lives=(), exit=exit)
         later = self.run_of(('first', 'first'), lives=('delivered',), exit=exit)
 
-        assert cause_of(courier.delivers_to_who_comes_late, at_once) == 'exited_early'
+        assert cause_of(courier.delivers_to_who_comes_late, at_once) == cause_id
         courier.delivers_to_who_comes_late(later)
-        assert cause_of(courier.delivers_once, later) == 'exited_early'
+        assert cause_of(courier.delivers_once, later) == cause_id
 
 
 class TestRunningMean:

@@ -250,7 +250,7 @@ def test_a_domain_in_use_is_not_taken(tmp_path, monkeypatch):
     """A claim or ports in the kernel's table show that a domain is in use."""
     monkeypatch.setattr(ros_domain, 'NAME', str(tmp_path))
     used = {7400 + 250 * domain + 10 for domain in range(1, 102) if domain != 42}
-    monkeypatch.setattr(landlock, 'ports', lambda pid: used)
+    monkeypatch.setattr(landlock, 'ports', lambda: used)
 
     claimed = landlock.claim_free_domain()
     assert claimed.domain == 42

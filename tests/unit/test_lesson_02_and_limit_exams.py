@@ -114,7 +114,7 @@ class TestHeartbeat:
         """Heartbeats arrive before the first picture and after the result."""
         run = run_of(inspector.exam, *self.quiet, result(4.4), beat(4.4), beat(4.5))
 
-        assert inspector.why_starved(run) == inspector.WHY['starved']
+        assert inspector.why_starved(run).cause_id == 'starved'
 
     @pytest.mark.parametrize(
         'events',
@@ -128,6 +128,16 @@ class TestHeartbeat:
     def test_other_heartbeats_are_not(self, events):
         """A cause is named only if all messages fit it."""
         assert inspector.why_starved(run_of(inspector.exam, *events)) is None
+
+
+def test_picture_that_is_inspected_twice_is_reported():
+    sent = {'event': 'input', 'index': 0, 'clock_ns': 3_200_000_000}
+    run = run_of(inspector.exam, sent, result(5.6), result(8.0))
+
+    with pytest.raises(Failed) as failed:
+        inspector.inspects_one_at_a_time(run)
+
+    assert failed.value.why.cause_id == 'inspects_twice'
 
 
 class TestLimits:

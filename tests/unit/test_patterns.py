@@ -1,6 +1,7 @@
 """Causes that follow from the whole run: answered inputs, and disturbed rhythms."""
 
 from dataclasses import replace
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -365,6 +366,17 @@ class TestSensor:
     def test_number_of_a_distance_may_be_rounded_to_two_decimals(self, text, right):
         """Thousands may be marked; cutting off decimals is not rounding."""
         assert sensor_watch._shows(text, 1234.567) == right
+
+    @pytest.mark.parametrize(
+        ('text', 'right'),
+        [
+            *[(text, True) for text in ('inf m', '0000infm', '{"m": Infinity}')],
+            *[(text, False) for text in ('1.25 m', 'info: 1.25 m', 'infrared: 1.25 m')],
+        ],
+    )
+    def test_infinite_distance_may_be_shown_in_any_format(self, text, right):
+        """The start of another word does not show it."""
+        assert sensor_watch._shows(text, math.inf) == right
 
     def test_refusals_that_are_counted_from_the_start_are_reported(self):
         """The second refused publisher causes two lines, the first one only one."""

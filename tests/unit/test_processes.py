@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from autograder.sandboxes.processes import family, running, usage
+from autograder.inside.confine import family
+from autograder.sandboxes.processes import running, usage
 
 # Each program prints x when its threads and child processes are set up.
 SLEEPS = "import threading; print('x', flush=True); threading.Event().wait()"

@@ -135,6 +135,11 @@ class TestStamps:
 
         assert why(publisher.stamps_follow_the_clock, run).cause_id == 'sleeps_in_callback'
 
+    def test_message_that_is_stamped_one_message_earlier_is_reported(self):
+        run = published(every(1.0), stamp=lambda now: CLOCK.at(now - round(10**9 / CLOCK.rate)))
+
+        assert why(publisher.stamps_follow_the_clock, run).cause_id == 'prepared_stamp'
+
     @pytest.mark.parametrize(
         ('stamp', 'cause_id'),
         [

@@ -30,6 +30,7 @@ AFTER_S = 4.0  # enough for a node that polls with a timer [s]
 QUIET_S = 6.0  # without an expected parcel; long enough to notice a repeated one [s]
 ALONE_S = 2.0  # enough for a node to notice that all subscriptions have left [s]
 LATEST_S = 2.05  # a node that checks every two seconds is still on time [s]
+SOON_S = 0.6  # from the second subscription to the parcel, if the node waited for it [s]
 EXERCISE = 'Exercise 2: the courier who waits'
 GONE = 'a node that has ended'
 
@@ -55,6 +56,8 @@ def _why_gone(run: Run, text: str) -> Cause | None:
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)
+    if recording.process.get('exit') is None:
+        return WHY['destroyed']
     advice = 'Keep the node running until it is stopped; self.timer.cancel() is enough to stop '
     return Cause('exited_early', text, f'{advice}checking.')
 
@@ -97,7 +100,7 @@ def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     if found := parcels(run, 'first'):
         second = run.recording.of('joined', listener='second')
         waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if second else -1
-        return WHY['waits_for_two'] if 0 <= waited_ns <= LATEST_S * SECOND else WHY['late']
+        return WHY['waits_for_two'] if 0 <= waited_ns <= SOON_S * SECOND else WHY['late']
     if why := why_silent(run):
         return why
     code = Code(run.files)

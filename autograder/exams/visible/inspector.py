@@ -8,6 +8,7 @@ Specification from the lesson: node ``inspector``; it answers each ``std_msgs/ms
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import accumulate, pairwise
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
@@ -15,7 +16,7 @@ from autograder.exam.scenario import Advance, Feed, feeds, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.words import Causes
-from autograder.judging.checks import SECOND
+from autograder.judging.checks import require_messages, SECOND
 from autograder.judging.claims import node, one_for_one, passes, publishes
 from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
 from autograder.submission.code.source_code import Code
@@ -73,6 +74,8 @@ def why_starved(run: Run) -> Cause | None:
         groups = len(calls.get('MutuallyExclusiveCallbackGroup', ())) > 1
         apart = 'MultiThreadedExecutor' in calls and (groups or 'ReentrantCallbackGroup' in calls)
         locks = calls.keys() & {'Lock', 'RLock', 'Semaphore'}
+        if 'MultiThreadedExecutor' not in calls:
+            return replace(WHY['starved'], act='spin()')
         return WHY['waits_for_lock'] if apart and locks else WHY['starved']
     last_s = max((one['clock_ns'] for one in run.recording.of('input')), default=0) / SECOND
     late = [end for begun, end in pairwise(beats) if end - begun > BEAT_S + GRAIN_S]
@@ -83,7 +86,7 @@ def why_starved(run: Run) -> Cause | None:
 
 def keeps_its_rhythm(run: Run) -> None:
     """It publishes a heartbeat every 0.5 s, even while it inspects a picture."""
-    found, seconds = run.recording.messages(ALIVE), run.facts['seconds']
+    found, seconds = require_messages(run, topic=ALIVE), run.facts['seconds']
     waited_s = seconds_between(run.recording.of('seen'), found)
     require_period(
         run, found, BEAT_S, seconds, 'heartbeat', lambda: why_starved(run), waited_s=waited_s
@@ -91,7 +94,7 @@ def keeps_its_rhythm(run: Run) -> None:
 
 
 def inspects_one_at_a_time(run: Run) -> None:
-    """Each inspection takes 1.2 s, and the next one begins after it has ended."""
+    """One inspection per picture takes 1.2 s, and the next one begins after it has ended."""
     sent = [one['clock_ns'] / SECOND for one in run.recording.of('input')]
     ends = _moments(run, TARGET)
     if any(end - begun < INSPECT_S - GRAIN_S for begun, end in zip(sent, ends)):
@@ -99,6 +102,12 @@ def inspects_one_at_a_time(run: Run) -> None:
             expected=f'a result {INSPECT_S:g} s after its picture, or later',
             observed=f'a result less than {INSPECT_S:g} s after its picture',
             why=WHY['not_inspected'],
+        )
+    if any(end - begun > 2 * INSPECT_S - GRAIN_S for begun, end in zip(sent[:1], ends)):
+        raise Failed(
+            expected=f'a result {INSPECT_S:g} s after the first picture',
+            observed=f'a result {ends[0] - sent[0]:.3g} s after the first picture',
+            why=WHY['inspects_twice'],
         )
     if any(later - earlier < INSPECT_S - GRAIN_S for earlier, later in pairwise(ends)):
         raise Failed(

@@ -194,11 +194,9 @@ def gives_a_reason(run: Run) -> None:
             )
     if not refused:
         raise Failed(expected='a reason in each refusal', observed='no refusal')
-    both = {RESULT: False}
+    both = [{RESULT: False}] * 2
     what = f'a call that sets {PLACE} and a limit that makes no sense'
-    require_answers(
-        run, f'{NODE}/{ATOMIC}', [both], what, explain=lambda place: WHY['looks_at_one']
-    )
+    require_answers(run, f'{NODE}/{ATOMIC}', both, what, explain=lambda place: WHY['looks_at_one'])
 
 
 def build(start: float, changes: Sequence[Change]) -> Exam:
@@ -215,7 +213,8 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
         values = [one.value for one in sent if one.changes == number]
         messages = [{'data': one} for one in values]
         steps += feeds(SOURCE, messages, BURST if number == len(changes) else 0)
-    steps.append(set_parameters(NODE, {PLACE: 'roof', LIMIT: HIGHEST_C + 1.0}, atomically=True))
+    both = (PLACE, 'roof'), (LIMIT, HIGHEST_C + 1.0)
+    steps += [set_parameters(NODE, dict(order), atomically=True) for order in (both, both[::-1])]
     exam = Exam(
         'limit_keeper',
         title='Limits that make no sense',

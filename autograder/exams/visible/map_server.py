@@ -44,10 +44,16 @@ def passed_on(change: Callable[[str], str] = str, times: int = 1) -> Rule:
     return each(lambda text: (change(text),) * times)
 
 
+def joined(between: str) -> Rule:
+    """Return the rule of a server that publishes all surveys so far, in one text."""
+    return lambda texts: [(between.join(texts[:count]),) for count in range(1, len(texts) + 1)]
+
+
 CUTS = (50, 64, 80, 100, 128, 200, 255, 256, 500, 512, 1000, 1023, 1024, 2000, 2048)
 SLIPS = (
     *leaving_out(passed_on()),
     WHY.slip('repeats', passed_on(times=2)),
+    WHY.slip('joins', *(joined(between) for between in ('', ' ', ', ', '\n', ' and ', '; '))),
     WHY.slip('one_behind', lambda texts: [(), *((text,) for text in texts[:-1])]),
     WHY.slip('text_cut', *(passed_on(itemgetter(slice(to))) for to in CUTS)),
     WHY.slip(

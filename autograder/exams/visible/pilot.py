@@ -206,6 +206,7 @@ SLIPS = (
     WHY.slip(
         'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
     ),
+    WHY.slip('field_missing', *(changed(lambda value: 0.0, which) for which in BOTH)),
     WHY.slip('swapped', joining(value=lambda heard: latest(heard)[::-1])),
     WHY.slip(
         'first_value', joining(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard))

@@ -156,6 +156,7 @@ SLIPS = (
     WHY.slip('stops_at_nan', stops),
     WHY.slip('counts_nan', dividing(lambda one: 0.0 if math.isnan(one) else one)),
     WHY.slip('forgets_at_nan', forgets),
+    WHY.slip('skips_negative', averaging(counts=lambda one, last: one >= 0.0)),
     WHY.slip('skips_zero', averaging(counts=lambda one, last: bool(one) and not math.isnan(one))),
     WHY.slip('skips_large', averaging(counts=lambda one, last: abs(one) < 1e6)),
     WHY.slip('sum_spoiled', dividing(lambda one: one)),

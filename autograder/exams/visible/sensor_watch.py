@@ -15,6 +15,8 @@ sensor then returns with faster messages, and falls silent for longer.
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
+import math
+import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario, Step
@@ -88,8 +90,15 @@ def _alike(some: Sequence[float], others: Sequence[float]) -> bool:
 
 def _shows(text: str, distance: float) -> bool:
     """Return whether a text has the number, rounded to 0.01 or finer; thousands may be marked."""
+    if math.isinf(distance):  # '0000inf' and 'infm' show it; 'info' and 'infrared' do not
+        return bool(re.search('inf(?![or])', text, re.IGNORECASE))
     readings = (numbers_in(text.replace(mark, '')) for mark in ('', *",._' "))
     return any(near([distance], numbers, GRAIN) for numbers in readings)
+
+
+def _shown_in(text: str, distance: float) -> float:
+    """Return the distance if a text shows it, or else the first number in the text, or NaN."""
+    return distance if _shows(text, distance) else next(iter(numbers_in(text)), math.nan)
 
 
 def logs_each_distance(run: Run) -> None:
@@ -120,7 +129,7 @@ def _why_not_shown(run: Run, index: int, later: bool) -> Cause | None:
     """
     asked = run.asked('distances')
     came = [
-        tuple(one for line in row or () if _shows(str(line['text']), one))
+        tuple(_shown_in(str(line['text']), one) for line in row or ())
         for one, row in zip(asked.inputs, rows(run, 'distances', own_logs(run, NODE, INFO)))
     ]
     if why := why_silent(run) or asked.cause(came, index):

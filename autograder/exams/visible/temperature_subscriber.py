@@ -88,9 +88,10 @@ def _why_not_logged(
     run: Run, proper: Sequence[tuple[Reading, Followed]], place: int
 ) -> Cause | None:
     reading, group = proper[place]
-    # If INFO lines follow the reading, do not search elsewhere: they lack the value, or the node
-    # handled only part of a burst.
-    elsewhere = None if group.count(INFO) else why_elsewhere(run, INFO, reading.is_in)
+    # If INFO lines follow all cool readings, do not search elsewhere: they lack the value, or the
+    # node handled only part of a burst.
+    often = all(one.count(INFO) for each, one in proper if not each.hot)
+    elsewhere = None if often else why_elsewhere(run, INFO, reading.is_in)
     left_out = why_left_out(run, INFO, run.recording.logs(level=INFO))
     if why := why_silent(run) or left_out or elsewhere:
         return why
