@@ -117,6 +117,10 @@ def _with_factor(factor: float, reading: Reading) -> float | None:
     return (reading.value - 32.0) * factor if reading.unit == 'Fahrenheit' else reading.celsius
 
 
+def _without_brackets(reading: Reading) -> float | None:
+    return reading.value - 32.0 / 1.8 if reading.unit == 'Fahrenheit' else reading.celsius
+
+
 def keeps_last(readings: Sequence[Reading]) -> list[int]:
     """Return the warnings of a monitor that repeats its last verdict after an unknown unit."""
     warnings, hot = [], False
@@ -141,6 +145,8 @@ UNIT_SLIPS = (
         warns(celsius=lambda one: None if one.celsius is None else one.value),
         warns(celsius=lambda one: one.value),
     ),
+    WHY.slip('no_brackets', warns(celsius=_without_brackets)),
+    WHY.slip('too_large', warns(celsius=partial(_with_factor, 0.6))),
     WHY.slip(
         'wrong_conversion', warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None)
     ),

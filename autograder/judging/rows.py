@@ -337,14 +337,17 @@ def require_warnings(
     other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
     row, inputs = followed[place] or [], asked.row(place)
     then, known = while_running(run, asked, place, short), _without_last(run, came, place)
-    elsewhere = why_missing or (lambda one: None if count else why_not_logged(then, row, WARN))
+    slip = asked.cause(known, place, part)
     what = f'a burst of {len(inputs)} readings' if len(inputs) > 1 else inputs[0].kind
     raise Failed(
         expected=f'{lines(due, WARN)} after {what}',
         observed='the run ended before this input' if came[place] is None else lines(count, WARN),
         why=why_silent(then)
-        or (elsewhere(place) or why_left_out(run, WARN, _warnings(followed)) if short else None)
-        or asked.cause(known, place, part)
+        or (why_missing(place) if why_missing and short else None)
+        or (why_left_out(run, WARN, _warnings(followed)) if short else None)
+        or (slip if any(came) else None)
+        or (why_not_logged(then, row, WARN) if short and not count and not why_missing else None)
+        or slip
         or why_pattern(asked.answers, known, 'warns about', 'high value')
         or _why_from_elsewhere(came, asked.answers, followed, place)
         or other,

@@ -95,6 +95,9 @@ exam = build(
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
+        # A node that divides before it subtracts warns only about the first of these, and one that
+        # converts nothing about both.
+        *(Reading(one, 'a cold reading in °F', UNIT) for one in (60.5, 40.25)),
         # A node that does not return after an unknown unit judges this reading again; a node that
         # compares values in any unit does not warn about the cool reading in an unknown unit.  Its
         # stamp is older than all others: the specification has no rule about stamps.

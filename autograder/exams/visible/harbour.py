@@ -57,6 +57,10 @@ def _why_missing(run: Run, node: str) -> Cause:
     if why := why_other_namespace(run, node, repair):
         return why
     if run.recording.nodes and not {*run.recording.nodes} - {LOOKOUT, KEEPER}:
+        other = run.recording.nodes[0]
+        if any(graph['nodes'].count(other) > 1 for graph in run.recording.of('graph')):
+            name = other.rpartition('/')[2]
+            return WHY.of('same_name', about=[name], other=name)
         return why_silent(run) or WHY.of('one_node', base=base)
     return why_no_node(run, node)
 

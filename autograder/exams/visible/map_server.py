@@ -50,11 +50,12 @@ def joined(between: str) -> Rule:
 
 
 CUTS = (50, 64, 80, 100, 128, 200, 255, 256, 500, 512, 1000, 1023, 1024, 2000, 2048)
+ONE_BEHIND = WHY.slip('one_behind', lambda texts: [(), *((text,) for text in texts[:-1])])
 SLIPS = (
     *leaving_out(passed_on()),
     WHY.slip('repeats', passed_on(times=2)),
     WHY.slip('joins', *(joined(between) for between in ('', ' ', ', ', '\n', ' and ', '; '))),
-    WHY.slip('one_behind', lambda texts: [(), *((text,) for text in texts[:-1])]),
+    ONE_BEHIND,
     WHY.slip('text_cut', *(passed_on(itemgetter(slice(to))) for to in CUTS)),
     WHY.slip(
         'text_changed', *(passed_on(one) for one in (str.strip, str.lower, str.upper, str.title))
@@ -120,6 +121,8 @@ def _why_no_first_map(run: Run, found: Sequence[str], before: Sequence[str]) -> 
     if why := why_silent(run) or _why_unmatched(run, 'early'):
         return why
     if found.count(FIRST) > 1:
+        if run.asked('maps').cause(compared(run)) is ONE_BEHIND:
+            return ONE_BEHIND
         return WHY['replaces_empty'] if _replaces_empty(run) else WHY['first_repeats']
     if not before:
         return WHY['no_first_map']
