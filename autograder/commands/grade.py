@@ -23,9 +23,9 @@ from autograder.classroom.collected import not_collected, not_listed
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import extensions, read_people
-from autograder.classroom.results_of_class import modes, results_of_others
+from autograder.classroom.results_of_class import modes, ran_s, results_of_others
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
-from autograder.commands.progress import progress
+from autograder.commands.progress import progress, slowest_text
 from autograder.errors import from_os_error, GraderError, UsageError
 from autograder.explaining.feedback import printable
 from autograder.exports.as_json import submission_json
@@ -338,6 +338,9 @@ def about_runs(results: Sequence[SubmissionResult], total_s: float, runs_s: floa
     """Return a sentence with duration, isolation modes and number of submissions for review."""
     some = f'{len(results)} submission{"s" * (len(results) != 1)}'
     facts = [f'{some} in {total_s:.1f} s, of which runs took {runs_s:.1f} s']
+    slowest = slowest_text({one.student: ran_s(one) for one in results})
+    if len(results) > 1 and slowest:
+        facts.append(slowest)
     if used := modes(results):
         facts.append(f'isolation {", ".join(used)}')
     if reviews := sum(bool(one.review) for one in results):

@@ -5,7 +5,7 @@ Progress is counted in runs, one per submission and exam.  The remaining time is
 runs so far; the estimate is too low if many of them were already recorded.
 """
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 import os
@@ -19,9 +19,12 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from autograder.errors import GraderError
+from autograder.explaining.feedback import printable
 from autograder.grading.pipeline import Outcome
+from autograder.results import shortened
 
-Tell = Callable[[Outcome], None]
+Tell = Callable[[str, Outcome], None]
+NAME_CHARS = 30
 LINE_S = 5.0
 """Time between two lines in a log [s]."""
 
@@ -29,7 +32,7 @@ LINE_S = 5.0
 @contextmanager
 def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
     """
-    Show the finished runs, the remaining time and the number of full marks.
+    Show the finished runs, the remaining time, the number of full marks and the slowest student.
 
     :param total: number of all runs
     :param what: label of the progress line, such as the assignment
@@ -38,16 +41,20 @@ def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
     """
     # Other threads read the counts, so no key is added later.
     counts = Counter({'full marks': 0, 'less': 0, 'for review': 0})
+    seconds: dict[str, float] = defaultdict(float)
     guard, console = threading.Lock(), Console(stderr=True)
     show = _bar(counts, total, what, console)
     if not is_alive(console):
         show = _lines(counts, total, what, line_s)
     with show as update:
 
-        def tell(outcome: Outcome) -> None:
+        def tell(student: str, outcome: Outcome) -> None:
             with guard:
                 counts[kind_of(outcome)] += 1
-            update()
+                if not isinstance(outcome, GraderError):
+                    seconds[student] += outcome.ran_s
+                slowest = slowest_text(seconds)
+            update(slowest)
 
         yield tell
 
@@ -67,7 +74,7 @@ def is_alive(console: Any) -> bool:
 @contextmanager
 def _bar(
     counts: Counter[str], total: int, what: str, console: Console
-) -> Iterator[Callable[[], None]]:
+) -> Iterator[Callable[[str], None]]:
     """Show a progress bar until the context ends."""
     columns: tuple[Any, ...] = (
         TextColumn('{task.description}'),
@@ -79,13 +86,17 @@ def _bar(
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(escape(what), total=total, totals='')
 
-        yield lambda: bar.update(task, completed=counts.total(), totals=text_of(counts))
+        def update(slowest: str) -> None:
+            said = '; '.join(filter(None, (text_of(counts), slowest)))
+            bar.update(task, completed=counts.total(), totals=said)
+
+        yield update
 
 
 @contextmanager
 def _lines(
     counts: Counter[str], total: int, what: str, line_s: float
-) -> Iterator[Callable[[], None]]:
+) -> Iterator[Callable[[str], None]]:
     """Print a line every ``line_s`` seconds until all runs have ended."""
     began, ended = time.monotonic(), threading.Event()
 
@@ -97,7 +108,7 @@ def _lines(
     printer = threading.Thread(target=print_lines, daemon=True)
     printer.start()
     try:
-        yield lambda: None
+        yield lambda slowest: None
     finally:
         ended.set()
         printer.join()
@@ -107,6 +118,22 @@ def text_of(counts: Mapping[str, int]) -> str:
     """Return the counts as text, such as ``3 full marks, 2 less``."""
     words = ['full marks', 'less', *(['for review'] if counts['for review'] else [])]
     return ', '.join(f'{counts[word]} {word}' for word in words)
+
+
+def slowest_text(seconds: Mapping[str, float]) -> str:
+    """
+    Return the student with the longest run time, as text; empty if no time is known.
+
+    Students with equal files share a recording and its time.  Of these, the first by name is
+    returned, regardless of the order of the runs.
+
+    :param seconds: run time by student [s]
+    """
+    student = max(sorted(seconds), key=lambda name: round(seconds[name], 3), default='')
+    if not seconds.get(student):
+        return ''
+    name = shortened(printable(student), NAME_CHARS)
+    return f'longest run time: {name}, {seconds[student]:.1f} s'
 
 
 def line_of(counts: Counter[str], total: int, took_s: float) -> str:

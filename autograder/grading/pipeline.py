@@ -178,14 +178,14 @@ def grade_class(
     lesson: Lesson,
     engine: Engine,
     jobs: int,
-    on_done: Callable[[Outcome], None] = lambda outcome: None,
+    on_done: Callable[[str, Outcome], None] = lambda student, outcome: None,
     on_graded: Callable[[Graded], None] = lambda graded: None,
 ) -> tuple[Graded, ...]:
     """
     Grade a class; submissions with equal files share one run.
 
     :param jobs: maximum number of parallel runs
-    :param on_done: called with the outcome after each exam of each submission, in any thread
+    :param on_done: called with the student and the outcome after each exam, in any thread
     :param on_graded: called for each graded submission in this thread, while other runs continue
     :returns: the results in the order of the submissions
     """
@@ -201,7 +201,7 @@ def grade_class(
                 run = exam.name, tuple(sorted(answers.items()))
                 if run not in runs:
                     runs[run] = pool.submit(_run, engine, exam, answers)
-                runs[run].add_done_callback(partial(_tell, on_done))
+                runs[run].add_done_callback(partial(_tell, on_done, submissions[index].student))
                 tasks[index, exam.name] = runs[run]
         graded: list[Graded] = []
         for index, submission in enumerate(submissions):
@@ -215,9 +215,9 @@ def grade_class(
     return tuple(graded)
 
 
-def _tell(on_done: Callable[[Outcome], None], task: Future[Outcome]) -> None:
+def _tell(on_done: Callable[[str, Outcome], None], student: str, task: Future[Outcome]) -> None:
     if not task.cancelled() and task.exception() is None:
-        on_done(task.result())
+        on_done(student, task.result())
 
 
 def _run(engine: Engine, exam: Exam, files: Mapping[str, str]) -> Outcome:

@@ -8,9 +8,10 @@ import threading
 import pytest
 from rich.console import Console
 
+from autograder.commands.grade import about_runs
 from autograder.commands.progress import is_alive, kind_of, line_of, progress, text_of
 from autograder.errors import ProbeFailed
-from autograder.results import CheckResult, ExamResult, Verdict
+from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
 
 def done(points: float) -> ExamResult:
@@ -40,7 +41,7 @@ def test_a_line_is_rewritten_on_a_terminal_only(terminal, variable, alive, monke
 
 def test_a_short_grading_prints_nothing_into_a_log(capsys):
     with progress(2, 'x') as tell:
-        tell(done(2))
+        tell('ann', done(2))
 
     captured = capsys.readouterr()
     assert captured.out == captured.err == ''
@@ -71,3 +72,19 @@ def test_a_log_gets_lines_while_nothing_is_over(monkeypatch):
         assert log.second.wait(60)
 
     assert log.getvalue().startswith('01_node_life: 0 of 8 runs\n01_node_life: 0 of 8 runs')
+
+
+def test_the_summary_names_who_took_longest_over_all_exams():
+    """Equal files share a recording and its duration, so the first student by name is named."""
+
+    def took(student: str, *seconds: float) -> SubmissionResult:
+        exams = (ExamResult('e', (), timing={'kept_run_s': one}) for one in seconds)
+        return SubmissionResult(student, 'x', tuple(exams))
+
+    results = [took('cho', 2.0), took('\x1b[31mbob', 1.5, 0.5), took('ann', 0.5)]
+    said = about_runs(results, 3.0, 2.5)
+
+    assert said.startswith('3 submissions in 3.0 s, of which runs took 2.5 s; longest run time: ')
+    assert said.endswith('[31mbob, 2.0 s.')
+    assert '\x1b' not in said
+    assert 'longest' not in about_runs([took('ann'), took('bob')], 1.0, 1.0)
