@@ -89,7 +89,7 @@ class Causes:
         text, try_this, *more = (one.format(**self._words, **words) for one in lines)
         fields = dict(one.split(': ', 1) for one in more)
         about = about or fields.get('about', '').split() or about_of(words)
-        closer = closer or [self[one] for one in fields.get('closer', '').split()]
+        closer = closer or [self.of(one, **words) for one in fields.get('closer', '').split()]
         act = act or fields.get('act', '')
         return Cause(cause_id.format(**words), text, try_this, about, act, line, closer)
 

@@ -130,14 +130,22 @@ class TestHeartbeat:
         assert inspector.why_starved(run_of(inspector.exam, *events)) is None
 
 
-def test_picture_that_is_inspected_twice_is_reported():
-    sent = {'event': 'input', 'index': 0, 'clock_ns': 3_200_000_000}
-    run = run_of(inspector.exam, sent, result(5.6), result(8.0))
+@pytest.mark.parametrize(
+    ('ends_s', 'cause_id'),
+    [((5.6, 8.0), 'inspects_twice'), ((4.4, 5.6, 7.6), 'remembers'), ((3.3,), 'not_inspected')],
+)
+def test_picture_that_is_not_inspected_once_is_reported(ends_s, cause_id):
+    """In the visible exam, the third picture equals an earlier one."""
+    sent = [
+        {'event': 'input', 'index': place, 'clock_ns': round(at_s * 1e9)}
+        for place, at_s in enumerate((3.2, 4.4, 7.5))
+    ]
+    run = run_of(inspector.exam, *sent, *map(result, ends_s))
 
     with pytest.raises(Failed) as failed:
         inspector.inspects_one_at_a_time(run)
 
-    assert failed.value.why.cause_id == 'inspects_twice'
+    assert failed.value.why.cause_id == cause_id
 
 
 class TestLimits:

@@ -24,6 +24,7 @@ from autograder.submission.code.source_code import Code
 SOURCE, TARGET, ALIVE = '/pictures', '/results', '/alive'
 STRING, EMPTY = 'std_msgs/msg/String', 'std_msgs/msg/Empty'
 BEAT_S, INSPECT_S = 0.5, 1.2
+LEAST_S = INSPECT_S - GRAIN_S
 EVERY_S = 2.5  # between two pictures: enough for a thread that polls for them [s]
 REST_S = 2.0  # after the last single picture, and again after the burst [s]
 QUIET_S = 3.2  # at the start, without a picture [s]
@@ -66,9 +67,7 @@ def why_starved(run: Run) -> Cause | None:
     beats, results = _moments(run, ALIVE), _moments(run, TARGET)
     if sum(beat < QUIET_S for beat in beats) < 2 or not results:
         return None
-    during = [
-        beat for beat in beats for end in results if GRAIN_S < end - beat < INSPECT_S - GRAIN_S
-    ]
+    during = [beat for beat in beats for end in results if GRAIN_S < end - beat < LEAST_S]
     if not during:
         calls = Code(run.files).calls
         groups = len(calls.get('MutuallyExclusiveCallbackGroup', ())) > 1
@@ -97,11 +96,14 @@ def inspects_one_at_a_time(run: Run) -> None:
     """One inspection per picture takes 1.2 s, and the next one begins after it has ended."""
     sent = [one['clock_ns'] / SECOND for one in run.recording.of('input')]
     ends = _moments(run, TARGET)
-    if any(end - begun < INSPECT_S - GRAIN_S for begun, end in zip(sent, ends)):
+    short = [n for n, (begun, end) in enumerate(zip(sent, ends)) if end - begun < LEAST_S]
+    if short:
+        pictures = run.asked('pictures').inputs
+        known = all(pictures[place] in pictures[:place] for place in short)
         raise Failed(
             expected=f'a result {INSPECT_S:g} s after its picture, or later',
             observed=f'a result less than {INSPECT_S:g} s after its picture',
-            why=WHY['not_inspected'],
+            why=WHY['remembers' if known else 'not_inspected'],
         )
     if any(end - begun > 2 * INSPECT_S - GRAIN_S for begun, end in zip(sent[:1], ends)):
         raise Failed(
@@ -109,7 +111,7 @@ def inspects_one_at_a_time(run: Run) -> None:
             observed=f'a result {ends[0] - sent[0]:.3g} s after the first picture',
             why=WHY['inspects_twice'],
         )
-    if any(later - earlier < INSPECT_S - GRAIN_S for earlier, later in pairwise(ends)):
+    if any(later - earlier < LEAST_S for earlier, later in pairwise(ends)):
         raise Failed(
             expected=f'{INSPECT_S:g} s or more between two results',
             observed=f'two results less than {INSPECT_S:g} s apart',

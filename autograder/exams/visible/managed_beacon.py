@@ -22,7 +22,7 @@ from autograder.exam.scenario import (
     Unheard,
 )
 from autograder.exam.words import Causes
-from autograder.judging.causes.ended import why_no_message, why_silent
+from autograder.judging.causes.ended import why_no_message, why_no_method, why_silent
 from autograder.judging.causes.lifecycle import why_refused
 from autograder.judging.checks import (
     counted,
@@ -34,6 +34,7 @@ from autograder.judging.claims import node
 from autograder.judging.rhythm import require_period, seconds_between, with_unheard
 from autograder.judging.rows import endpoints_at
 from autograder.recording import Event
+from autograder.submission.code.source_code import Code
 
 TYPE = 'std_msgs/msg/String'
 WAYS = ('configure', 'activate', 'deactivate', 'activate', 'deactivate', 'cleanup')
@@ -145,7 +146,9 @@ def is_silent_otherwise(run: Run) -> None:
             raise Failed(
                 expected='no message while the node is not active',
                 observed=f'{counted(len(found), "message")} while the node was {phase}',
-                why=WHY['stays_on'] if phase == 'paused' else WHY['not_managed'],
+                why=WHY['not_managed']
+                if phase != 'paused'
+                else why_no_method(Code(run.files), 'on_deactivate') or WHY['stays_on'],
             )
     kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:

@@ -57,6 +57,11 @@ def converting(change: Callable[[int], float] = lambda number: number / 1000) ->
     return each(lambda one: (change(one.num),))
 
 
+def renaming(change: Callable[[str], str] = str) -> Rule:
+    """Return the rule of a reader that changes the name of the sensor; by default, unchanged."""
+    return each(lambda one: (change(one.description),))
+
+
 SLIPS = (
     *leaving_out(converting(), lambda one: one.num),
     WHY.slip(
@@ -72,7 +77,12 @@ SLIPS = (
 )
 
 
-NAME_SLIPS = (WHY.slip('first_name', lambda inputs: [(inputs[0].description,) for _ in inputs]),)
+NAME_SLIPS = (
+    WHY.slip('first_name', lambda inputs: [(inputs[0].description,) for _ in inputs]),
+    WHY.slip(
+        'name_changed', *(renaming(one) for one in (str.strip, str.lower, str.upper, str.title))
+    ),
+)
 
 
 def divides_by_a_thousand(run: Run) -> None:
@@ -153,7 +163,6 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
         for number, name in zip(numbers, names, strict=True)
     ]
     sent = [asdict(one) for one in inputs]
-    naming = each(lambda one: (one.description,))
     exam = Exam(
         'milli_reader',
         title='From one message type to another',
@@ -169,7 +178,7 @@ def build(numbers: Sequence[int], names: Sequence[str], burst: int = 0) -> Exam:
         read='Part 5: The choice',
         asks={
             'values': Specification(inputs, converting(), SLIPS, burst),
-            'names': Specification(inputs, naming, NAME_SLIPS, burst),
+            'names': Specification(inputs, renaming(), NAME_SLIPS, burst),
         },
     )
     exam.check(points=1, read=EXERCISE)(node(NODE, only_named=True))

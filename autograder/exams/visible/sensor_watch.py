@@ -208,8 +208,8 @@ def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | No
         return WHY['warned_twice'] if due else WHY['warns_of_something_else']
     if why := _why_unheard(run):
         return why
-    if own_logs(run, NODE, WARN):  # all of them in silences: another check reports others
-        return WHY['first_miss_only']
+    if logged := own_logs(run, NODE, WARN):  # in silences: another check reports others
+        return why_left_out(run, WARN, logged) or WHY['first_miss_only']
     asked = [one for one in deadlines_ns(run) if one]
     if len(asked) < len(deadlines_ns(run)):
         return WHY['no_deadline']

@@ -22,6 +22,12 @@ from autograder.submission.code.source_code import Code, pause_in_callback
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _REFUSED_TRANSITION = 'Failed to trigger lifecycle state machine transition'
 
+TRANSITIONS = {
+    *('on_configure', 'on_activate', 'on_deactivate'),
+    *('on_cleanup', 'on_shutdown', 'on_error'),
+}
+"""Methods of a lifecycle node that rclpy calls."""
+
 _THREAD = 'Exception in thread '
 """Start of Python's message about an exception that ended a thread."""
 _MOST_THREADS = 20  # maximum number of threads that are examined
@@ -133,18 +139,22 @@ def why_no_endpoint(run: Run, kind: str, topic: str, type_name: str) -> Cause:
         return why_no_node(run, '/?')
     code = Code(run.files)
     managed = kind == 'publisher' and 'LifecycleNode' in code.names
-    if managed and (why := why_no_configure(code)):
+    if managed and (why := why_no_method(code)):
         return why
     return why_by_code(f'no_{kind}', run, kind=kind, topic=base, type=wanted)
 
 
-def why_no_configure(code: Code) -> Cause | None:
-    """Explain a lifecycle node without on_configure(), and name its most similar method."""
-    if code.defines('on_configure'):
+def why_no_method(code: Code, method: str = 'on_configure') -> Cause | None:
+    """
+    Explain a lifecycle node that lacks a method, and name its most similar one.
+
+    Any method except ``on_configure`` may be missing, but not be misspelt.
+    """
+    near = close_name(method, code.functions.keys() - TRANSITIONS)
+    if code.defines(method) or not (near or method == 'on_configure'):
         return None
-    near = close_name('on_configure', code.functions)
     meant = f' Your {near}() has a similar name.' if near else ''
-    return cause_of('method_name', near=meant, name=near)
+    return cause_of('method_name', method=method, near=meant, name=near)
 
 
 def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:

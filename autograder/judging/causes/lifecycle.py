@@ -8,7 +8,7 @@ functions read the code.  Like all explanations, they never affect a verdict.
 import ast
 
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes.ended import why_no_configure, why_no_verdict
+from autograder.judging.causes.ended import why_no_method, why_no_verdict
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.unknown_names import homes
 from autograder.submission.code.acts import place_of
@@ -42,7 +42,7 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     :param again: whether the same transition succeeded earlier
     """
     code = Code(run.files)
-    if why := why_no_configure(code):
+    if why := why_no_method(code):
         return why
     declares = place_of(code, f'declare_parameter()@def:on_{name}')
     if again and declares and not code.names & {'undeclare_parameter', 'has_parameter'}:
