@@ -3,8 +3,8 @@ Define scenarios: the steps that the probe executes in order, as data.
 
 Steps contain inputs, but never an expected value.  Most exams need only ``Advance`` and ``Feed``.
 ``Call`` calls a service of the student's node; ``Offer`` and ``Join`` add a publisher or a
-subscription of the probe, and ``Leave`` removes one; during ``Unheard``, a recorded topic has no
-subscription; ``Mark`` begins a phase that checks can select; ``Look`` records the graph.
+subscription of the probe, ``Leave`` removes one, and ``Watch`` records a topic again; ``Mark``
+begins a phase that checks can select; ``Look`` records the graph.
 
 All seconds are virtual and exact; 60 virtual seconds take about 0.1 s of real time.
 """
@@ -277,41 +277,50 @@ class Offer(Endpoint):
 @dataclass(frozen=True)
 class Leave(Step):
     """
-    Remove an endpoint that :class:`Join`, :class:`Offer` or :attr:`Scenario.feed` added.
+    Remove an endpoint of the probe.
 
-    :param name: of a :class:`Join` or an :class:`Offer`, or a topic of :attr:`Scenario.feed`
+    If only a :class:`Mark` precedes this step, a recorded topic has no subscription from the
+    start.
+
+    :param name: of a :class:`Join` or an :class:`Offer`, or a topic of :attr:`Scenario.feed` or
+        :attr:`Scenario.watch`
     """
 
     name: str
 
     def mistakes(self, there: There) -> Iterator[str]:
         """Reject a name that was not announced; otherwise remove it."""
-        announced = there['publisher'] | there['subscription']
+        announced = there['publisher'] | there['subscription'] | there['watch']
         if self.name not in announced:
             yield _not_announced(self.name, announced)
-        for names in there.values():
-            names.discard(self.name)
+        for asks in ('publisher', 'subscription'):
+            there[asks].discard(self.name)
 
 
 @dataclass(frozen=True)
-class Unheard(Step):
+class Watch(Step):
     """
-    Let time pass while the probe has no subscription on a topic, and then listen again.
-
-    If only a :class:`Mark` precedes this step, the topic has no subscription from the start.
-    See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
+    Subscribe again to a recorded topic after a :class:`Leave`.
 
     :param topic: full topic name in :attr:`Scenario.watch`
     """
 
     topic: str
-    seconds: float
     label = 'topic'
 
     def mistakes(self, there: There) -> Iterator[str]:
         """Reject a topic that is not recorded."""
         if self.topic not in there['watch']:
             yield f'expected a topic of Scenario(watch=...), got {self.topic!r}'
+
+
+def unheard(topic: str, seconds: float) -> tuple[Step, ...]:
+    """
+    Return the steps in which time passes without a subscription on a recorded topic.
+
+    See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
+    """
+    return (Leave(topic), Advance(seconds), Watch(topic))
 
 
 @dataclass(frozen=True)

@@ -361,6 +361,8 @@ def require_answers(
 
 
 def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:
+    if answer.get('reason') == 'too_late':
+        return cause_of('no_response')
     if answer.get('reason') != 'no_service' or ended_after_refusal(run):
         return None
     return cause_of('no_service', service=service)

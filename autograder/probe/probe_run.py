@@ -81,7 +81,7 @@ class Probe:
         self.executor.add_node(self.node)
         self.watched: dict[str, Any] = {}
         acts = [step for step in scenario['steps'] if step['do'] != 'mark']
-        alone = [step['topic'] for step in acts[:1] if step['do'] == 'unheard']
+        alone = [step['name'] for step in acts[:1] if step['do'] == 'leave']
         for topic in scenario['watch']:
             if topic not in alone:
                 self.watch(topic)

@@ -132,23 +132,20 @@ def offer(probe: Any, step: dict[str, Any]) -> None:
 def leave(probe: Any, step: dict[str, Any]) -> None:
     """Remove a publisher or a subscription of the probe."""
     name = step['name']
-    if name in probe.listeners:
-        probe.node.destroy_subscription(probe.listeners.pop(name))
-    else:
+    if name in probe.feeds:
         _, publisher = probe.feeds.pop(name)
         probe.node.destroy_publisher(publisher)
+    # A recorded topic that is left at the start has no subscription yet.
+    for subscriptions in (probe.listeners, probe.watched):
+        if name in subscriptions:
+            probe.node.destroy_subscription(subscriptions.pop(name))
     probe.emit('left', name=name)
     probe.settle()
 
 
-def unheard(probe: Any, step: dict[str, Any]) -> None:
-    """Let time pass without a subscription on a recorded topic, then subscribe again."""
-    topic = step['topic']
-    if topic in probe.watched:
-        probe.node.destroy_subscription(probe.watched.pop(topic))
-    probe.emit('left', name=topic)
-    probe.listen(step['seconds'])
-    probe.watch(topic)
+def watch(probe: Any, step: dict[str, Any]) -> None:
+    """Subscribe to a recorded topic again."""
+    probe.watch(step['topic'])
     probe.settle()
 
 
@@ -169,7 +166,7 @@ STEPS: dict[str, Callable[[Any, dict[str, Any]], None]] = {
     'join': join,
     'offer': offer,
     'leave': leave,
-    'unheard': unheard,
+    'watch': watch,
     'mark': mark,
     'look': look,
 }

@@ -16,7 +16,7 @@ from autograder.exam.scenario import (
     set_parameters,
     state,
     transition,
-    Unheard,
+    unheard,
 )
 from autograder.recording import WARN
 
@@ -308,8 +308,8 @@ def make():
 @pytest.mark.parametrize(
     ('steps', 'numbers'),
     [
-        ([Unheard('/ticks', 2.0), Advance(2.0)], [6, 7, 8, 9]),
-        ([Mark('begin'), Advance(1.0), Unheard('/ticks', 2.0), Advance(1.0)], [1, 2, 3, 8, 9]),
+        ([*unheard('/ticks', 2.0), Advance(2.0)], [6, 7, 8, 9, 10]),
+        ([Mark('begin'), Advance(1.0), *unheard('/ticks', 2.0), Advance(1.0)], [1, 2, 3, 8, 9, 10]),
     ],
     ids=['from the start', 'in between'],
 )

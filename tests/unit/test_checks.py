@@ -284,14 +284,17 @@ class TestAnswers:
         assert failed.value.expected == 'two transitions: success True in answer 2'
         assert failed.value.observed == 'success False'
 
-    def test_missing_service_is_the_cause(self):
-        """A plain Node has no lifecycle services, which is the cause."""
-        run = run_of({'event': 'no_answer', 'service': self.SERVICE, 'reason': 'no_service'})
+    @pytest.mark.parametrize(
+        ('reason', 'cause_id'), [('no_service', 'no_service'), ('too_late', 'no_response')]
+    )
+    def test_missing_service_or_response_is_the_cause(self, reason, cause_id):
+        """A plain Node has no lifecycle services, and a callback may never return."""
+        run = run_of({'event': 'no_answer', 'service': self.SERVICE, 'reason': reason})
 
         with pytest.raises(Failed) as failed:
             checks.require_answers(run, self.SERVICE, [{}], 'the transition configure')
 
-        assert failed.value.why.cause_id == 'no_service'
+        assert failed.value.why.cause_id == cause_id
 
 
 def test_lines_of_the_only_node_count_in_each_phase_whatever_its_name():

@@ -14,7 +14,7 @@ from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario, Unheard
+from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario, Watch
 from autograder.layout import Layout
 
 STRING = 'std_msgs/msg/String'
@@ -56,8 +56,8 @@ class TestWhenItIsMade:
             ),
             ({'steps': (Leave('late'),)}, "step 1 (Leave): 'late' was not announced"),
             (
-                {'steps': (Unheard('/a', 1.0),)},
-                "step 1 (Unheard) '/a': expected a topic of Scenario(watch=...)",
+                {'steps': (Watch('/a'),)},
+                "step 1 (Watch) '/a': expected a topic of Scenario(watch=...)",
             ),
             (
                 {'feed': {'/t': STRING}, 'steps': (feed('/t', *[{}] * 11, burst=True),)},

@@ -21,7 +21,7 @@ from autograder.exam.scenario import (
     set_parameters,
     state,
     transition,
-    Unheard,
+    Watch,
 )
 
 STEPS = [
@@ -31,7 +31,7 @@ STEPS = [
     Join('late', '/out', 'std_msgs/msg/String', Qos(durability='TRANSIENT_LOCAL')),
     Offer('sensor', '/in', 'std_msgs/msg/String', Qos(deadline_s=0.3)),
     Leave('late'),
-    Unheard('/out', 2.0),
+    Watch('/out'),
     Mark('second'),
     Look('second'),
 ]
@@ -43,7 +43,7 @@ def test_every_step_is_json():
 
     assert json.loads(json.dumps(data))['steps'] == data['steps']
     assert [step['do'] for step in data['steps']] == [
-        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'unheard', 'mark', 'look')
+        *('advance', 'feed', 'call', 'join', 'offer', 'leave', 'watch', 'mark', 'look')
     ]
 
 

@@ -19,7 +19,7 @@ from autograder.exam.scenario import (
     state,
     Step,
     transition,
-    Unheard,
+    Watch,
 )
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_no_method, why_silent
@@ -133,7 +133,8 @@ def _require_beat(run: Run, phase: str, why_none: Cause | None, why_more: Cause 
     later = len(at_once) > 1 and len(found) - len(at_once) <= active_s
     more = WHY['sent_later'] if later else why_more if len(found) > active_s + 1 else None
     when = f' while the node is {phase}'
-    found = with_unheard(run, found)
+    begins_ns = part.of('mark')[0]['clock_ns']
+    found = [one for one in with_unheard(run, found) if one['clock_ns'] >= begins_ns]
     waited_s = seconds_between(part.of('mark'), found)
     require_period(run, found, 1.0, active_s, 'message', lambda: more, when, waited_s)
 
@@ -191,14 +192,14 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     # Add 0.05 s, so that an active phase does not end exactly at a tick of a timer that a
     # transition started.
     pause, work = Advance(2.0), Advance(seconds + 0.05)
-    unheard, rest = Unheard(topic, UNHEARD_S), Advance(seconds + 0.05 - UNHEARD_S)
+    alone, rest = Advance(UNHEARD_S), Advance(seconds + 0.05 - UNHEARD_S)
     changes = {way: transition(name, way) for way in WAYS}
     configure, activate = changes['configure'], changes['activate']
     deactivate, cleanup = changes['deactivate'], changes['cleanup']
     steps: list[Step] = [
         *(Mark('unconfigured'), state(name), pause, Look('unconfigured')),
         *(Mark('configured'), configure, pause, Look('configured')),
-        *(Mark('active'), activate, unheard, rest),
+        *(Leave(topic), Mark('active'), activate, alone, Watch(topic), rest),
         *(Mark('paused'), deactivate, pause),
         *(Join('latecomer', topic, TYPE, Qos(durability='TRANSIENT_LOCAL')), Leave('latecomer')),
         *(Mark('active again'), activate, work),

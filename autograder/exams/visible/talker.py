@@ -12,7 +12,7 @@ The probe subscribes to ``chatter`` in the namespace, after a while, and to the 
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Call, Join, Scenario, Unheard
+from autograder.exam.scenario import Advance, Call, Join, Scenario, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import counted, require_messages, require_qos
@@ -138,7 +138,7 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
             arguments=('-r', f'__ns:={space}'),
             watch={topic: TYPE, ABSOLUTE: TYPE},
             steps=(
-                Unheard(topic, UNHEARD_S),
+                *unheard(topic, UNHEARD_S),
                 Advance(seconds / 2 - UNHEARD_S - GUEST_S),
                 *visits,
                 Advance(seconds / 2 - GUEST_S * len(visits)),

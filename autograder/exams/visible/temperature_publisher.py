@@ -16,7 +16,7 @@ from itertools import pairwise
 import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, Unheard
+from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.checks import counted, require_field, require_messages, SECOND
@@ -206,7 +206,7 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
             watch={TOPIC: TYPE},
             steps=(
                 Mark('minute'),
-                Unheard(TOPIC, UNHEARD_S),
+                *unheard(TOPIC, UNHEARD_S),
                 Advance(seconds / rate - UNHEARD_S),
                 Mark('over'),
             ),
