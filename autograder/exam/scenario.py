@@ -17,6 +17,7 @@ import re
 from typing import Any, ClassVar
 
 MAX_BURST = 10
+SETTLE_S = 0.2  # duration of a step that adds or removes an endpoint, see probe_run.py [s]
 TRANSITIONS = {'configure': 1, 'cleanup': 2, 'activate': 3, 'deactivate': 4}
 PARAMETER_TYPES = {
     bool: (1, 'bool'),
@@ -320,7 +321,7 @@ def unheard(topic: str, seconds: float) -> tuple[Step, ...]:
 
     See :func:`autograder.judging.rhythm.with_unheard` for the messages of this time.
     """
-    return (Leave(topic), Advance(seconds), Watch(topic))
+    return (Leave(topic), Advance(seconds - SETTLE_S), Watch(topic))
 
 
 @dataclass(frozen=True)

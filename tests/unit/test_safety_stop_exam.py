@@ -5,7 +5,15 @@ import pytest
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
 from autograder.exams.visible import safety_stop
-from autograder.exams.visible.safety_stop import Command, guarding, LIMIT, MIDDLE_S, places, STOP
+from autograder.exams.visible.safety_stop import (
+    Command,
+    guarding,
+    LIMIT,
+    MIDDLE_S,
+    places,
+    SHORT_S,
+    STOP,
+)
 from autograder.recording import Recording
 
 
@@ -18,13 +26,14 @@ def test_command_is_limited_and_a_silence_has_one_stop():
 
 @pytest.mark.parametrize('secret', [str(number) for number in range(10)])
 def test_drawn_commands_are_as_the_exam_needs_them(secret):
-    """One command is a stop; only fast commands reveal a wrong limit."""
+    """Two commands are stops; only fast commands reveal a wrong limit."""
     asked = catalog.load_with_secret('safety_stop', secret).asks['commands']
     silent = places(asked, silent=True)
     before_silence = [one for place in silent for one in asked.row(place)]
     fast = [asked.inputs[place].speed for place in places(asked, silent=False, fast=True)]
 
-    assert [one for one in asked.inputs if not (one.speed and one.turn)] == [(*STOP, MIDDLE_S)]
+    zeros = [one for one in asked.inputs if not (one.speed and one.turn)]
+    assert zeros == [(*STOP, SHORT_S[0]), (*STOP, MIDDLE_S)]
     assert all(max(one[:2]) <= LIMIT for one in before_silence)
     assert min(fast) < -LIMIT
     assert max(fast) > 1.0

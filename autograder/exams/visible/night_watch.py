@@ -9,7 +9,7 @@ code.
 from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Mark, Scenario
+from autograder.exam.scenario import Advance, Call, Mark, Scenario
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.words import Causes
 from autograder.exams.visible.harbour import WATCH
@@ -22,6 +22,7 @@ from autograder.recording import Event, INFO, LEVELS, WARN
 from autograder.results import shortened
 
 EVERY = 5
+GUEST_S = 0.2  # duration of a request [s]
 EXERCISE = 'Exercise 2: the night watch'
 Levels = tuple[int, ...]
 """Levels of the lines of one watch; one line is expected."""
@@ -201,6 +202,8 @@ def build(seconds: int, namespace: str) -> Exam:
     :param namespace: set on the command line, such as ``/harbour``
     """
     name = f'{namespace}/night_watch'
+    kind = 'rcl_interfaces/srv/GetParameters'
+    asked = Call(name, 'get_parameters', kind, patience_s=GUEST_S)
     exam = Exam(
         'night_watch',
         title='The night watch',
@@ -209,7 +212,8 @@ def build(seconds: int, namespace: str) -> Exam:
         scenario=Scenario(
             file='night_watch.py',
             arguments=('-r', f'__ns:={namespace}'),
-            steps=(Mark(WATCH), Advance(seconds)),
+            # A request ends the pause of a loop around spin_once().
+            steps=(Mark(WATCH), Advance(seconds / 2), asked, Advance(seconds / 2 - GUEST_S)),
         ),
         read='Part 4: Logging',
         facts={'seconds': seconds, 'node': name},

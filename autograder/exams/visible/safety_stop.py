@@ -114,6 +114,17 @@ def skipping(instead: Sequence[Pair]) -> Rule:
     return rule
 
 
+def skipping_zeros(always: bool) -> Rule:
+    """Return the rule of a safety stop that skips all commands of zeros, or those after a stop."""
+
+    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
+        stopped = [True, *(one.lasts_s > SILENCE_S for one in inputs)]
+        skip = [one[:2] == STOP and (always or after) for one, after in zip(inputs, stopped)]
+        return [row[1:] if out else row for out, row in zip(skip, guarding()(inputs))]
+
+    return rule
+
+
 def bursting(kept: int) -> Rule:
     """Return the rule of a safety stop that passes on only one command of the burst."""
 
@@ -129,6 +140,7 @@ def bursting(kept: int) -> Rule:
 
 SLIPS = (
     Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
+    WHY.slip('skips_zeros', skipping_zeros(always=True), skipping_zeros(always=False)),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
     WHY.slip('other_limit', limiting(lambda speed, most: within(speed, 2 * most))),
     WHY.slip(
@@ -293,7 +305,7 @@ def build(commands: Sequence[Command]) -> Exam:
 
 def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     """
-    Return commands with four silences, one of them after a command of zeros.
+    Return commands with four silences, one of them before and one after a command of zeros.
 
     The first command is sent twice, and the last ones form a burst.  Before a silence, speed and
     turn are small, so that a wrong limit does not affect the checks of silences.
@@ -306,7 +318,8 @@ def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     pauses = (short, long, short, long, LONG_S, short, MIDDLE_S, long, short, LONG_S)
     lasts = (*pauses, *(0.0,) * (BURST - 1), LONG_S)
     commands = [Command(*one) for one in zip(speeds, turns, lasts, strict=True)]
-    return [commands[0], *commands[:6], Command(*STOP, MIDDLE_S), *commands[6:]]
+    zeros = [Command(*STOP, lasts_s) for lasts_s in (short, MIDDLE_S)]
+    return [commands[0], *commands[:5], zeros[0], commands[5], zeros[1], *commands[6:]]
 
 
 exam = build(
