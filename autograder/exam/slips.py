@@ -176,8 +176,11 @@ def leaving_out(
         slip('leaves_out_equal', lambda one, before: one in before[-1:]),
         slip('skips_known', lambda one, before: one in before),
         slip('skips_empty', lambda one, before: not one),
-        slip('stops_at_empty', lambda one, before: not all([one, *before])),
+    )
+    if not numbers:
+        return (*found, slip('stops_at_empty', lambda one, before: not all([one, *before])))
+    return (
+        *found,
         slip('skips_negative', lambda one, before: one < 0),
         slip('skips_not_positive', lambda one, before: one <= 0),
     )
-    return found if numbers else found[:-2]

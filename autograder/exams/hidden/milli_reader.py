@@ -35,7 +35,7 @@ exam = build(
     ],
     [
         *(_name(), _same[1], _same[1]),
-        *(f'Fahrenheit {_name()}', _name(), _name(), _name()),
+        *(f' Fahrenheit {_name()} ', _name(), _name(), _name()),
         *('', _same[1]),
         *(_name() for _ in range(3)),
     ],

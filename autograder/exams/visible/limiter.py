@@ -62,7 +62,7 @@ def limited(cut: Limit = within) -> Rule:
 
 
 SLIPS = (
-    *leaving_out(limited(), lambda one: one.speed),
+    *leaving_out(limited(), lambda one: one.speed, numbers=True),
     *limiting_slips(limited, 'speed', 'most'),
     *changing(lambda change: limited(lambda speed, most: change(within(speed, most)))),
     # The node accepts every value of the parameter, so the slip ``keeps_refused`` is impossible.
