@@ -10,7 +10,8 @@ informative and do not affect a verdict.  The probe's events follow in the order
   spun), ``imitated`` (another node has the name of the probe's node)
 * received data: ``message``, ``log``, ``answer``, ``no_answer``
 * actions of the probe: ``input``, ``not_connected`` (no subscription for an input), ``joined``,
-  ``offered``, ``left``, ``mark`` (a phase begins), ``end`` (complete, or the reason why not)
+  ``offered``, ``left``, ``watched`` (subscribed again), ``mark`` (a phase begins), ``end``
+  (complete, or the reason why not)
 
 The last event is ``process``, in which the grader records how the program ended.  Printed text can
 *explain* a verdict; it is never evidence.  The recording contains no messages or log lines that

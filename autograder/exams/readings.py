@@ -145,8 +145,11 @@ UNIT_SLIPS = (
         warns(celsius=lambda one: None if one.celsius is None else one.value),
         warns(celsius=lambda one: one.value),
     ),
-    WHY.slip('no_brackets', warns(celsius=_without_brackets)),
-    WHY.slip('too_large', warns(celsius=partial(_with_factor, 0.6))),
+    WHY.slip(
+        'too_large',
+        warns(celsius=partial(_with_factor, 0.6)),
+        warns(celsius=_without_brackets),
+    ),
     WHY.slip(
         'wrong_conversion', warns(celsius=lambda one: one.value if one.unit == 'Celsius' else None)
     ),

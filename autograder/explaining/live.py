@@ -97,6 +97,7 @@ _WORDS: dict[str, Callable[[Event], str]] = {
     'joined': _connection_line,
     'offered': _connection_line,
     'left': lambda event: f'{event["name"]} left',
+    'watched': lambda event: f'subscribed to {event["topic"]} again',
     'mark': lambda event: f'-- {event["name"]} --',
     'imitated': lambda _: "a node with the same name as the grader's node",
     'not_connected': lambda event: f'no node is connected to {event["topic"]}',

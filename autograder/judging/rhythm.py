@@ -10,6 +10,7 @@ from statistics import median
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
+from autograder.exam.scenario import SETTLE_S
 from autograder.judging.causes.ended import why_it_ended, why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import SECOND
@@ -153,18 +154,19 @@ def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | N
 
 def _greets(run: Run, found: Sequence[Event], period_s: float) -> bool:
     """
-    Return whether each new subscription seems to cause a message between two periods.
+    Return whether a message between two periods arrives when the probe subscribes again.
 
-    The first one is that of the subscription after a time without one, which is not recorded.
+    With this message, the moments of the messages before it are unknown, see :func:`with_unheard`.
     """
     after, _ = _missed(run, found)
     if after not in found:
         return False
     first, *others = _seconds(found[found.index(after) :])
-    joined = other_moments(run, found).get(CONNECTS, ())
-    timed = [one for one in others if not _near(one, joined)]
-    off = timed and not _is(0.0, math.remainder(timed[0] - first, period_s))
-    return bool(off) and _is(period_s, *_gaps(timed))
+    moments = other_moments(run, found).get(CONNECTS, ())
+    timed = [one for one in others if not _near(one, moments)]
+    off = len(timed) > 2 and not _is(0.0, math.remainder(timed[0] - first, period_s))
+    at_once = any(0.0 <= first - one <= SETTLE_S for one in moments)
+    return off and at_once and _is(period_s, *_gaps(timed))
 
 
 def why_disturbed(
@@ -237,7 +239,7 @@ def other_moments(run: Run, found: Sequence[Event]) -> Mapping[str, Sequence[flo
     for one in run.recording.events:
         if one['event'] == 'input':
             name = 'a message arrives'
-        elif one['event'] == 'joined' and one['matched']:
+        elif one['event'] == 'watched' or (one['event'] == 'joined' and one['matched']):
             name = CONNECTS
         elif one['event'] == 'message' and one['topic'] != found[0].get('topic'):
             name = f'your node publishes on {one["topic"].rpartition("/")[2]}'

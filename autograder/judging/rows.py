@@ -148,15 +148,14 @@ def require_one_for_one(
     :param places: indices of the inputs to check, by default all
     """
     asked = run.asked(ask)
-    # The number of the first message shows how many were sent before the probe was connected.
-    first = [one for one in run.recording.messages(topic)[:1] if one.get('number', 1) > 1]
-    if early := run.recording.of('message', topic=topic, after_input=None) or first:
-        later = seconds_between(run.recording.of('seen'), early[: not first]) > AT_START_S
+    early = run.recording.of('message', topic=topic, after_input=None)
+    if early or _unheard(run, asked, topic):
+        later = seconds_between(run.recording.of('seen'), early) > AT_START_S
         raise Failed(
             expected='nothing before the first input',
             observed='a message before the first input',
             why=replace(UNASKED, closer=[RUNS_EARLY]) if later else UNASKED,
-            blocks=len(early) > 1,  # a single message leaves the answers as they are
+            blocks=len(early) > 1,  # a single message leaves the other answers as they are
         )
     if not any(came):
         require_endpoint(run, 'publisher', topic, run.names.published[topic])
@@ -173,6 +172,15 @@ def require_one_for_one(
                 act=ANSWER,
                 place=place,
             )
+
+
+def _unheard(run: Run, asked: Specification, topic: str) -> bool:
+    """Return whether the node published something before the probe was connected."""
+    for first in run.recording.messages(topic)[:1]:
+        place = first['after_input'] or 0
+        due = sum(len(answer) for answer in asked.answers[: place + 1])
+        return bool(first.get('number', 1) > due)
+    return False
 
 
 def why_other_answer(

@@ -146,6 +146,7 @@ def leave(probe: Any, step: dict[str, Any]) -> None:
 def watch(probe: Any, step: dict[str, Any]) -> None:
     """Subscribe to a recorded topic again."""
     probe.watch(step['topic'])
+    probe.emit('watched', topic=step['topic'])
     probe.settle()
 
 

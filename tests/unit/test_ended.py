@@ -251,7 +251,9 @@ def test_node_that_is_destroyed_before_it_is_spun_was_never_missing():
 
 @pytest.mark.parametrize('line', ['rclpy.init(domain_id=7)', "os.environ['ROS_DOMAIN_ID'] = '7'"])
 def test_node_in_a_domain_that_the_program_chooses_is_unseen(line):
-    found = causes.why_no_node(Run({'n.py': f'{line}\nTalker()\n'}, run(nodes=()).recording), '/n')
+    found = causes.why_no_node(
+        Run({'n.py': f"{line}\nNode('n')\n"}, run(nodes=()).recording), '/n'
+    )
 
     assert found.cause_id == 'other_domain'
 

@@ -21,7 +21,7 @@ def beat(at_s):
 
 
 def result(at_s, text='CAT'):
-    return {**beat(at_s), 'topic': '/results', 'data': {'data': text}}
+    return {**beat(at_s), 'topic': '/results', 'data': {'data': text}, 'after_input': 0}
 
 
 def run_of(exam, *events):

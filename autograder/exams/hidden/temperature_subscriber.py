@@ -72,9 +72,10 @@ def hot(draw: random.Random) -> Reading:
 
 
 def cool(draw: random.Random) -> Reading:
-    """Return a reading in Celsius below the threshold, which no count in a log line equals."""
-    whole, part = divmod(draw.uniform(1.0, THRESHOLD_C - 1.0), 1.0)
-    return Reading(round(whole + 0.2 + 0.6 * part, 2), f'a reading below {THRESHOLD_C:g} °C')
+    """Return a reading in Celsius below the threshold."""
+    return Reading(
+        round(draw.uniform(1.0, THRESHOLD_C - 1.0), 2), f'a reading below {THRESHOLD_C:g} °C'
+    )
 
 
 _draw = generator('temperature_subscriber', 'readings')
@@ -95,7 +96,7 @@ exam = build(
         # the warm reading in Fahrenheit.
         cool(_draw),
         *fahrenheit(_draw),
-        # A node that divides before it subtracts warns only about the first of these, and one that
+        # A node whose conversion lacks brackets warns only about the first of these, and one that
         # converts nothing about both.
         *(Reading(one, 'a cold reading in °F', UNIT) for one in (60.5, 40.25)),
         # A node that does not return after an unknown unit judges this reading again; a node that

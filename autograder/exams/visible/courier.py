@@ -15,7 +15,7 @@ from dataclasses import replace
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
 from autograder.exam.words import Causes
-from autograder.judging.causes.ended import why_no_message, why_silent
+from autograder.judging.causes.ended import why_no_message, why_silent, why_thread_ended
 from autograder.judging.checks import counted, require_field, SECOND
 from autograder.judging.claims import node, offers
 from autograder.judging.rows import endpoints_at, seconds_after_join
@@ -57,7 +57,7 @@ def _why_gone(run: Run, text: str) -> Cause | None:
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)
     if recording.process.get('exit') is None:
-        return WHY['destroyed']
+        return why_thread_ended(run) or WHY['destroyed']
     advice = 'Keep the node running until it is stopped; self.timer.cancel() is enough to stop '
     return Cause('exited_early', text, f'{advice}checking.')
 

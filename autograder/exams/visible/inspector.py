@@ -95,7 +95,11 @@ def keeps_its_rhythm(run: Run) -> None:
 def inspects_one_at_a_time(run: Run) -> None:
     """One inspection per picture takes 1.2 s, and the next one begins after it has ended."""
     sent = [one['clock_ns'] / SECOND for one in run.recording.of('input')]
-    ends = _moments(run, TARGET)
+    ends = [
+        one['clock_ns'] / SECOND
+        for one in run.recording.messages(TARGET)
+        if one['after_input'] is not None  # a different check reports these
+    ]
     short = [n for n, (begun, end) in enumerate(zip(sent, ends)) if end - begun < LEAST_S]
     if short:
         pictures = run.asked('pictures').inputs
@@ -105,10 +109,13 @@ def inspects_one_at_a_time(run: Run) -> None:
             observed=f'a result less than {INSPECT_S:g} s after its picture',
             why=WHY['remembers' if known else 'not_inspected'],
         )
-    if any(end - begun > 2 * INSPECT_S - GRAIN_S for begun, end in zip(sent[:1], ends)):
+    # A thread that polls may begin late with the first picture, but not between those of a burst.
+    alone = [*zip(sent[:1], ends), *pairwise(ends[-2:])]
+    takes_s = min((end - begun for begun, end in alone), default=0.0)
+    if takes_s > 2 * INSPECT_S - GRAIN_S:
         raise Failed(
-            expected=f'a result {INSPECT_S:g} s after the first picture',
-            observed=f'a result {ends[0] - sent[0]:.3g} s after the first picture',
+            expected=f'{INSPECT_S:g} s for each picture',
+            observed=f'{takes_s:.3g} s for each picture',
             why=WHY['inspects_twice'],
         )
     if any(later - earlier < LEAST_S for earlier, later in pairwise(ends)):

@@ -227,8 +227,13 @@ def takes_the_new_limit(run: Run) -> None:
     require_answers(run, CHANGE, done[:3], 'cleanup, configure and activate', 'again')
     _require_warnings(run, 'again')
     what = 'deactivate, then cleanup and configure, twice'
-    whys = [WHY['still_refuses']] * 4 + [WHY['loses_the_limit']]
-    require_answers(run, CHANGE, done, what, 'highest', whys.__getitem__)
+    ways = ('deactivate', 'cleanup', 'configure', 'cleanup', 'configure')
+    refused = {2: WHY['still_refuses'], 4: WHY['loses_the_limit']}
+
+    def explain(place: int) -> Cause:
+        return refused.get(place) or lifecycle.why_refused(run, ways[place], again=True)
+
+    require_answers(run, CHANGE, done, what, 'highest', explain)
 
 
 def _require_warnings(run: Run, phase: str) -> None:

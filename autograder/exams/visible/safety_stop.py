@@ -305,7 +305,7 @@ def build(commands: Sequence[Command]) -> Exam:
 
 def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     """
-    Return commands with four silences, one of them before and one after a command of zeros.
+    Return commands with four silences; one precedes a command of zeros, and one follows another.
 
     The first command is sent twice, and the last ones form a burst.  Before a silence, speed and
     turn are small, so that a wrong limit does not affect the checks of silences.

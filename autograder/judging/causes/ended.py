@@ -148,7 +148,7 @@ def why_no_method(code: Code, method: str = 'on_configure') -> Cause | None:
     """
     Explain a lifecycle node that lacks a method, and name its most similar one.
 
-    Any method except ``on_configure`` may be missing, but not be misspelt.
+    For a method other than ``on_configure``, return a cause only if a similar name exists.
     """
     near = close_name(method, code.functions.keys() - TRANSITIONS)
     if code.defines(method) or not (near or method == 'on_configure'):
