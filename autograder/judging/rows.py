@@ -179,7 +179,7 @@ def _unheard(run: Run, asked: Specification, topic: str) -> bool:
     for first in run.recording.messages(topic)[:1]:
         place = first['after_input'] or 0
         due = sum(len(answer) for answer in asked.answers[: place + 1])
-        return bool(first.get('number', 1) > due)
+        return bool(first.get('number', 1) > max(due, 1))
     return False
 
 
