@@ -298,14 +298,11 @@ def why_other_rhythm(
     if steady and abs(mean_s - period_s) > GRAIN_S:
         return _why_wrong_rate(run, mean_s, period_s, what)
     if steady and len(found) < due - 1.5:
-        return cause_of('stops', what=what, closer=[cause_of('used_up', act='next(1)')])
+        return cause_of('stops', what=what)
     if change := _why_changed(gaps, period_s, grain_s, what):
         return change
-    times = list(accumulate(gaps))
-    count = sum(times[-1] - one < period_s - GRAIN_S for one in times)
-    repeated = map(operator.sub, times[-count:], times[-2 * count : -count])
-    if len(times) >= 2 * count > 2 and _is(period_s, *repeated):
-        return cause_of('several_timers', what=what, count=count, period_s=period_s)
+    if timers := _why_several_timers(gaps, period_s, what):
+        return timers
     periods = [gap / period_s for gap in gaps]
     whole = (
         abs(one - round(one)) * period_s <= max(grain_s, GRAIN_S * one * period_s)
@@ -328,6 +325,16 @@ def _why_changed(
         return None
     words: dict[str, Any] = {'what': what, 'mean_s': later[0], 'period_s': period_s}
     return cause_of('changes_rhythm', count=right + 1, **words)
+
+
+def _why_several_timers(gaps: Sequence[float], period_s: float, what: str) -> Cause | None:
+    """Explain a rhythm that ends with two equal periods of several messages each."""
+    times = list(accumulate(gaps))
+    count = sum(times[-1] - one < period_s - GRAIN_S for one in times)
+    repeated = map(operator.sub, times[-count:], times[-2 * count : -count])
+    if len(times) >= 2 * count > 2 and _is(period_s, *repeated):
+        return cause_of('several_timers', what=what, count=count, period_s=period_s)
+    return None
 
 
 def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Cause:

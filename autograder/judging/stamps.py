@@ -89,10 +89,7 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
         return why
     else:
         situation = 'stale_stamp'
-    closer = [cause_of('stamp_once', field=field, act='now()@def:__init__')]
-    return cause_of(
-        situation, field=field, about=[field], closer=closer * (situation == 'early_stamp')
-    )
+    return cause_of(situation, field=field, about=[field])
 
 
 def _why_zero(code: FieldUse) -> str:

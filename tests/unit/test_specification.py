@@ -97,7 +97,7 @@ class TestCause:
         assert found.cause([1, 0, 0, 0], 1).cause_id != 'skips_equal'
 
     def test_node_that_warns_only_about_new_maxima(self):
-        """NaN is no maximum, and a value at or below the limit changes nothing."""
+        """Neither NaN nor a value up to the limit counts as a maximum."""
         found = asked(20.0, 45.0, math.nan, 31.0, 50.0, 50.0)
 
         assert found.cause([0, 1, 0, 0, 1, 0]).cause_id == 'warns_of_maxima'
