@@ -16,7 +16,7 @@ from typing import Any
 
 from autograder.exam import catalog, words
 from autograder.exam.names import Names
-from autograder.judging.causes.text_table import rows_of
+from autograder.judging.causes.text_table import FOLDER, rows_of
 from autograder.layout import Layout
 from tests.judgement.stored_results import load, table, write_or_compare
 
@@ -112,14 +112,16 @@ def _in_tables() -> Iterator[Written]:
     for row in rows_of('by_limit.txt'):
         text, try_this = f'The grader stopped your program: {row.text}.', row.try_this
         yield Written(row.cause_id, text, f'Look for {try_this}.', 'by_limit')
-    for name in ('by_exception', 'by_code', 'by_evidence', 'of_fields', 'of_builds'):
+    for name in ('by_exception', 'by_code', 'of_fields', 'of_builds'):
         for row in rows_of(f'{name}.txt'):
             text, try_this = (_shown(said, name) for said in (row.text, row.try_this))
             yield Written(_shown(row.cause_id, name).replace('…', '*'), text, try_this, name)
-    for path in sorted(ROOT.glob('autograder/exam*/**/*.txt')):
+    for path in [FOLDER / 'by_evidence.txt', *sorted(ROOT.glob('autograder/exam*/**/*.txt'))]:
         for head, text, try_this, *_ in words.rows(path.read_text(encoding='utf-8')):
-            said = (_shown(one, path.stem) for one in (text, try_this))
-            yield Written(head.partition('|')[0], *said, path.stem)
+            name, *said = (
+                _shown(one, path.stem) for one in (head.partition('|')[0], text, try_this)
+            )
+            yield Written(name.replace('…', '*'), *said, path.stem)
 
 
 def _shown(text: str, name: str) -> str:
