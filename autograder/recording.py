@@ -92,7 +92,7 @@ class Recording:
         """
         Return the part of the run from one mark to the next; empty if the run has no such mark.
 
-        :param name: name of a :class:`autograder.exam.scenario.Mark`
+        :param name: name of a :class:`autograder.exam.steps.Mark`
         """
         inside, events = False, []
         for event in self.events:

@@ -1,7 +1,7 @@
 """
 Define exams: a scenario for the probe, and checks that judge the recording.
 
-The steps of a scenario are in :mod:`autograder.exam.scenario`.  Helpers for checks are in
+The steps of a scenario are in :mod:`autograder.exam.steps`.  Helpers for checks are in
 :mod:`autograder.judging.checks`.
 
 An exam module follows the lesson that it grades::
@@ -30,8 +30,9 @@ from typing import Any
 
 from autograder.errors import ExamInvalid
 from autograder.exam.names import Names
-from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.specification import Cause, Specification
+from autograder.exam.steps import Advance, Feed
 from autograder.recording import Event, Recording
 
 __all__ = ['Advance', 'Cause', 'Check', 'Exam', 'Failed', 'Feed', 'Run', 'Scenario']
@@ -168,9 +169,7 @@ class Exam:
         :raises ExamInvalid: if the scenario contains a mistake
         """
         for mistake in self.scenario.mistakes():
-            raise ExamInvalid(
-                f'exam {self.name}, {mistake}.', 'Steps are described in scenario.py.'
-            )
+            raise ExamInvalid(f'exam {self.name}, {mistake}.', 'Steps are described in steps.py.')
         file = self.scenario.file
         self.cells = tuple(self.cells) or (self.name,)
         self.requires = tuple(self.requires) or ((file,) if file else ())

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 import re
 
-from autograder.exam.scenario import Call, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Call
 
 _PLACEHOLDER = re.compile(r'\$(heard_topic|heard_type|topic|type|parameter)\b')
 

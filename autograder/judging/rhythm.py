@@ -10,7 +10,7 @@ from statistics import median
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
-from autograder.exam.scenario import SETTLE_S
+from autograder.exam.steps import SETTLE_S
 from autograder.judging.causes.ended import why_it_ended, why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import SECOND

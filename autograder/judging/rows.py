@@ -102,7 +102,7 @@ def endpoints_at(run: Run, when: str, kind: str, topic: str) -> list[Event]:
     """
     Return the endpoints on a topic in one graph of the recording.
 
-    :param when: label of a :class:`autograder.exam.scenario.Look`, ``start`` or ``end``
+    :param when: label of a :class:`autograder.exam.steps.Look`, ``start`` or ``end``
     :param kind: ``'publisher'`` or ``'subscription'``
     """
     ends = (end for graph in run.recording.of('graph', when=when) for end in graph['endpoints'])

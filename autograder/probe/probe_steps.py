@@ -1,5 +1,5 @@
 """
-Execute the steps of a scenario, which :mod:`autograder.exam.scenario` defines.
+Execute the steps of a scenario, which :mod:`autograder.exam.steps` defines.
 
 Each kind of step is a function that gets the probe and the step's data.
 

@@ -11,7 +11,8 @@ import json
 import re
 
 from autograder.errors import ProbeFailed, UsageError
-from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario, Step
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Feed, Join, Qos, Step
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
 from autograder.sandboxes.sandbox import Sandbox

@@ -14,7 +14,8 @@ import socket
 import sys
 
 from autograder.exam import catalog
-from autograder.exam.scenario import Advance, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance
 from autograder.grading.examine import examine
 from autograder.layout import Layout
 from autograder.runs.observe import observe, submission_folder

@@ -9,7 +9,8 @@ double each input.  ``program`` turns a body into a program.
 from collections.abc import Sequence
 from textwrap import indent
 
-from autograder.exam.scenario import Advance, feeds, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, feeds
 
 WATCHED = Scenario(file='style.py', watch={'/n': 'std_msgs/msg/Int32'}, steps=(Advance(19.8),))
 INPUTS = [float(number) for number in range(25)]

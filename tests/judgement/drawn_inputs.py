@@ -7,7 +7,7 @@ from typing import Any
 
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Advance, Call, Feed
+from autograder.exam.steps import Advance, Call, Feed
 from autograder.judging.causes.redaction import namespace_of, PUBLIC
 from autograder.results import CheckResult
 

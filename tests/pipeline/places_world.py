@@ -1,7 +1,8 @@
 """A small exam and small programs, to run on this machine and on workers."""
 
 from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Advance, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance
 
 TALKER = """
 import rclpy

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import pytest
 
-from autograder.exam.scenario import Advance, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance
 from autograder.runs import observe
 from autograder.runs.observe import observe as run
 from autograder.sandboxes.choose import strongest, usable

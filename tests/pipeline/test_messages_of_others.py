@@ -7,7 +7,8 @@ import pytest
 from autograder.authoring.exam_mistakes import unsendable
 from autograder.errors import ProbeFailed
 from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Advance, Call, Feed, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Call, Feed
 from autograder.grading.examine import examine
 from autograder.judging.checks import require_answers, require_endpoint
 from autograder.results import Verdict

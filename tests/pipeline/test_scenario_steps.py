@@ -3,10 +3,10 @@
 import pytest
 
 from autograder.errors import ProbeFailed
-from autograder.exam.scenario import (
+from autograder.exam.scenario import FeedTopic
+from autograder.exam.steps import (
     Advance,
     Feed,
-    FeedTopic,
     Join,
     Leave,
     Look,

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from autograder.exam.scenario import Advance, Feed, Mark
+from autograder.exam.steps import Advance, Feed, Mark
 from autograder.runs import observe
 from autograder.sandboxes.sandbox import HERE
 

@@ -14,7 +14,8 @@ from autograder.authoring.self_check import self_check
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Advance, Call, Feed, Join, Leave, Offer, Scenario, Watch
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Call, Feed, Join, Leave, Offer, Watch
 from autograder.layout import Layout
 
 STRING = 'std_msgs/msg/String'

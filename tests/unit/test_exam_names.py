@@ -11,7 +11,8 @@ from autograder.errors import ExamInvalid, GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.names import Names
-from autograder.exam.scenario import Call, Feed, Join, Offer, Scenario, set_parameters
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Call, Feed, Join, Offer, set_parameters
 from autograder.judging.checks import require_messages
 from autograder.judging.judge import judge
 from autograder.recording import Recording

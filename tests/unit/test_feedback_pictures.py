@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 import pytest
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, FeedTopic, Join, Offer, Qos, RosClock, Scenario
+from autograder.exam.scenario import FeedTopic, RosClock, Scenario
+from autograder.exam.steps import Advance, Feed, Join, Offer, Qos
 from autograder.explaining import picture_data
 from autograder.explaining.feedback_html import exam_html
 from autograder.explaining.picture_data import MOST_TIMES, pictures

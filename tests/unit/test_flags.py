@@ -2,7 +2,8 @@
 
 import pytest
 
-from autograder.exam.scenario import FeedTopic, Offer, Scenario
+from autograder.exam.scenario import FeedTopic, Scenario
+from autograder.exam.steps import Offer
 from autograder.judging.flags import flags_of
 from autograder.recording import Recording
 

@@ -15,7 +15,7 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Run
-from autograder.exam.scenario import Advance, Call, Feed, Join, Look, Mark, Offer
+from autograder.exam.steps import Advance, Call, Feed, Join, Look, Mark, Offer
 from autograder.explaining.picture_data import pictures
 from autograder.judging.causes.redaction import namespace_of, redacted, safe_quotation
 from autograder.judging.judge import judge

@@ -4,20 +4,18 @@ import json
 
 import pytest
 
-from autograder.exam.scenario import (
+from autograder.exam.scenario import FeedTopic, RosClock, Scenario
+from autograder.exam.steps import (
     Advance,
     Call,
     EVERYONE,
     Feed,
-    FeedTopic,
     Join,
     Leave,
     Look,
     Mark,
     Offer,
     Qos,
-    RosClock,
-    Scenario,
     set_parameters,
     state,
     transition,

@@ -3,7 +3,8 @@
 import pytest
 
 from autograder.errors import UsageError
-from autograder.exam.scenario import Advance, Feed, Join, Qos, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Feed, Join, Qos
 from autograder.recording import Recording
 from autograder.simulated import LogRecord
 from autograder.simulation.order import order_of

@@ -13,7 +13,8 @@ after both have left: a node that only checks whether any subscription exists de
 from dataclasses import replace
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Join, Leave, Look, Mark, Scenario, Step
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Join, Leave, Look, Mark, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent, why_thread_ended
 from autograder.judging.checks import counted, require_field, SECOND

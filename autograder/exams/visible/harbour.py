@@ -7,7 +7,8 @@ own logger; one executor serves both.
 """
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Call, Mark, Scenario
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Call, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged

@@ -12,9 +12,10 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, feeds, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
+from autograder.exam.steps import Advance, Feed, feeds
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages, SECOND
 from autograder.judging.claims import node, one_for_one, passes, publishes

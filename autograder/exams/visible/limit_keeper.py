@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.scenario import feeds, Scenario, set_parameters, Step
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import warning_slips
 from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.steps import feeds, set_parameters, Step
 from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import answers, hears, node

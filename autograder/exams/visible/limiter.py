@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
-from autograder.exam.scenario import Call, feeds, Scenario, set_parameters
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.steps import Call, feeds, set_parameters
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of

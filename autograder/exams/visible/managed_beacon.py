@@ -8,14 +8,14 @@ The command line sets the namespace.
 """
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import (
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import (
     Advance,
     Join,
     Leave,
     Look,
     Mark,
     Qos,
-    Scenario,
     state,
     Step,
     transition,
@@ -54,7 +54,7 @@ def publishers(run: Run, when: str) -> list[Event]:
     """
     Return the publishers on the topic in a graph of the recording.
 
-    :param when: label of the graph, see :class:`autograder.exam.scenario.Look`
+    :param when: label of the graph, see :class:`autograder.exam.steps.Look`
     """
     return endpoints_at(run, when, 'publisher', run.facts['topic'])
 

@@ -15,19 +15,10 @@ import math
 import operator
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import (
-    Advance,
-    feeds,
-    FeedTopic,
-    Mark,
-    Qos,
-    Scenario,
-    set_parameters,
-    state,
-    transition,
-)
+from autograder.exam.scenario import FeedTopic, Scenario
 from autograder.exam.slips import Compare, CUTS, warning_slips
 from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.steps import Advance, feeds, Mark, Qos, set_parameters, state, transition
 from autograder.exam.words import Causes
 from autograder.judging.causes import lifecycle
 from autograder.judging.causes.ended import why_no_endpoint, why_silent

@@ -14,9 +14,10 @@ from itertools import groupby
 from operator import itemgetter
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, feeds, FeedTopic, Join, Leave, Qos, Scenario
+from autograder.exam.scenario import FeedTopic, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Rule, sorted_answers, Specification
+from autograder.exam.steps import Advance, feeds, Join, Leave, Qos
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.redaction import safe_quotation

@@ -15,9 +15,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, feeds, RosClock, Scenario
+from autograder.exam.scenario import RosClock, Scenario
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.steps import Advance, feeds
 from autograder.exam.words import Causes
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.checks import require_field

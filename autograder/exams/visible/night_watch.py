@@ -9,8 +9,9 @@ code.
 from collections.abc import Sequence
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Call, Mark, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Rule, Specification
+from autograder.exam.steps import Advance, Call, Mark
 from autograder.exam.words import Causes
 from autograder.exams.visible.harbour import WATCH
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged

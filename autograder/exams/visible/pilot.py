@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import within
-from autograder.exam.scenario import Advance, Feed, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Specification
+from autograder.exam.steps import Advance, Feed
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers

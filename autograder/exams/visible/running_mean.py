@@ -15,9 +15,10 @@ from statistics import fmean
 import struct
 
 from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, feeds, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Specification
+from autograder.exam.steps import Advance, Feed, feeds
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.claims import node, one_for_one, passes, publishes

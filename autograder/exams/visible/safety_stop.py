@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.ranges import Limit, limiting_slips, within
-from autograder.exam.scenario import Advance, Feed, Leave, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
+from autograder.exam.steps import Advance, Feed, Leave
 from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, require_messages, SECOND
 from autograder.judging.claims import node, passes

@@ -19,9 +19,10 @@ import math
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Feed, Leave, Mark, Offer, Qos, Scenario, Step
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
+from autograder.exam.steps import Advance, Feed, Leave, Mark, Offer, Qos, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_left_out, why_not_logged

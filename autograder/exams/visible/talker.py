@@ -12,7 +12,8 @@ The probe subscribes to ``chatter`` in the namespace, after a while, and to the 
 import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Call, Join, Scenario, unheard
+from autograder.exam.scenario import Scenario
+from autograder.exam.steps import Advance, Call, Join, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import counted, require_messages, require_qos

@@ -16,7 +16,8 @@ from itertools import pairwise
 import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Advance, Mark, RosClock, Scenario, unheard
+from autograder.exam.scenario import RosClock, Scenario
+from autograder.exam.steps import Advance, Mark, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.checks import counted, require_field, require_messages, SECOND

@@ -12,9 +12,10 @@ from dataclasses import replace
 import math
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import feeds, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
+from autograder.exam.steps import feeds
 from autograder.exams.readings import Reading, slips, warns, WHY
 from autograder.judging.causes.ended import (
     close_name,

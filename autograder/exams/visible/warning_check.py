@@ -21,8 +21,9 @@ import operator
 
 from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Feed, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
+from autograder.exam.steps import Feed
 from autograder.exam.words import Causes
 from autograder.exams.readings import Reading, slips, warns
 from autograder.judging.causes.ended import why_silent

@@ -1,8 +1,9 @@
 """A button that bounces: a state that arrives twice in a row is published, once per change."""
 
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Feed, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Slip, Specification
+from autograder.exam.steps import Feed
 from autograder.judging.claims import hears, node, offers, one_for_one, publishes
 
 BOOL = 'std_msgs/msg/Bool'

@@ -1,8 +1,9 @@
 """A lamp with a service, which refuses a request for the current state."""
 
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Call, Scenario
+from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Slip, Specification
+from autograder.exam.steps import Call
 from autograder.judging.claims import answers, node
 
 CALLS = (True, True, False, False, True)

@@ -1,8 +1,9 @@
 """A node that reduces speeds to the parameter limit, which is 0.5 m/s at first."""
 
 from autograder.exam.exam import Exam
-from autograder.exam.scenario import Feed, Scenario, set_parameters
+from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Slip, Specification
+from autograder.exam.steps import Feed, set_parameters
 from autograder.judging.claims import node, one_for_one, passes, publishes
 
 TWIST = 'geometry_msgs/msg/Twist'
