@@ -30,13 +30,13 @@ from autograder.judging.checks import (
     require_qos,
     require_reached,
 )
+from autograder.judging.log_rows import require_warnings
 from autograder.judging.rhythm import require_period
 from autograder.judging.rows import (
     published,
     require_all_sent,
     require_one_for_one,
     require_values,
-    require_warnings,
     rows,
 )
 

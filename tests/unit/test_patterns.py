@@ -20,8 +20,9 @@ from autograder.exams.visible import (
 )
 from autograder.judging import rhythm
 from autograder.judging.judge import closest
+from autograder.judging.log_rows import require_warnings
 from autograder.judging.numbers import shown, why_not_numbered
-from autograder.judging.rows import delays, require_warnings, why_other_answer
+from autograder.judging.rows import delays, why_other_answer
 from autograder.recording import ERROR, Recording, WARN
 from autograder.submission.code.source_code import Code
 

@@ -17,7 +17,7 @@ from autograder.exams.visible import (
 )
 from autograder.judging.causes import ended, lifecycle
 from autograder.judging.judge import closest
-from autograder.judging.rows import Followed
+from autograder.judging.log_rows import Followed
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.submission.code.source_code import Code
 

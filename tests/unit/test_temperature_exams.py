@@ -11,7 +11,7 @@ from autograder.exams.readings import Reading, slips, warns
 from autograder.exams.visible import temperature_publisher as publisher
 from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.judge import closest
-from autograder.judging.rows import share
+from autograder.judging.log_rows import share
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.submission.code.source_code import Code
 

@@ -21,7 +21,8 @@ from autograder.exam.steps import feeds, set_parameters, Step
 from autograder.exam.words import Causes
 from autograder.judging.checks import field_of, own_logs, require_answers
 from autograder.judging.claims import answers, hears, node
-from autograder.judging.rows import require_all_sent, require_warnings, rows
+from autograder.judging.log_rows import require_warnings
+from autograder.judging.rows import require_all_sent, rows
 
 LIMIT, PLACE = 'limit_c', 'place'
 LOWEST_C, HIGHEST_C = -40.0, 125.0

@@ -25,8 +25,9 @@ from autograder.judging.causes.ended import why_no_endpoint, why_silent
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, lines, own_logs, require_answers
 from autograder.judging.claims import node
+from autograder.judging.log_rows import require_warnings, warnings_after
 from autograder.judging.numbers import numbers_in, shown, shows
-from autograder.judging.rows import require_warnings, Row, warnings_after
+from autograder.judging.rows import Row
 from autograder.recording import ERROR, WARN
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'

@@ -32,8 +32,8 @@ from autograder.judging.causes.missing_logs import (
 )
 from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
+from autograder.judging.log_rows import Followed, followed, require_warnings, share, warnings_after
 from autograder.judging.numbers import shown
-from autograder.judging.rows import Followed, followed, require_warnings, share, warnings_after
 from autograder.recording import ERROR, Event, INFO, WARN
 from autograder.submission.code.source_code import Code
 
