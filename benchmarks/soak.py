@@ -27,7 +27,7 @@ from autograder.grading.examine import examine
 from autograder.grading.pipeline import load_lesson, SandboxEngine
 from autograder.layout import Layout
 from autograder.recording import Event
-from autograder.runs.observe import BUILDS
+from autograder.runs.program import BUILDS
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import extract

@@ -23,10 +23,10 @@ from environment import ros
 RUNS_PROGRAMS = (
     *('clock/*.[ch]', 'clock/virtual_clock.py', 'fastdds.xml', 'sandboxes/seccomp/*.bpf'),
     *('inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
-    *('runs/stored_runs.py', 'runs/observe.py', 'runs/watchdog.py', 'sandboxes/confinement.py'),
-    *('sandboxes/forked.py', 'sandboxes/fork_server.py', 'sandboxes/landlock.py'),
-    *('sandboxes/probes.py', 'sandboxes/processes.py', 'sandboxes/sandbox.py'),
-    'simulated.py',
+    *('runs/stored_runs.py', 'runs/observe.py', 'runs/program.py', 'runs/watchdog.py'),
+    *('sandboxes/confinement.py', 'sandboxes/forked.py', 'sandboxes/fork_server.py'),
+    *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
+    *('sandboxes/sandbox.py', 'simulated.py'),
 )
 """Files of the grader that can affect a recording."""
 ROS_PACKAGES = ('ros-jazzy-rclpy', 'ros-rclpy', 'rclpy')

@@ -18,7 +18,8 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.steps import Advance
 from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs.observe import observe, submission_folder
+from autograder.runs.observe import observe
+from autograder.runs.program import submission_folder
 from autograder.sandboxes import choose, sandbox
 from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.forked import INSIDE

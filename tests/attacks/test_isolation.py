@@ -10,7 +10,7 @@ import sys
 import pytest
 
 import autograder
-from autograder.runs.observe import submission_folder
+from autograder.runs.program import submission_folder
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.forked import INSIDE

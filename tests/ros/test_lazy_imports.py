@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from autograder.runs.observe import HERE
+from autograder.sandboxes.sandbox import HERE
 
 pytestmark = [pytest.mark.ros]
 

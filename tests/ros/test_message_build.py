@@ -12,9 +12,8 @@ import pytest
 from autograder.exam import catalog
 from autograder.grading.examine import examine
 from autograder.layout import Layout
-from autograder.runs.observe import HERE
 from autograder.sandboxes import landlock
-from autograder.sandboxes.sandbox import Sandbox
+from autograder.sandboxes.sandbox import HERE, Sandbox
 from benchmarks.visible_checks import files_of
 from tests.own_domain import own_domain
 

@@ -4,7 +4,7 @@ import importlib
 
 import pytest
 
-from autograder.runs.observe import HERE
+from autograder.sandboxes.sandbox import HERE
 
 
 @pytest.fixture

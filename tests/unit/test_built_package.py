@@ -12,7 +12,7 @@ from autograder.judging.causes import builds as packages
 from autograder.judging.causes.builds import MARK
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.runs.observe import HERE
+from autograder.sandboxes.sandbox import HERE
 
 XML = '<package format="3">\n  <name> thermo </name>\n</package>'
 EXAM = as_package(catalog.load('temperature_publisher', hidden=False), 'thermo')

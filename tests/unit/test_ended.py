@@ -9,7 +9,8 @@ from autograder.exam.names import Names
 from autograder.exam.specification import each, Specification
 from autograder.judging.causes import ended as causes
 from autograder.recording import Recording
-from autograder.runs.observe import LARGEST_RECORDING, PACKAGE_LIMITS
+from autograder.runs.observe import LARGEST_RECORDING
+from autograder.runs.program import PACKAGE_LIMITS
 from autograder.runs.watchdog import BUSY_S
 from autograder.sandboxes.confinement import Limits
 

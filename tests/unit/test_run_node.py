@@ -4,7 +4,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from autograder.runs.observe import HERE
+from autograder.sandboxes.sandbox import HERE
 
 LAUNCHER = Path(HERE, 'inside', 'run_node.py')
 
