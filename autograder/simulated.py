@@ -17,7 +17,7 @@ ENDS = {
     'student_exited': 'the program ended',
     'no_node': 'no node had appeared',
     'not_connected': 'no node was subscribed when an input was due',
-    'cpu_limit': 'the program had used 20 s of processor time',
+    'cpu_limit': 'the program had used more than 20 s of processor time',
     'too_many_events': 'there were more than 20000 messages and log lines',
     'too_much_recorded': 'there were more than 32 MB of messages',
     'output_limit': 'the program had printed more than 8 MB',

@@ -47,7 +47,7 @@ def simulate(
     :param arguments: arguments of the program after ``--ros-args``, such as ``['-p',
         'rate_hz:=2.0']``
     :returns: messages and log lines with their times, for ``timeline`` and ``plot``. The result is
-        cut off if the program has used 20 s of processor time, or has sent 20000 messages and log
+        cut off if the program has used too much processor time, or sent 20000 messages and log
         lines in total
     :raises RoslabError: if a file or topic does not exist, a time is invalid, or the run fails
     :raises NotImplementedError: if the program ended in an exercise that is not written yet

@@ -214,8 +214,8 @@ class _RunLoop:
                 else:
                     self._read(pipes, key)
             if not self.done and not self.watchdog.due_in_s():
-                begun = bool(self.events)
-                self.killed = self.killed or self.watchdog.look(self.printed, begun)
+                begun, virtual_s = bool(self.events), self.clock.elapsed_ns / 1e9
+                self.killed = self.killed or self.watchdog.look(self.printed, begun, virtual_s)
             if self.killed or (past_end and self._is_past_end()):
                 return
 

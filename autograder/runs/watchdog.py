@@ -16,6 +16,9 @@ from autograder.sandboxes.processes import disk_is_busy, pss_bytes, Running, Usa
 WATCH_EVERY_S = 0.05
 # Processor time allowed before the first node: imports take 0.3 s, or 1 s on a slow machine.
 BUSY_S = 3.0
+# Processor time allowed per virtual second, in addition to Limits.cpu_s.  A program that looks for
+# messages every millisecond uses 0.1 s on a usual machine, and a run may take many minutes.
+BUSY_SHARE = 0.25
 # If the probe and the driver use this much more processor time than the program, a flood of
 # packets keeps them busy.
 PROBE_S = 10.0
@@ -58,12 +61,13 @@ class Watchdog:
         """Return the real time until the next check."""
         return max(0.0, self.looked + WATCH_EVERY_S - time.monotonic())
 
-    def look(self, printed: int, begun: bool) -> str:
+    def look(self, printed: int, begun: bool, virtual_s: float) -> str:
         """
         Return the name of the limit that was exceeded, or an empty string.
 
         :param printed: bytes printed by the program so far
         :param begun: whether a node has been seen
+        :param virtual_s: virtual time since the start of the run [s]
         :raises TooBusy: if the run has taken more than ten minutes of real time
         """
         before, self.looked = self.looked, time.monotonic()
@@ -78,7 +82,7 @@ class Watchdog:
         self._charge_idle_time(others, gap_s, begun)
         self.cpu_s = max(self.cpu_s, self.sampled_s, used.cpu_s)
         return (
-            self._too_long(begun, sum(one.used_s for one in others.values()))
+            self._too_long(begun, sum(one.used_s for one in others.values()), virtual_s)
             or ('output_limit' if printed > self.limits.output else '')
             or (self._too_large(used.resident) if runs else '')
         )
@@ -132,8 +136,8 @@ class Watchdog:
         if used == before and not states.strip(b'STZX') and not stopped:
             self.left_s['still'] -= gap_s
 
-    def _too_long(self, begun: bool, others_s: float) -> str:
-        if self.cpu_s + others_s > self.limits.cpu_s:
+    def _too_long(self, begun: bool, others_s: float, virtual_s: float) -> str:
+        if self.cpu_s + others_s > self.limits.cpu_s + BUSY_SHARE * virtual_s:
             return 'cpu_limit'
         if others_s > self.cpu_s + PROBE_S:
             return 'probe_broken'

@@ -21,7 +21,8 @@ class Limits:
     """
     The resources that one run may use before the grader ends it.
 
-    :param cpu_s: processor time [s] of the program, the probe and the clock's driver together
+    :param cpu_s: processor time [s] of the program, the probe and the clock's driver together; the
+        watchdog adds a share of the virtual time
     :param memory: resident memory [bytes] of all processes of the program together
     :param processes: number of processes and threads
     :param folder: size of each writable folder [bytes]
@@ -50,7 +51,7 @@ class Limits:
             'fsize': self.folder,
             'core': 0,
             'nofile': 256,
-            'cpu': self.cpu_s + 5,  # higher than the watchdog's limit, which takes effect first
+            'cpu': 600,  # the watchdog ends each run earlier
         }
 
     def argv(self, others: int = 0) -> list[str]:

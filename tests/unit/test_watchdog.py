@@ -16,7 +16,7 @@ FOR_STILL, FOR_IDLE, FOR_20_S = 8, 51, 401
 @pytest.fixture
 def world(monkeypatch):
     """Return a simulated machine on which nothing computes, with a watchdog."""
-    world = SimpleNamespace(now=0.0, used_s=0.0, children={}, disk=False)
+    world = SimpleNamespace(now=0.0, used_s=0.0, virtual_s=0.0, children={}, disk=False)
     world.state = {PROGRAM: b'S', PROBE: b'S'}
     monkeypatch.setattr(watchdog.time, 'monotonic', lambda: world.now)
     monkeypatch.setattr(watchdog, 'disk_is_busy', lambda: world.disk)
@@ -39,7 +39,7 @@ def world(monkeypatch):
         world.state[PROGRAM] = program
         for _ in range(times):
             world.now += every_s
-            if said := world.dog.look(printed=0, begun=begun):
+            if said := world.dog.look(printed=0, begun=begun, virtual_s=world.virtual_s):
                 return said
         return ''
 
@@ -95,6 +95,15 @@ def test_a_program_that_computes_or_waits_for_a_processor_uses_no_budget(world):
         world.used_s += 0.05
         assert world.look(1) == ''
     assert world.look(FOR_STILL) == 'waits_outside'
+
+
+def test_a_program_may_use_a_quarter_of_the_virtual_time_too(world):
+    """A program that looks for messages every millisecond uses less, however long the run is."""
+    assert world.look(1) == ''
+    world.used_s, world.virtual_s = 94.9, 300.0
+    assert world.look(1, b'R') == ''
+    world.used_s = 95.1
+    assert world.look(1, b'R') == 'cpu_limit'
 
 
 @pytest.mark.parametrize(('used_s', 'looks'), [(0.02, 400), (0.01, 800)])
