@@ -50,10 +50,10 @@ build_package.build(sys.argv[1], 'knots')
 """
 
 
-@pytest.fixture
-def source(tmp_path):
+@pytest.fixture(scope='module')
+def source(tmp_path_factory):
     """Return the folder of a package."""
-    folder = tmp_path / 'source'
+    folder = tmp_path_factory.mktemp('knots') / 'source'
     for name, text in PACKAGE.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding='utf-8')
@@ -73,19 +73,26 @@ def built(source: Path, place: Path, toolchain: Path) -> str:
     ).stdout
 
 
-def test_messages_are_built_for_python_and_not_for_cpp(source, tmp_path):
+@pytest.fixture(scope='module')
+def package(source):
+    """Return where the grader built the package, and the output of the build."""
+    place = source.parent / 'with'
+    return place, built(source, place, TOOLCHAIN)
+
+
+def test_messages_are_built_for_python_and_not_for_cpp(package):
     """C++ code takes two fifths of a build's CPU time, and no graded program uses it."""
-    said = built(source, tmp_path, TOOLCHAIN)
-    libraries = {path.name for path in (tmp_path / 'install' / 'lib').glob('lib*.so')}
-    [modules] = (tmp_path / 'install').glob('lib/python3*/site-packages')
+    place, said = package
+    libraries = {path.name for path in (place / 'install' / 'lib').glob('lib*.so')}
+    [modules] = (place / 'install').glob('lib/python3*/site-packages')
 
     assert 'libknots__rosidl_typesupport_fastrtps_c.so' in libraries
     assert not [name for name in libraries if name.endswith('_cpp.so')]
-    assert printed(modules, libraries_in=tmp_path / 'install' / 'lib') == 'knots/msg/Speed 3.5'
+    assert printed(modules, libraries_in=place / 'install' / 'lib') == 'knots/msg/Speed 3.5'
     # CMake does not repeat the search that the set-up has done.
     assert 'Found Python3' not in said
     # The headers of Fast DDS and Python are precompiled, so their own includes are not read.
-    assert not HEADERS & read_by_the_compiler(tmp_path / 'build' / 'knots')
+    assert not HEADERS & read_by_the_compiler(place / 'build' / 'knots')
 
 
 @pytest.mark.parametrize('mode', ['landlock', 'none'])
@@ -108,19 +115,20 @@ def read_by_the_compiler(build: Path) -> set[str]:
     return {Path(line.strip()).name for line in ran.stdout.splitlines()}
 
 
-def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(source, tmp_path):
+def test_without_notes_cmake_looks_for_itself_and_the_result_is_the_same(
+    source, package, tmp_path
+):
     bare = tmp_path / 'bare'
     shutil.copytree(TOOLCHAIN.parent, bare, ignore=shutil.ignore_patterns('known'))
     for file in bare.glob('*.cmake'):
         text = file.read_text('utf-8').replace(str(TOOLCHAIN.parent), str(bare))
         file.write_text(text, encoding='utf-8')
-    built(source, tmp_path / 'with', TOOLCHAIN)
 
     said = built(source, tmp_path / 'without', bare / TOOLCHAIN.name)
 
     assert 'Found Python3' in said
     assert read_by_the_compiler(tmp_path / 'without' / 'build' / 'knots') >= HEADERS
-    assert symbols(tmp_path / 'with') == symbols(tmp_path / 'without')
+    assert symbols(package[0]) == symbols(tmp_path / 'without')
 
 
 def symbols(place: Path) -> dict[str, str]:
