@@ -19,7 +19,7 @@ from autograder.results import ExamResult, Verdict
 MANIFEST = 'package.xml'
 
 _NAME = re.compile(r'<name>\s*([A-Za-z][A-Za-z0-9_-]{0,99})\s*</name>')
-_IN_CELL = re.compile(r'^Line (\d+)(?=[:,])')
+_IN_CELL = re.compile(r'^Lines? [\d, and]+(?=[:,])')
 
 
 def package_name(files: Mapping[str, str]) -> str:
@@ -63,6 +63,10 @@ def explained(
         if facts and check.verdict is Verdict.FAILED and check.check not in static:
             check = replace(check, **facts)
         # A cell's line numbers include its magic line.
-        cause = _IN_CELL.sub(lambda found: f'Line {int(found[1]) - 1}', check.cause)
+        cause = _IN_CELL.sub(_without_magic_line, check.cause)
         checks.append(replace(check, cause=cause))
     return replace(result, checks=tuple(checks))
+
+
+def _without_magic_line(place: re.Match[str]) -> str:
+    return re.sub(r'\d+', lambda line: str(int(line[0]) - 1), place[0])

@@ -46,7 +46,7 @@ class Watch(Node):
 def place(acts, about=(), lines=(), code=NODE):
     """Return the line and the function of an act, or None if it has no single place."""
     found = place_of(Code({'watch.py': code}), acts, about, lines)
-    return found and tuple(found)
+    return found and (found.line, found.function)
 
 
 POLITE = """\
@@ -183,7 +183,7 @@ class TestPlace:
             ('def:publish()', 20, 'tick'),
             ('def:tock', 25, 'tock'),
             ('to:create_subscription()', 14, 'judge'),
-            ('info()+', 25, 'tock'),
+            ('info()+', 26, ''),
         ],
     )
     def test_act_with_several_places_is_found_in_their_function(self, acts, line, name):
@@ -232,6 +232,13 @@ class TestPlace:
 
         assert place_of(code, 'publish()').words == 'Line 25: '
         assert place_of(code, 'info()').words == 'Line 26, in tock(): '
+
+    def test_several_places_may_be_the_mistake(self):
+        """Two or three lines are named, as in two timers."""
+        code = Code({'two.py': 'a.create_timer()\n' * 2})
+
+        assert place_of(code, 'create_timer()+').words == 'Lines 2 and 3: '
+        assert place_of(Code({'many.py': 'create_timer()\n' * 4}), 'create_timer()+') is None
 
 
 class TestKnownActs:

@@ -149,13 +149,15 @@ def test_any_other_end_keeps_the_words_of_the_exam():
     assert first_check(1, '', {}).cause == 'It died.'
 
 
-@pytest.mark.parametrize('words', ['Line {}: It fails.', 'Line {}, in tick(): It fails.'])
+@pytest.mark.parametrize(
+    'words', ['Line {}: It fails.', 'Line {}, in tick(): It fails.', 'Lines {} and {}: Both fail.']
+)
 def test_lines_are_those_of_the_file(words):
     """Line numbers count from the beginning of the file, which has no magic line."""
-    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause=words.format(8))
+    check = CheckResult('a', 'A.', Verdict.FAILED, 0, 1, cause=words.format(8, 10))
     result = explained(EXAM, ExamResult('x', (check,)), None, {})
 
-    assert result.checks[0].cause == words.format(7)
+    assert result.checks[0].cause == words.format(7, 9)
 
 
 def test_both_sides_mean_the_same_codes(monkeypatch):

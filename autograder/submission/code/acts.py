@@ -20,7 +20,7 @@ Words without a bar between them are alternatives.  A word has one of these form
 ``period``     and the other keys of :data:`.known_acts.ACTS`
 ``NAME``       any other word: a use of this name
 ``one@other``  an act inside another, such as ``>=@def:judge``, or in a function called there
-``one+``       an act, but only if it has several places
+``one+``       an act, but only if it has several places; two or three of them are all named
 =============  ====================================================================
 
 As in :mod:`.source_code`, the results affect only messages.
@@ -67,6 +67,10 @@ STATEMENTS: Mapping[str, tuple[type[ast.AST], ...]] = {
 }
 
 
+_FEW = range(2, 4)
+"""Numbers of lines that a message may name."""
+
+
 class Place(NamedTuple):
     """
     The place of an act.
@@ -74,16 +78,20 @@ class Place(NamedTuple):
     :param line: line of the file, from 1
     :param function: name of the function that begins in this line, if the act has several places
         in it; empty if the line itself performs the act
+    :param others: further lines, for an act that is a mistake because it has several places
     """
 
     line: int
     function: str = ''
+    others: Sequence[int] = ()
 
     @property
     def words(self) -> str:
         """Return the place as the beginning of a message."""
-        where = f', in {self.function[:40]}()' if self.function else ''
-        return f'Line {self.line + 1}{where}: '  # the cell's magic line precedes the file
+        first, *others = (one + 1 for one in (self.line, *self.others))  # after the magic line
+        if others:
+            return f'Lines {", ".join(map(str, (first, *others[:-1])))} and {others[-1]}: '
+        return f'Line {first}{f", in {self.function[:40]}()" if self.function else ""}: '
 
 
 def place_of(
@@ -115,6 +123,9 @@ def _place(program: Program, act: str) -> Place | None:
         if len({getattr(one, 'lineno', 0) for one in some}) == 1:
             name = some[0].name if isinstance(some[0], FUNCTIONS) else ''
             return Place(getattr(some[0], 'lineno', 0), name)
+    all_lines = sorted({getattr(one, 'lineno', 0) for one in found})
+    if act.endswith('+') and len(all_lines) in _FEW:
+        return Place(all_lines[0], others=all_lines[1:])
     outer = program.function_around(*(seen or working or found))
     return Place(outer.lineno, outer.name) if outer else None
 

@@ -29,17 +29,20 @@ USUAL_DEPTH = 10
 _SHORT_PROFILES = ('qos_profile_sensor_data',)
 """Profiles of rclpy whose depth is below the usual one."""
 _EVERYTHING = ('Exception', 'BaseException')
+_EXITS = ('SystemExit', 'KeyboardInterrupt', 'ExternalShutdownException')
 _LEVELS = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
 
 
 def _periods(program: Program) -> list[ast.AST]:
     """Return the timer periods that equal the duration in question, or cannot be read."""
-    given = [argument(one, 0, 'timer_period_sec') for one in program.calls(*_TIMERS)]
-    found = [program.origin(one) for one in given if one is not None]
+    arguments = (argument(one, 0, 'timer_period_sec') for one in program.calls(*_TIMERS))
+    given = {one: program.origin(one) for one in arguments if one is not None}
+    found = list(given.values())
     if (due := _due(program)) is None:
         return found
-    if near := [one for one in found if program.is_near(one, due)]:
-        return near
+    if near := [one for one, value in given.items() if program.is_near(value, due)]:
+        shared = len(near) == 1 and len(program.uses(last_name(near[0]))) > 1
+        return near if shared else [given[one] for one in near]
     unread = [one for one in found if program.number(one) is None]
     whole = (one for one in program.nodes if not isinstance(program.parents.get(one), ast.BinOp))
     return unread and ([one for one in whole if program.is_near(one, due)] or unread)
@@ -248,6 +251,7 @@ ACTS: Mapping[str, Act] = {
     'period': _periods,
     'profile': _profiles,
     'publishing_timer': _publishing_timers,
+    'raised_exit': _nodes(ast.Raise, lambda node: not names_in(node).isdisjoint(_EXITS)),
     'recount': assignments.recounts,
     'reset': assignments.resets,
     # the strings that occur in one of the texts in question

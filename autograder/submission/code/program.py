@@ -212,6 +212,17 @@ class Program:
             yield None, node.id
             yield None, f'.{node.id}'  # in the body of a class
 
+    def uses(self, name: str) -> list[ast.AST]:
+        """Return the places that use a name in any other way than in an f-string."""
+        return [
+            node
+            for node in self.nodes
+            if name
+            and last_name(node) == name
+            and not is_stored(node)
+            and not isinstance(self.parents.get(node), ast.FormattedValue)
+        ]
+
     def is_near(self, node: ast.AST, due: float) -> bool:
         """Return whether an expression is a number within 2 % of the given one."""
         value = None if isinstance(node, (ast.Name, ast.Attribute)) else self.number(node)
