@@ -191,7 +191,8 @@ class Specification:
         for slip, slipped in self._slipped if len(wrong) > 1 else ():
             if slip.sometimes and all(self.like(slipped[one], came[one]) for one in wrong):
                 return slip
-        return None
+        alone = wrong == [len(came) - 1] and bool(self.burst)
+        return BURST_MIXED if alone and _as_many(self.answers[-1], came[-1]) else None
 
     def mistakes(self) -> Iterator[str]:
         """Yield slips that the inputs cannot distinguish from correct answers or other slips."""
@@ -201,6 +202,19 @@ class Specification:
             for other, others in rules[:number]:
                 if other != name and all(map(self.like, answers, others)):
                     yield f'no input distinguishes {name} from {other}'
+
+
+def _as_many(due: Any, came: Any) -> bool:
+    """Return whether an answer has several values, and as many as expected."""
+    return isinstance(due, tuple) and len(came or ()) == len(due) > 1
+
+
+BURST_MIXED = Slip(
+    'burst_mixed',
+    'Your node answers single messages correctly, but mixes up messages that arrive at once.',
+    'Create a new message in each call of the callback, and publish it there. Store nothing for '
+    'later that the next message replaces.',
+)
 
 
 def merge_answers(answers: Sequence[Any]) -> Any:

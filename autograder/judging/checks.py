@@ -31,6 +31,8 @@ from autograder.recording import Event, LEVELS
 from autograder.submission.code.source_code import Code
 
 SECOND = 1_000_000_000
+NO_RESULT = 'Callback returned an invalid type'
+"""The reason with which rclpy refuses a change whose callback returns no result."""
 
 
 def require_node(run: Run, node: str, only_named: bool = False) -> None:
@@ -273,6 +275,7 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
                 name, has = policy.removesuffix('_ns'), end['qos'][policy]
                 (due, code), (seen, _) = _policy(policy, value), _policy(policy, has)
                 words = {'policy': name, 'code': code, 'kind': end['kind'], 'on': end['topic']}
+                words['has'] = seen
                 raise Failed(
                     expected=f'{name} {due}',
                     observed=f'{name} {seen}',
@@ -356,8 +359,14 @@ def require_answers(
             raise Failed(
                 expected=where,
                 observed='a different answer' if secret else _shown(got),
-                why=explain(number) or why_silent(run),
+                why=_why_no_result(answer) or explain(number) or why_silent(run),
             )
+
+
+def _why_no_result(answer: Event) -> Cause | None:
+    """Explain a refusal by rclpy itself, which tells its reason."""
+    reasons = [field_of(answer, one) for one in ('results.0.reason', 'result.reason')]
+    return cause_of('returns_no_result') if NO_RESULT in reasons else None
 
 
 def _why_no_service(run: Run, service: str, answer: Event) -> Cause | None:

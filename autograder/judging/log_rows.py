@@ -15,9 +15,9 @@ from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
 from autograder.judging.causes.text_table import acts_by_cause, cause_of
-from autograder.judging.checks import lines, own_logs
+from autograder.judging.checks import lines, own_logs, SECOND
 from autograder.judging.numbers import numbers_in
-from autograder.judging.rows import Row, rows, without_last
+from autograder.judging.rows import LATE_S, Row, rows, without_last
 from autograder.recording import INFO, WARN
 
 
@@ -95,7 +95,8 @@ def require_warnings(
     due, count = asked.answers[place], came[place] or 0
     short = count < due
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
-    other = MISSED_WARNING if short else REPEATED if repeats else FALSE_ALARM
+    late = cause_of('warns_later') if _warns_later(run, followed[place]) else None
+    other = MISSED_WARNING if short else late or (REPEATED if repeats else FALSE_ALARM)
     row, inputs = followed[place] or [], asked.row(place)
     then, known = while_running(run, asked, place, short), without_last(run, came, place)
     slip = asked.cause(known, place, part)
@@ -118,6 +119,13 @@ def require_warnings(
         # If an input was not sent, the indices of the recording differ.
         place=None if None in came[:place] else place,
     )
+
+
+def _warns_later(run: Run, row: Row | None) -> bool:
+    """Return whether a WARN line comes some time after the last input before it."""
+    sent = [one['clock_ns'] for one in run.recording.of('input')]
+    delays_ns = [line['clock_ns'] - sent[line['after_input']] for line in _warnings([row])]
+    return max(delays_ns, default=0) > LATE_S * SECOND
 
 
 def _why_from_elsewhere(

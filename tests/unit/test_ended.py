@@ -211,7 +211,7 @@ def test_program_that_is_over_at_once_is_explained_by_what_it_says(code, cause_i
         ),
         # A single spin_once() may have run only the callback of a service call.
         ('rclpy.spin_once(node)  # for a while', 'spins_once', 'runs one callback'),
-        ('for node in nodes:\n    rclpy.spin_once(node)', 'exited_early', 'was running'),
+        ('for node in nodes:\n    rclpy.spin_once(node)', 'spins_a_while', 'limited number'),
     ],
 )
 def test_program_that_ends_in_a_callback_is_not_told_to_spin(code, cause_id, words):

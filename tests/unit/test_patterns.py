@@ -286,10 +286,17 @@ def test_pause_with_a_reset_is_told_to_leave_the_reset_out():
 def test_warning_from_another_line_is_not_called_a_repetition():
     """The warning about a refusal comes from a different line of the code."""
     asked = Specification([SimpleNamespace(kind='hot')] * 2, each(lambda one: 1))
-    line = {'event': 'log', 'level': WARN, 'text': 'hot', 'line': 20}
+    line = {'event': 'log', 'level': WARN, 'text': 'hot', 'line': 20, 'after_input': 0}
+    line['clock_ns'] = 0
 
     found = why(
-        require_warnings, run_of(), asked, [[line], [line, {**line, 'line': 38}]], [1], [], None
+        require_warnings,
+        run_of({'event': 'input', 'clock_ns': 0}),
+        asked,
+        [[line], [line, {**line, 'line': 38}]],
+        [1],
+        [],
+        None,
     )
 
     assert (found.cause_id, found.line) == ('other_warning', 38)

@@ -318,7 +318,7 @@ class TestWords:
                 'talker',
                 'keeps and asks for old messages',
                 'offers_reliable_qos',
-                'The publisher on chatter does not have the required durability.',
+                'The publisher on chatter has another durability than required: TRANSIENT_LOCAL.',
             ),
             (
                 'map_server',

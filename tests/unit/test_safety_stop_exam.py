@@ -9,7 +9,7 @@ from autograder.exams.visible.safety_stop import (
     Command,
     guarding,
     LIMIT,
-    MIDDLE_S,
+    LONG_S,
     places,
     SHORT_S,
     STOP,
@@ -33,7 +33,7 @@ def test_drawn_commands_are_as_the_exam_needs_them(secret):
     fast = [asked.inputs[place].speed for place in places(asked, silent=False, fast=True)]
 
     zeros = [one for one in asked.inputs if not (one.speed and one.turn)]
-    assert zeros == [(*STOP, SHORT_S[0]), (*STOP, MIDDLE_S)]
+    assert zeros == [(*STOP, SHORT_S[0]), (*STOP, LONG_S)]
     assert all(max(one[:2]) <= LIMIT for one in before_silence)
     assert min(fast) < -LIMIT
     assert max(fast) > 1.0

@@ -202,7 +202,8 @@ def heard(readings, answer, code='', secret=False, printed=''):
     """Return a run of the subscriber, which logs a function's result for each reading."""
     events = []
     for number, reading in enumerate(readings):
-        events.append({'event': 'input', 'index': number, 'data': reading.message(number)})
+        sent = {'event': 'input', 'index': number, 'clock_ns': number}
+        events.append({**sent, 'data': reading.message(number)})
         events += [
             {
                 'event': 'log',
@@ -210,7 +211,7 @@ def heard(readings, answer, code='', secret=False, printed=''):
                 'level': level,
                 'text': text,
                 'after_input': number,
-                'clock_ns': None,
+                'clock_ns': number,
             }
             for level, text in answer(reading)
         ]

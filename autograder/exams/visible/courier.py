@@ -107,10 +107,10 @@ def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     code = Code(run.files)
     if 'publish' not in code.calls:
         return why_no_message(run)
-    if not ({'create_timer', 'PublisherEventCallbacks'} & code.names or code.has_loop):
-        return WHY['checks_once']
-    looks = {'get_subscription_count', 'PublisherEventCallbacks'} & code.names
-    return WHY['looks_wrong'] if looks else WHY['too_early']
+    if not {'get_subscription_count', 'PublisherEventCallbacks'} & code.names:
+        return WHY['too_early']
+    again = {'create_timer', 'PublisherEventCallbacks'} & code.names or code.has_loop
+    return WHY['looks_wrong'] if again else WHY['checks_once']
 
 
 def addresses_the_parcel(run: Run) -> None:

@@ -33,6 +33,7 @@ SOURCES, TARGET = ('/speed', '/turn'), '/cmd_vel'
 PERIOD_S, OLD_S = 0.5, 2.0
 STOP = (0.0, 0.0)
 BOTH = range(len(SOURCES))
+FIELDS = 'linear.x', 'angular.z'
 TICK_S = 0.1  # interval at which a rule evaluates the timer after an input [s]
 QUIET_S = 0.9  # at the start, without an input [s]
 # No two inputs are a multiple of the period apart.  So a timer created when an input arrives never
@@ -207,7 +208,10 @@ SLIPS = (
     WHY.slip(
         'same_is_old', joining(same_is_old=BOTH), *(joining(same_is_old=[which]) for which in BOTH)
     ),
-    WHY.slip('field_missing', *(changed(lambda value: 0.0, which) for which in BOTH)),
+    *(
+        WHY.slip('field_missing', changed(lambda value: 0.0, which), field=field)
+        for which, field in enumerate(FIELDS)
+    ),
     WHY.slip('swapped', joining(value=lambda heard: latest(heard)[::-1])),
     WHY.slip(
         'first_value', joining(value=lambda heard: tuple(one[0] if one else 0.0 for one in heard))
@@ -232,7 +236,7 @@ SLIPS = (
 
 def commands(run: Run) -> tuple[Specification, list[tuple[Any, ...] | None]]:
     """Return the specification and the commands after each input, with repetitions merged."""
-    found = published(run, 'commands', TARGET, 'linear.x', 'angular.z')
+    found = published(run, 'commands', TARGET, *FIELDS)
     asked = run.asked('commands')
     return asked, [
         row if row is None else merged(row, one.lasts_s) for one, row in zip(asked.inputs, found)

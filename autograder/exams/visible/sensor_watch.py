@@ -51,15 +51,16 @@ REQUEST = {
     'DEADLINE': 'Request deadline=Duration(seconds=0.3), as the sensor promises.',
     'LIVELINESS': 'Leave liveliness out: the sensor does not assert it manually.',
 }
+WHY = Causes(__file__)
 LOGGED = each(lambda distance: (distance,))
 SLIPS = (
     *leaving_out(LOGGED, do='Log', numbers=True)[1:],
     rounded(lambda change: each(lambda distance: (change(distance),))),
+    WHY.slip('skips_infinity', each(lambda one: (one,) if math.isfinite(one) else ())),
 )
 LAZY = {'weak': 'a', 'weak again': 'another'}
 """Publishers that offer too little, with an article for feedback; each has its own phase."""
 EXERCISE = 'Exercise 2: a listener that notices silence'
-WHY = Causes(__file__)
 
 
 def needless_warnings(run: Run) -> list[Event]:
@@ -208,6 +209,9 @@ def _why_other_count(run: Run, silence: Sequence[Event], due: int) -> Cause | No
     if found >= max(due, 1):
         return WHY['warned_twice'] if due else WHY['warns_of_something_else']
     if why := _why_unheard(run):
+        return why
+    others = [line for line in silence if line['level'] != WARN]
+    if found + len(others) == due and (why := why_not_logged(run, others, WARN)):
         return why
     if logged := own_logs(run, NODE, WARN):  # in silences: another check reports others
         return why_left_out(run, WARN, logged) or WHY['first_miss_only']

@@ -16,7 +16,7 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exam.steps import feeds
-from autograder.exams.readings import Reading, slips, warns, WHY
+from autograder.exams.readings import Reading, sensor_of, slips, warns, WHY
 from autograder.judging.causes.ended import (
     close_name,
     no_node_answered,
@@ -112,10 +112,22 @@ def _why_not_logged(
         return SKIPS_EQUAL
     return (
         _why_unit_refused(run, group)
+        or _why_other_sensor(run)
         or why_not_logged(run, group.row, INFO, reading.is_in)
         or _why_other_error(run, [group])
         or WHY['not_logged']
     )
+
+
+def _why_other_sensor(run: Run) -> Cause | None:
+    """Explain INFO lines that follow only the readings of some sensors."""
+    shown: dict[bool, set[str]] = {True: set(), False: set()}
+    pairs = ((one, group) for group in sent(run) for one in group.inputs)
+    for number, (one, group) in enumerate(pairs):
+        if group.row is not None and not one.odd:
+            shown[group.showing(one) > 0].add(sensor_of(number))
+    some = all(shown.values()) and shown[True].isdisjoint(shown[False])
+    return WHY['other_sensor'] if some else None
 
 
 def warns_when_too_hot(run: Run) -> None:
@@ -294,7 +306,7 @@ def _why_deaf(run: Run) -> Cause | None:
     """Explain why a node does not log the readings that it receives."""
     proper = [one for one in run.asked('warnings').inputs if not one.odd]
     why = why_not_logged(run, [], INFO, lambda text: any(one.is_in(text) for one in proper))
-    return why or WHY['not_logged']
+    return _why_other_sensor(run) or why or WHY['not_logged']
 
 
 def build(readings: Sequence[Reading], burst: int = 0) -> Exam:

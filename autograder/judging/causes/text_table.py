@@ -121,6 +121,10 @@ _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'overrides_activate': lambda code: (
         'on_activate' in code.functions and 'on_activate' not in code.calls
     ),
+    'counted_spins': lambda code: any(
+        find(one, 'for:spin_once()') and not find(one, 'while:spin_once()')
+        for one in code.programs
+    ),
     'creates_node': _creates_node,
     'has_callbacks': _has_callbacks,
     'main_unused': _main_unused,
