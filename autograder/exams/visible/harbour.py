@@ -11,7 +11,12 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.steps import Advance, Call, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent
-from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
+from autograder.judging.causes.missing_logs import (
+    why_left_out,
+    why_no_line,
+    why_not_logged,
+    why_printed,
+)
 from autograder.judging.checks import own_logs, why_other_namespace
 from autograder.judging.rhythm import require_period, seconds_between
 from autograder.recording import INFO
@@ -103,6 +108,7 @@ def _require_reports(run: Run, node: str, period_s: int) -> None:
         if not lines:
             return (
                 why_not_logged(run, own_logs(watch, node), INFO)
+                or why_printed(run, INFO, bool, least=seconds // period_s // 2)
                 or why_left_out(run, INFO, own_logs(run, node, INFO))
                 or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )

@@ -235,7 +235,9 @@ def _require_warnings(run: Run, phase: str) -> None:
         raise Failed(
             expected=f'a subscription on {TOPIC} of type {TYPE} while the node is active',
             observed='no subscription',
-            why=why_silent(run) or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
+            why=why_silent(run)
+            or (WHY['subscription_gone'] if run.recording.of('input') else None)
+            or why_no_endpoint(run, 'subscription', TOPIC, TYPE),
         )
     asked, found = run.asked('warnings'), _followed(run)
     inputs = asked.inputs[: len(found)]

@@ -276,10 +276,16 @@ def keeps_its_rhythm(run: Run) -> None:
 
 def _require_commands(run: Run, stops: bool) -> None:
     asked, found = commands(run)
-    due = enumerate(asked.answers)
-    require_values(
-        run, asked, found, [place for place, row in due if row and stops == (STOP in row)]
-    )
+    places = [place for place, row in enumerate(asked.answers) if row and stops == (STOP in row)]
+    for place in asked.wrong(found, () if stops else places)[:1]:
+        if STOP in (found[place] or ()) and not asked.cause(found, place, places):
+            raise Failed(
+                expected=f'no stop after message {place + 1}',
+                observed=f'a stop after message {place + 1}',
+                why=WHY['stops_early'],
+                place=place,
+            )
+    require_values(run, asked, found, places)
     require_all_sent(run, found)
 
 

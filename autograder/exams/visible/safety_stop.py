@@ -171,6 +171,7 @@ SLIPS = (
         guarding(stops=lambda one, silence: [] if one[:2] == STOP else [STOP]),
         guarding(stops=lambda one, silence: [] if one.speed == 0.0 else [STOP]),
     ),
+    WHY.slip('stops_turning', guarding(lambda one: right_pair(one) if one.speed else STOP)),
     WHY.slip('stops_once', guarding(stops=lambda one, silence: [STOP] if silence == 1 else [])),
     WHY.slip('stops_for_good', guarding(for_good=()), guarding(for_good=(STOP,))),
     WHY.slip('early_stop', guarding(after_s=0.25)),
@@ -312,7 +313,8 @@ def drive(speeds: Sequence[float], turns: Sequence[float]) -> list[Command]:
     The first command is sent twice, and the last ones form a burst.  Before a silence, speed and
     turn are small, so that a wrong limit does not affect the checks of silences.
 
-    :param speeds: 13 numbers, of which only the third, fourth and eighth are outside the limits
+    :param speeds: 13 numbers, of which only the third, fourth and eighth are outside the limits;
+        the sixth may be 0.0
     :param turns: 13 different numbers other than 0.0; the fifth, the seventh and those from the
         tenth on are at most 0.5
     """

@@ -82,7 +82,7 @@ def why_other_logger(run: Run, level: int, belongs: Belongs | None = None) -> Ca
         # Lines of child loggers reach /rosout too, and the libraries of ROS have their own
         # loggers.
         known = name.startswith(OF_ROS) or any(f'{name}.'.startswith(f'{one}.') for one in own)
-        if severity == LEVELS[level] and not known:
+        if severity == LEVELS[level] and not known and not _imitates_log_lines(run):
             return cause_of('other_logger')
     if run.recording.logs(level=level) or not logs_with_python(run.files, CALLS[level]):
         return None
@@ -109,20 +109,29 @@ def lines_of_code(found: Iterable[Event]) -> set[int]:
     return {int(one['line']) for one in found if one.get('line')}
 
 
-def why_printed(run: Run, level: int, belongs: Belongs | None = None) -> Cause | None:
+def why_printed(
+    run: Run, level: int, belongs: Belongs | None = None, least: int = 1
+) -> Cause | None:
     """
     Explain a line that was printed instead of logged.
 
     :param belongs: None accepts any printed line, but only if no line of this level was logged
+    :param least: minimum number of printed lines
     """
     if belongs is None and run.recording.logs(level=level):
         return None
     # On standard output, the second line of a logged message has no level, as if it were printed.
     logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
-    printed = (text for severity, _, text in _on_stdout(run, belongs) if not severity)
-    if all(text in logged for text in printed):
+    imitated = _imitates_log_lines(run)
+    texts = [text for severity, _, text in _on_stdout(run, belongs) if imitated or not severity]
+    if sum(text not in logged for text in texts) < least:
         return None
     return cause_of('print_instead_of_logger', call=CALLS[level])
+
+
+def _imitates_log_lines(run: Run) -> bool:
+    """Return whether the code contains a text that looks like the beginning of a log line."""
+    return any(f'[{name}]' in text for text in Code(run.files).texts for name in LEVELS.values())
 
 
 def _on_stdout(run: Run, belongs: Belongs | None) -> Iterator[tuple[str, str, str]]:
