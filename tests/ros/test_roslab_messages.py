@@ -132,10 +132,17 @@ def test_changed_message_asks_for_a_restart(built):
 
 
 @pytest.mark.claim('J7')
-def test_course_messages_that_are_in_use_stay(kernel):
+def test_course_messages_that_are_in_use_stay(kernel, tmp_path):
+    """A build that is interrupted leaves no process, and the next one succeeds."""
     kernel.run('from temp_monitor_pkg.msg import Temperature')
     write(kernel, TEMPERATURE, PACKAGE, CMAKE)
+    interrupted = kernel.interrupt_at('build_messages()', 'Building')
+    children = kernel.run('import psutil; len(psutil.Process().children(recursive=True))')
+    shutil.rmtree(tmp_path / 'ros_ws' / 'build', ignore_errors=True)
     built = kernel.run('report = build_messages()')
+
+    assert interrupted.error['ename'] == 'KeyboardInterrupt'
+    assert children.value == '0'
 
     assert 'restart the kernel' in built.text
     assert kernel.run('report.ok, hasattr(Temperature, "sensor_id")').value == '(True, True)'
@@ -193,14 +200,3 @@ def test_build_of_a_stub_is_not_started(kernel, tmp_path):
 
     assert 'package.xml: not written yet' in outputs.text
     assert not (tmp_path / 'ros_ws' / 'build').exists()
-
-
-def test_interrupted_build_leaves_no_process(kernel, tmp_path):
-    write(kernel, TEMPERATURE, PACKAGE, CMAKE)
-    outputs = kernel.interrupt_at('build_messages()', 'Building')
-
-    assert outputs.error['ename'] == 'KeyboardInterrupt'
-    children = kernel.run('import psutil; len(psutil.Process().children(recursive=True))')
-    assert children.value == '0'
-    shutil.rmtree(tmp_path / 'ros_ws' / 'build', ignore_errors=True)
-    assert kernel.run('bool(build_messages())').value == 'True'
