@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from autograder.exam.specification import Cause, sorted_answers, Specification
 
 QUEUE = 'Drop no messages: do not limit the size of your own list or queue.'
-DEPTH = 'Give create_subscription() the depth 10, and store no message for later.'
+DEPTH = 'Give create_subscription() the depth 10; for later, store messages only in a queue.'
 LONGEST = 5  # period of a pattern [inputs]
 EACH = 'Treat all messages alike, without a counter, a flag or a list that grows.'
 BUSY = Cause(

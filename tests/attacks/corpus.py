@@ -170,6 +170,6 @@ def early_limits() -> Iterator[None]:
             return program, limits
         return program, replace(limits, cpu_s=4)
 
-    sooner = mock.patch.object(watchdog, 'PROBE_S', 3.0)
+    sooner = mock.patch.multiple(watchdog, PROBE_S=3.0, BUSY_SHARE=0.0)
     with mock.patch.object(observe, 'program_for', program_for), sooner:
         yield

@@ -72,6 +72,11 @@ def at(code, error, below=''):
             'already destroyed',
         ),
         ('RuntimeError: coroutine raised StopIteration', 'used_up', 'end of its iterator'),
+        (
+            'OverflowError: cannot convert float infinity to integer',
+            'infinite',
+            'cannot be infinite',
+        ),
         ('ValueError: generator already executing', 'nested_spin', 'A callback spins'),
         ('RuntimeError: Executor is already spinning', 'nested_spin', 'A callback spins'),
         (
