@@ -109,47 +109,44 @@ def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
     """
     Return messages, including those that the probe missed without a subscription.
 
-    The number of the first message after this time shows how many were missed.  Each gap
+    The number of the first message after such a time shows how many were missed.  Each gap
     between them is assumed to be the median gap of the later messages.
 
     :param found: messages on one topic, in order
     """
-    after, missed = _missed(run, found)
-    place = found.index(after) if after in found else len(found)
-    gaps = [two['clock_ns'] - one['clock_ns'] for one, two in pairwise(found[place:])]
-    if not gaps:
-        return list(found)
     seen_ns = max((one['clock_ns'] for one in run.recording.of('seen')), default=0)
-    times = (after['clock_ns'] - n * round(median(gaps)) for n in range(missed, 0, -1))
-    unheard = [{**after, 'clock_ns': one} for one in times if one > seen_ns]
-    return [*found[:place], *unheard, *found[place:]]
+    whole = list(found)
+    for after, missed in reversed(_missed(run, found)):
+        place = whole.index(after)
+        gaps = [two['clock_ns'] - one['clock_ns'] for one, two in pairwise(whole[place:])]
+        gap_ns = round(median(gaps)) if gaps else 0
+        times = (after['clock_ns'] - n * gap_ns for n in range(missed if gaps else 0, 0, -1))
+        whole[place:place] = [{**after, 'clock_ns': one} for one in times if one > seen_ns]
+    return whole
 
 
-def _missed(run: Run, found: Sequence[Event]) -> tuple[Event, int]:
-    """
-    Return the first message after a time without a subscription, and how many were missed.
-
-    :returns: an empty event if no such time is recorded
-    """
+def _missed(run: Run, found: Sequence[Event]) -> list[tuple[Event, int]]:
+    """Return the first message after each time without a subscription, and how many it missed."""
     topic = found[0].get('topic') if found else None
-    heard = run.recording.messages(topic) if topic else []
+    heard, missed = run.recording.messages(topic) if topic else [], []
     for left in run.recording.of('left', name=topic):
         before = [one for one in heard if one['clock_ns'] < left['clock_ns']]
         for after in heard[len(before) : len(before) + 1]:
-            return after, after['number'] - 1 - (before[-1]['number'] if before else 0)
-    return {}, 0
+            number = after['number'] - 1 - (before[-1]['number'] if before else 0)
+            missed += [(after, number)] if after in found else []
+    return missed
 
 
 def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | None:
     """Explain a program that published nothing while its topic had no subscription."""
-    after, missed = _missed(run, found)
-    if missed or after not in found:
-        return None
-    # A node that skips its first calls publishes nothing at first, with or without a subscription.
-    if after is found[0] and not place_of(Code(run.files), 'get_subscription_count()'):
-        return None
-    in_rhythm = _is(period_s, *_gaps(_seconds(found[found.index(after) :])))
-    return cause_of('unheard') if in_rhythm else None
+    asks = place_of(Code(run.files), 'get_subscription_count()')
+    for after, missed in _missed(run, found):
+        # A node that skips its first calls publishes nothing at first, heard or unheard.
+        if missed or (after is found[0] and not asks):
+            continue
+        if _is(period_s, *_gaps(_seconds(found[found.index(after) :]))):
+            return cause_of('unheard')
+    return None
 
 
 def _greets(run: Run, found: Sequence[Event], period_s: float) -> bool:
@@ -158,10 +155,10 @@ def _greets(run: Run, found: Sequence[Event], period_s: float) -> bool:
 
     With this message, the moments of the messages before it are unknown, see :func:`with_unheard`.
     """
-    after, _ = _missed(run, found)
-    if after not in found:
+    missed = _missed(run, found)[:1]
+    if not missed:
         return False
-    first, *others = _seconds(found[found.index(after) :])
+    first, *others = _seconds(found[found.index(missed[0][0]) :])
     moments = other_moments(run, found).get(CONNECTS, ())
     timed = [one for one in others if not _near(one, moments)]
     off = len(timed) > 2 and not _is(0.0, math.remainder(timed[0] - first, period_s))
@@ -310,7 +307,8 @@ def why_other_rhythm(
     )
     if periods and not steady and min(periods) > 0.5 and all(whole):
         return cause_of('some_missing', what=what, period_s=period_s)
-    return None
+    again = place_of(Code(run.files), 'create_timer()@to:create_subscription()')
+    return cause_of('timer_again', what=what) if again and len(found) > due + 1.5 else None
 
 
 def _why_changed(

@@ -12,16 +12,17 @@ def _numbers(count: int) -> list[float]:
     return [round(_draw.uniform(-900.0, 900.0), 3) for _ in range(count)]
 
 
-# The first mean is below zero, and the third one is above zero.
-_first = [-round(_draw.uniform(1.0, 290.0), 3), round(_draw.uniform(600.0, 900.0), 3)]
+# The first number is sent twice, so the mean stays the same; then the mean is exactly zero, and
+# then above zero.
+_low = -round(_draw.uniform(1.0, 290.0), 3)
+_first = [_low, _low, -2 * _low, round(_draw.uniform(600.0, 900.0), 3)]
 MANY = 104
 exam = build(
-    # The first number is sent twice, so the mean stays the same.
     [
-        *(_first[0], *_first, *_numbers(MANY), math.nan, *_numbers(2), 0.0),
+        *(*_first, *_numbers(MANY), math.nan, *_numbers(2), 0.0),
         # The huge one is late, because the means after it show small mistakes less precisely.
-        *(_first[0], math.nan, *_numbers(3), round(_draw.uniform(3e9, 9e9), 3), *_numbers(8)),
+        *(_low, math.nan, *_numbers(3), round(_draw.uniform(3e9, 9e9), 3), *_numbers(8)),
     ],
     burst=8,
-    pause=3,
+    pause=len(_first),
 )

@@ -104,7 +104,7 @@ exam = build(
         # stamp is older than all others: the specification has no rule about stamps.
         replace(hot(_draw), behind_s=20),
         *_units,
-        replace(cool(_draw), kind=UNKNOWN, unit='Rankine'),
+        replace(cool(_draw), kind=UNKNOWN, unit='Kelvin'),
         _nan,
         Reading(math.inf, 'a reading of infinity'),
         hot(_draw),

@@ -71,6 +71,11 @@ def starts_over(numbers: Sequence[float], *places: int) -> list[Means]:
     return [mean for begin, end in parts for mean in DUE(numbers[begin:end])]
 
 
+def begins_at_zero(numbers: Sequence[float]) -> list[Means]:
+    """Return the answers of a program that starts a new mean after a mean of 0.0."""
+    return starts_over(numbers, *(n for n, mean in enumerate(DUE(numbers), 1) if mean == (0.0,)))
+
+
 def forgets(numbers: Sequence[float]) -> list[Means]:
     """Return the answers of a program that starts a new mean after each NaN."""
     return starts_over(numbers, *(n for n, one in enumerate(numbers) if math.isnan(one)))
@@ -125,6 +130,7 @@ def single(number: float) -> float:
 
 
 SLIPS = (
+    WHY.slip('zero_is_nothing', begins_at_zero),
     WHY.slip('passes_on', averaging(lambda seen: seen[-1])),
     WHY.slip('sum', averaging(sum)),
     WHY.slip(

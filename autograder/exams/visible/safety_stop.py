@@ -143,6 +143,11 @@ SLIPS = (
     Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
     WHY.slip('skips_zeros', skipping_zeros(always=True), skipping_zeros(always=False)),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
+    WHY.slip(
+        'speed_scaled',
+        limiting(lambda speed, most: speed * most),
+        limiting(lambda speed, most: within(speed * most, most)),
+    ),
     WHY.slip('other_limit', limiting(lambda speed, most: within(speed, 2 * most))),
     WHY.slip(
         'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))

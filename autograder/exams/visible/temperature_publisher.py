@@ -39,6 +39,7 @@ TYPE = 'temp_monitor_pkg/msg/Temperature'
 SENSOR = 'temp_sensor_01'
 COLDEST_C, HOTTEST_C = -40.0, 125.0
 UNHEARD_S = 1.2  # at the start, without a subscription [s]
+UNHEARD = 1 / 7  # share of the second half without a subscription
 STEP_S = 0.1  # step of the ROS clock [s]; ten ticks of a 0.1 s timer take exactly one second
 BEGINS_S = 1.0 + STEP_S  # limit for the first message, after the node is seen [s of ROS time]
 EXERCISE = 'Exercise 2: the publisher node'
@@ -196,7 +197,7 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
     :param begins_s: first ROS time, > 0 and < STEP_S, so that no step falls on a whole second [s]
     :param rate: ROS seconds per second of system time, <= 0.85 or >= 1.15
     """
-    clock = RosClock(begins_s, rate, STEP_S)
+    clock, half_s = RosClock(begins_s, rate, STEP_S), seconds / rate / 2
     exam = Exam(
         'temperature_publisher',
         title='The temperature publisher',
@@ -208,7 +209,10 @@ def build(seconds: int, begins_s: float, rate: float) -> Exam:
             steps=(
                 Mark('minute'),
                 *unheard(TOPIC, UNHEARD_S),
-                Advance(seconds / rate - UNHEARD_S),
+                Advance(half_s - UNHEARD_S),
+                # Long enough for a node that gives up after five readings without a subscription.
+                *unheard(TOPIC, half_s * UNHEARD),
+                Advance(half_s * (1 - UNHEARD)),
                 Mark('over'),
             ),
             ros_clock=clock,

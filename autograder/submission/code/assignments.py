@@ -153,6 +153,10 @@ def longer_pauses(program: Program) -> Iterator[ast.AST]:
     for node in program.nodes:
         if isinstance(node, ast.AugAssign) and last_name(node.target) in given:
             yield node
+        if isinstance(node, ast.Assign):
+            names = {last_name(one) for one in node.targets} & names_in(node.value)
+            if not names.isdisjoint(given):
+                yield node
 
 
 def stored_times(program: Program) -> Iterator[ast.AST]:
