@@ -6,6 +6,7 @@ enough to detect a wrong clock, a lost fraction or an invented stamp.
 """
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
@@ -52,12 +53,17 @@ def require_stamps(
 
 
 def _one_behind(found: Sequence[tuple[Event, int]], clock: RosClock, field: str) -> bool:
-    """Return whether each stamp is the time of the previous message, except the first stamp."""
-    taken = [field_of(message, field) for message, _ in found[1:]]
+    """Return whether each stamp is the time of the previous message, if this one was received."""
+    pairs = [
+        (before, earliest_ns, after)
+        for (before, earliest_ns), (after, _) in pairwise(found)
+        if after.get('number', 1) - before.get('number', 0) == 1
+    ]
+    taken = [field_of(after, field) for *_, after in pairs]
     taken_ns = [one['sec'] * SECOND + one['nanosec'] for one in taken]
     return len(taken) > 1 and all(
-        clock.at(earliest_ns) <= one <= clock.at(message['clock_ns'])
-        for (message, earliest_ns), one in zip(found, taken_ns)
+        clock.at(earliest_ns) <= one <= clock.at(before['clock_ns'])
+        for (before, earliest_ns, _), one in zip(pairs, taken_ns)
     )
 
 
