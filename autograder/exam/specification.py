@@ -175,7 +175,8 @@ class Specification:
         Return the slip that explains all answers, or otherwise all answers of one part.
 
         A part helps if a program has two mistakes.  Small parts are unreliable: too many slips
-        explain them.  A slip that happens only sometimes may explain only the wrong answers.
+        explain them.  A slip that happens only sometimes may explain only the wrong answers.  If
+        only the burst is wrong, its answers may be mixed up.
 
         :param came: see :meth:`wrong`
         :param place: index of a wrong answer, by default the first; parts without it are skipped
@@ -192,7 +193,7 @@ class Specification:
             if slip.sometimes and all(self.like(slipped[one], came[one]) for one in wrong):
                 return slip
         alone = wrong == [len(came) - 1] and bool(self.burst)
-        return BURST_MIXED if alone and _as_many(self.answers[-1], came[-1]) else None
+        return BURST_MIXED if alone and _mixed(self.answers[-1], came[-1]) else None
 
     def mistakes(self) -> Iterator[str]:
         """Yield slips that the inputs cannot distinguish from correct answers or other slips."""
@@ -204,9 +205,10 @@ class Specification:
                     yield f'no input distinguishes {name} from {other}'
 
 
-def _as_many(due: Any, came: Any) -> bool:
-    """Return whether an answer has several values, and as many as expected."""
-    return isinstance(due, tuple) and len(came or ()) == len(due) > 1
+def _mixed(due: Any, came: Any) -> bool:
+    """Return whether an answer consists of expected values, some of them in place of others."""
+    several = isinstance(due, tuple) and len(came or ()) == len(due) > 1
+    return several and all(any(same(one, other) for other in due) for one in came)
 
 
 BURST_MIXED = Slip(

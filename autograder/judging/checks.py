@@ -275,7 +275,7 @@ def require_qos(ends: Iterable[Event], **wanted: Any) -> None:
                 name, has = policy.removesuffix('_ns'), end['qos'][policy]
                 (due, code), (seen, _) = _policy(policy, value), _policy(policy, has)
                 words = {'policy': name, 'code': code, 'kind': end['kind'], 'on': end['topic']}
-                words['has'] = seen
+                words |= {'has': seen, 'due': due}
                 raise Failed(
                     expected=f'{name} {due}',
                     observed=f'{name} {seen}',

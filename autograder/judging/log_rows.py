@@ -95,8 +95,10 @@ def require_warnings(
     due, count = asked.answers[place], came[place] or 0
     short = count < due
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
-    late = cause_of('warns_later') if _warns_later(run, followed[place]) else None
-    other = MISSED_WARNING if short else late or (REPEATED if repeats else FALSE_ALARM)
+    right = (followed[one] for one in range(len(came)) if came[one] == asked.answers[one])
+    late = _warns_later(run, followed[place]) and not any(_warns_later(run, row) for row in right)
+    needless = cause_of('warns_later') if late else REPEATED if repeats else FALSE_ALARM
+    other = MISSED_WARNING if short else needless
     row, inputs = followed[place] or [], asked.row(place)
     then, known = while_running(run, asked, place, short), without_last(run, came, place)
     slip = asked.cause(known, place, part)

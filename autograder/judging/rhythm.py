@@ -6,8 +6,7 @@ from dataclasses import replace
 from itertools import accumulate, combinations, groupby, pairwise
 import math
 import operator
-from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.steps import SETTLE_S
@@ -105,46 +104,74 @@ def seconds_between(begun: Sequence[Event], found: Sequence[Event]) -> float:
     return next((ns / SECOND for ns in later if ns >= 0), 0.0)
 
 
+class Unheard(NamedTuple):
+    """
+    A time in which a topic had no subscription.
+
+    :param before: the last message before it, None for none
+    :param after: the first message after it
+    :param left_ns: when it began
+    """
+
+    before: Event | None
+    after: Event
+    left_ns: int
+
+    @property
+    def missed(self) -> int:
+        """Return how many messages nobody received."""
+        return int(self.after['number']) - 1 - (self.before['number'] if self.before else 0)
+
+
 def with_unheard(run: Run, found: Sequence[Event]) -> list[Event]:
     """
     Return messages, including those that the probe missed without a subscription.
 
-    The number of the first message after such a time shows how many were missed.  Each gap
-    between them is assumed to be the median gap of the later messages.
+    The number of the first message after such a time shows how many were missed.  They are
+    assumed to be evenly spaced from the message before it or, if there is none, as far apart as
+    the later messages are on average.
 
     :param found: messages on one topic, in order
     """
     seen_ns = max((one['clock_ns'] for one in run.recording.of('seen')), default=0)
     whole = list(found)
-    for after, missed in reversed(_missed(run, found)):
-        place = whole.index(after)
-        gaps = [two['clock_ns'] - one['clock_ns'] for one, two in pairwise(whole[place:])]
-        gap_ns = round(median(gaps)) if gaps else 0
-        times = (after['clock_ns'] - n * gap_ns for n in range(missed if gaps else 0, 0, -1))
-        whole[place:place] = [{**after, 'clock_ns': one} for one in times if one > seen_ns]
+    for one in reversed(_unheard(run, found)):
+        place = whole.index(one.after)
+        begin, times = one.before, [event['clock_ns'] for event in whole[place:]]
+        if begin:
+            gap_ns = (times[0] - begin['clock_ns']) / (one.missed + 1)
+        else:
+            gap_ns = (times[-1] - times[0]) / max(len(times) - 1, 1)
+        missed = (times[0] - round(n * gap_ns) for n in range(one.missed if gap_ns else 0, 0, -1))
+        whole[place:place] = [{**one.after, 'clock_ns': ns} for ns in missed if ns > seen_ns]
     return whole
 
 
-def _missed(run: Run, found: Sequence[Event]) -> list[tuple[Event, int]]:
-    """Return the first message after each time without a subscription, and how many it missed."""
+def _unheard(run: Run, found: Sequence[Event]) -> list[Unheard]:
+    """Return the times without a subscription that a message follows."""
     topic = found[0].get('topic') if found else None
-    heard, missed = run.recording.messages(topic) if topic else [], []
+    heard, times = run.recording.messages(topic) if topic else [], []
     for left in run.recording.of('left', name=topic):
-        before = [one for one in heard if one['clock_ns'] < left['clock_ns']]
-        for after in heard[len(before) : len(before) + 1]:
-            number = after['number'] - 1 - (before[-1]['number'] if before else 0)
-            missed += [(after, number)] if after in found else []
-    return missed
+        count = sum(one['clock_ns'] < left['clock_ns'] for one in heard)
+        before = heard[count - 1] if count else None
+        times += [
+            Unheard(before, after, left['clock_ns'])
+            for after in heard[count : count + 1]
+            if after in found
+        ]
+    return times
 
 
 def _why_unheard(run: Run, found: Sequence[Event], period_s: float) -> Cause | None:
     """Explain a program that published nothing while its topic had no subscription."""
-    asks = place_of(Code(run.files), 'get_subscription_count()')
-    for after, missed in _missed(run, found):
+    times, asks = _unheard(run, found), place_of(Code(run.files), 'get_subscription_count()')
+    if any(one.missed for one in times):
+        return None
+    for one in times:
+        later = _gaps(_seconds(found[found.index(one.after) :]))
+        first, lasts_s = one.after is found[0], (one.after['clock_ns'] - one.left_ns) / SECOND
         # A node that skips its first calls publishes nothing at first, heard or unheard.
-        if missed or (after is found[0] and not asks):
-            continue
-        if _is(period_s, *_gaps(_seconds(found[found.index(after) :]))):
+        if (asks if first else lasts_s > 2 * period_s) and later and _is(period_s, *later):
             return cause_of('unheard')
     return None
 
@@ -155,10 +182,12 @@ def _greets(run: Run, found: Sequence[Event], period_s: float) -> bool:
 
     With this message, the moments of the messages before it are unknown, see :func:`with_unheard`.
     """
-    missed = _missed(run, found)[:1]
-    if not missed:
+    times = _unheard(run, found)
+    if not times:
         return False
-    first, *others = _seconds(found[found.index(missed[0][0]) :])
+    until = [one.before for one in times[1:2] if one.before in found]
+    end = found.index(until[0]) + 1 if until else len(found)
+    first, *others = _seconds(found[found.index(times[0].after) : end]) or [0.0]
     moments = other_moments(run, found).get(CONNECTS, ())
     timed = [one for one in others if not _near(one, moments)]
     off = len(timed) > 2 and not _is(0.0, math.remainder(timed[0] - first, period_s))

@@ -160,7 +160,7 @@ def require_one_for_one(
                 observed=counted(count, 'message'),
                 why=why_silent(while_running(run, asked, place, count < due))
                 or why_other_answer(
-                    asked, without_last(run, came, place), place, delays(run, ask, topic)
+                    asked, without_last(run, came, place), place, delays(run, ask, topic), places
                 ),
                 act=ANSWER,
                 place=place,
@@ -181,13 +181,15 @@ def why_other_answer(
     came: Sequence[tuple[Any, ...] | None],
     place: int,
     late_s: Sequence[Sequence[float]] = (),
+    part: Collection[int] | None = None,
 ) -> Cause | None:
     """
     Explain a wrong answer by a slip, a pattern, or a wrong number of messages.
 
     :param late_s: see :func:`delays`; empty if unknown
+    :param part: see ``Specification.cause``
     """
-    if slip := asked.cause(came, place):
+    if slip := asked.cause(came, place, part or ()):
         return slip
     counts = [one if one is None else len(one) for one in came]
     if pattern := why_pattern(list(map(len, asked.answers)), counts):

@@ -19,6 +19,7 @@ BUSY_S = 3.0
 # Processor time allowed per virtual second, in addition to Limits.cpu_s.  A program that looks for
 # messages every millisecond uses 0.1 s on a usual machine, and a run may take many minutes.
 BUSY_SHARE = 0.25
+MOST_CPU_S = 120.0  # processor time of the longest runs
 # If the probe and the driver use this much more processor time than the program, a flood of
 # packets keeps them busy.
 PROBE_S = 10.0
@@ -137,7 +138,8 @@ class Watchdog:
             self.left_s['still'] -= gap_s
 
     def _too_long(self, begun: bool, others_s: float, virtual_s: float) -> str:
-        if self.cpu_s + others_s > self.limits.cpu_s + BUSY_SHARE * virtual_s:
+        most_s = min(self.limits.cpu_s + BUSY_SHARE * virtual_s, MOST_CPU_S)
+        if self.cpu_s + others_s > most_s:
             return 'cpu_limit'
         if others_s > self.cpu_s + PROBE_S:
             return 'probe_broken'

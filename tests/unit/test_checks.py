@@ -168,7 +168,7 @@ class TestMessages:
 
     @pytest.mark.parametrize(
         ('number', 'seconds'),
-        [(5, [1, 2, 3, 4, 5, 6, 7]), (4, [1, 3, 4, 5, 6, 7]), (2, [1, 5, 6, 7])],
+        [(5, [1, 2, 3, 4, 5, 6, 7]), (3, [1, 3, 5, 6, 7]), (2, [1, 5, 6, 7])],
     )
     def test_number_shows_what_was_published_without_a_subscription(self, number, seconds):
         """Messages are numbered; the probe had no subscription from second 1.5 to 4.5."""

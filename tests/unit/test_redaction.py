@@ -318,7 +318,7 @@ class TestWords:
                 'talker',
                 'keeps and asks for old messages',
                 'offers_reliable_qos',
-                'The publisher on chatter has another durability than required: TRANSIENT_LOCAL.',
+                'The publisher on chatter has the durability TRANSIENT_LOCAL instead of VOLATILE.',
             ),
             (
                 'map_server',

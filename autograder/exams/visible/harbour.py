@@ -108,7 +108,7 @@ def _require_reports(run: Run, node: str, period_s: int) -> None:
         if not lines:
             return (
                 why_not_logged(run, own_logs(watch, node), INFO)
-                or why_printed(run, INFO, bool, least=seconds // period_s // 2)
+                or why_printed(run, INFO, bool, due=seconds / period_s)
                 or why_left_out(run, INFO, own_logs(run, node, INFO))
                 or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
             )

@@ -56,4 +56,5 @@ def why_refused(run: Run, name: str, again: bool = False) -> Cause:
     missing = next((one for one in known if one in code.undefined_names), '')
     if missing:
         return cause_of('missing_import', name=missing, callback=name, home=known[missing])
-    return cause_of('refused', name=name)
+    alone = [cause_of('refuses_alone', name=name)] if name == 'activate' else []
+    return cause_of('refused', name=name, closer=alone)

@@ -110,13 +110,13 @@ def lines_of_code(found: Iterable[Event]) -> set[int]:
 
 
 def why_printed(
-    run: Run, level: int, belongs: Belongs | None = None, least: int = 1
+    run: Run, level: int, belongs: Belongs | None = None, due: float | None = None
 ) -> Cause | None:
     """
     Explain a line that was printed instead of logged.
 
     :param belongs: None accepts any printed line, but only if no line of this level was logged
-    :param least: minimum number of printed lines
+    :param due: expected number of such lines, None for any number
     """
     if belongs is None and run.recording.logs(level=level):
         return None
@@ -124,14 +124,17 @@ def why_printed(
     logged = {line for one in run.recording.logs() for line in str(one['text']).splitlines()}
     imitated = _imitates_log_lines(run)
     texts = [text for severity, _, text in _on_stdout(run, belongs) if imitated or not severity]
-    if sum(text not in logged for text in texts) < least:
+    count = sum(text not in logged for text in texts)
+    if not count or (due is not None and abs(count - due) > 1.5):
         return None
     return cause_of('print_instead_of_logger', call=CALLS[level])
 
 
 def _imitates_log_lines(run: Run) -> bool:
     """Return whether the code contains a text that looks like the beginning of a log line."""
-    return any(f'[{name}]' in text for text in Code(run.files).texts for name in LEVELS.values())
+    code = Code(run.files)
+    like = any(f'[{name}]' in text for text in code.texts for name in LEVELS.values())
+    return like and 'print' in code.calls
 
 
 def _on_stdout(run: Run, belongs: Belongs | None) -> Iterator[tuple[str, str, str]]:

@@ -122,8 +122,7 @@ _FACTS: Mapping[str, Callable[[Code], bool]] = {
         'on_activate' in code.functions and 'on_activate' not in code.calls
     ),
     'counted_spins': lambda code: any(
-        find(one, 'for:spin_once()') and not find(one, 'while:spin_once()')
-        for one in code.programs
+        find(one, 'for:spin_once()') and not find(one, 'while') for one in code.programs
     ),
     'creates_node': _creates_node,
     'has_callbacks': _has_callbacks,

@@ -20,7 +20,8 @@ Words without a bar between them are alternatives.  A word has one of these form
 ``period``     and the other keys of :data:`.known_acts.ACTS`
 ``NAME``       any other word: a use of this name
 ``one@other``  an act inside another, such as ``>=@def:judge``, or in a function called there
-``one+``       an act, but only if it has several places; two or three of them are all named
+``one+``       an act, but only if it has several places
+``one*``       an act of which each place is a mistake; two or three lines are all named
 =============  ====================================================================
 
 As in :mod:`.source_code`, the results affect only messages.
@@ -78,7 +79,7 @@ class Place(NamedTuple):
     :param line: line of the file, from 1
     :param function: name of the function that begins in this line, if the act has several places
         in it; empty if the line itself performs the act
-    :param others: further lines, for an act that is a mistake because it has several places
+    :param others: further lines, for an act of which each place is a mistake
     """
 
     line: int
@@ -123,8 +124,8 @@ def _place(program: Program, act: str) -> Place | None:
         if len({getattr(one, 'lineno', 0) for one in some}) == 1:
             name = some[0].name if isinstance(some[0], FUNCTIONS) else ''
             return Place(getattr(some[0], 'lineno', 0), name)
-    all_lines = sorted({getattr(one, 'lineno', 0) for one in found})
-    if act.endswith('+') and len(all_lines) in _FEW:
+    all_lines = sorted({getattr(one, 'lineno', 0) for one in seen or working or found})
+    if act.endswith('*') and len(all_lines) in _FEW:
         return Place(all_lines[0], others=all_lines[1:])
     outer = program.function_around(*(seen or working or found))
     return Place(outer.lineno, outer.name) if outer else None
@@ -140,7 +141,7 @@ def _is_seen(program: Program, node: ast.AST) -> bool:
 def find(program: Program, word: str) -> list[ast.AST]:
     """Return the nodes that a word describes."""
     word, _, outer = word.partition('@')
-    found = list(_find(program, word.removesuffix('+')))
+    found = list(_find(program, word.rstrip('+*')))
     if outer:
         bodies = set(find(program, outer))
         scopes = set(program.reached(bodies))

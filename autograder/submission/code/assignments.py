@@ -153,9 +153,10 @@ def longer_pauses(program: Program) -> Iterator[ast.AST]:
     for node in program.nodes:
         if isinstance(node, ast.AugAssign) and last_name(node.target) in given:
             yield node
-        if isinstance(node, ast.Assign):
-            names = {last_name(one) for one in node.targets} & names_in(node.value)
-            if not names.isdisjoint(given):
+        if isinstance(node, ast.Assign) and last_name(node.targets[0]) in given:
+            target = ast.unparse(node.targets[0])
+            sums = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
+            if any(target in map(ast.unparse, (one.left, one.right)) for one in sums):
                 yield node
 
 
