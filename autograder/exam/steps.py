@@ -333,6 +333,18 @@ def set_parameters(node: str, values: Mapping[str, Value], atomically: bool = Fa
     return Call(node, service, kind, {'parameters': wanted})
 
 
+def get_parameters(node: str, names: Sequence[str] = (), patience_s: float = 5.0) -> Call:
+    """
+    Return the call that requests parameters of a node.
+
+    :param names: names of the parameters; without any, the call only shows that the node answers
+    :param patience_s: timeout for the response [s]
+    """
+    kind = 'rcl_interfaces/srv/GetParameters'
+    request = {'names': list(names)} if names else {}
+    return Call(node, 'get_parameters', kind, request, patience_s)
+
+
 def transition(node: str, name: str) -> Call:
     """
     Return the call that requests a transition from a lifecycle node.

@@ -8,7 +8,7 @@ own logger; one executor serves both.
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Advance, Call, Mark
+from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent
 from autograder.judging.causes.missing_logs import (
@@ -128,10 +128,7 @@ def build(seconds: int) -> Exam:
 
     :param seconds: duration of the phase that is judged [s]
     """
-    asked = [
-        Call(node, 'get_parameters', 'rcl_interfaces/srv/GetParameters', patience_s=3.0)
-        for node in (LOOKOUT, KEEPER)
-    ]
+    asked = [get_parameters(node, patience_s=3.0) for node in (LOOKOUT, KEEPER)]
     exam = Exam(
         'harbour',
         title='Two nodes, one program',

@@ -16,7 +16,7 @@ from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
 from autograder.exam.scenario import Scenario
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
-from autograder.exam.steps import Call, feeds, set_parameters
+from autograder.exam.steps import feeds, get_parameters, set_parameters
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import field_of
@@ -145,9 +145,8 @@ def build(
     :param burst: number of speeds at the end that are sent at once
     """
     name, source, target = (f'{space}/{base}' for base in (NODE, 'wanted_speed', 'speed'))
-    request = {'names': ['max_speed']}
     steps = (
-        Call(name, 'get_parameters', 'rcl_interfaces/srv/GetParameters', request),
+        get_parameters(name, ['max_speed']),
         *feeds(source, [{'data': speed} for speed in before], 0),
         set_parameters(name, {'max_speed': most}),
         *feeds(source, [{'data': speed} for speed in after], burst),

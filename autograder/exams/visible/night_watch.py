@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Rule, Specification
-from autograder.exam.steps import Advance, Call, Mark
+from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
 from autograder.exams.visible.harbour import WATCH
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
@@ -203,8 +203,7 @@ def build(seconds: int, namespace: str) -> Exam:
     :param namespace: set on the command line, such as ``/harbour``
     """
     name = f'{namespace}/night_watch'
-    kind = 'rcl_interfaces/srv/GetParameters'
-    asked = Call(name, 'get_parameters', kind, patience_s=GUEST_S)
+    asked = get_parameters(name, patience_s=GUEST_S)
     exam = Exam(
         'night_watch',
         title='The night watch',

@@ -13,7 +13,7 @@ import re
 
 from autograder.exam.exam import Cause, Exam, Failed, Run
 from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Advance, Call, Join, unheard
+from autograder.exam.steps import Advance, get_parameters, Join, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.checks import counted, require_messages, require_qos
@@ -124,10 +124,9 @@ def build(space: str, seconds: float, comes: bool = False) -> Exam:
     :param comes: whether another subscription joins, and a service is called, halfway through
     """
     # Neither event should change the messages, but each ends the pause of a spin_once() loop.
-    service = 'rcl_interfaces/srv/GetParameters'
     name, topic = f'{space}/talker', f'{space}/chatter'
     guest = Join('guest', topic, TYPE, listen_s=0.0)
-    call = Call(name, 'get_parameters', service, patience_s=GUEST_S)
+    call = get_parameters(name, patience_s=GUEST_S)
     visits = (guest, call) if comes else ()
     exam = Exam(
         'talker',
