@@ -41,8 +41,8 @@ def _periods(program: Program) -> list[ast.AST]:
     if (due := _due(program)) is None:
         return found
     if near := [one for one, value in given.items() if program.is_near(value, due)]:
-        shared = len(near) == 1 and len(program.uses(last_name(near[0]))) > 1
-        return near if shared else [given[one] for one in near]
+        # A constant that is also a default value is right; the timer should use the argument.
+        return [one if program.is_default(last_name(one)) else given[one] for one in near]
     unread = [one for one in found if program.number(one) is None]
     whole = (one for one in program.nodes if not isinstance(program.parents.get(one), ast.BinOp))
     return unread and ([one for one in whole if program.is_near(one, due)] or unread)

@@ -212,16 +212,13 @@ class Program:
             yield None, node.id
             yield None, f'.{node.id}'  # in the body of a class
 
-    def uses(self, name: str) -> list[ast.AST]:
-        """Return the places that use a name in any other way than in an f-string."""
-        return [
-            node
-            for node in self.nodes
-            if name
-            and last_name(node) == name
-            and not is_stored(node)
-            and not isinstance(self.parents.get(node), ast.FormattedValue)
-        ]
+    def is_default(self, name: str) -> bool:
+        """Return whether an argument of a function has a name as its default value."""
+        functions = (node.args for node in self.nodes if isinstance(node, FUNCTIONS))
+        defaults = (
+            one for args in functions for one in (*args.defaults, *args.kw_defaults) if one
+        )
+        return bool(name) and name in map(last_name, defaults)
 
     def is_near(self, node: ast.AST, due: float) -> bool:
         """Return whether an expression is a number within 2 % of the given one."""
