@@ -37,8 +37,6 @@ class Facts:
     The content of a ``course.toml``.
 
     :param name: name of the course in nbgrader
-    :param exams: dotted name of the Python package with the ``visible`` and ``hidden`` exams,
-        importable from the root
     :param package: the course's own ROS package, a folder in the root; ``''`` if there is none.
         Student programs can import only its messages, because its nodes are solutions
     :param work: folder for everything that grading writes, relative to the root
@@ -49,7 +47,6 @@ class Facts:
     """
 
     name: str = 'course'
-    exams: str = UNSTATED['exams']
     package: str = UNSTATED['package']
     work: str = UNSTATED['work']
     messages: Mapping[str, str] = field(default_factory=dict)
@@ -116,6 +113,8 @@ class Layout:
 
     root: Path
 
+    exams = Below('root', 'exams')
+    """The Python package with the subpackages ``visible`` and ``hidden``."""
     solutions = Below('root', 'solutions')
     """The folder with the source of every lesson."""
     notebooks = Below('root', 'notebooks')
@@ -164,11 +163,6 @@ class Layout:
     def facts(self) -> Facts:
         """Return the content of ``course.toml``."""
         return read_facts(self.root / FILE)
-
-    @property
-    def exams(self) -> Path:
-        """Return the folder of the Python package with the exams."""
-        return self.root.joinpath(*self.facts.exams.split('.'))
 
     @property
     def work(self) -> Path:

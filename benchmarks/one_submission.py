@@ -16,7 +16,6 @@ import time
 from typing import Any
 
 from autograder.exam.exam import Advance, Exam
-from autograder.exams.visible.talker import build
 from autograder.grading.examine import examine
 from autograder.layout import Layout
 from autograder.runs import observe as observing
@@ -26,6 +25,7 @@ from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import answer_files
 from autograder.submission.notebook import read_release
 from benchmarks import report
+from exams.visible.talker import build
 
 SECONDS = 60.0
 FULL_RUNS = 30

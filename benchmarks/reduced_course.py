@@ -70,10 +70,11 @@ def build(
     :param more_points: points of the additional checks
     """
     course, layout = Layout.here(), Layout(root)
-    shutil.copytree(course.root / 'autograder', root / 'autograder', ignore=_left_out)
+    for name in ('autograder', 'exams'):
+        shutil.copytree(course.root / name, root / name, ignore=_left_out)
     for name in ('course.toml', 'nbgrader_config.py'):
         shutil.copy2(course.root / name, root)
-    exam = root / 'autograder' / 'exams' / 'hidden' / f'{EXAM}.py'
+    exam = root / 'exams' / 'hidden' / f'{EXAM}.py'
     replace_once(exam, 'seconds=WATCH_S', f'seconds={seconds}')
     exam.write_text(exam.read_text(encoding='utf-8') + more, encoding='utf-8')
     name = course.release(ASSIGNMENT).name

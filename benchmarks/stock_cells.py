@@ -4,7 +4,7 @@ Provide the notebook that stock nbgrader grades, as one script.
 ``# %% NAME [POINTS]`` begins a cell; a cell with points is a grade cell that consists of a hidden
 test.  The notebook is what an instructor with good knowledge of ROS 2 and nbgrader would write:
 the student's main() runs in a thread of the kernel, and the tests listen in real time.  Checks and
-points are those of the course's own exam, autograder/exams/visible/temperature_publisher.py.
+points are those of the course's own exam, exams/visible/temperature_publisher.py.
 """
 
 # Code in notebooks for learners has no annotations.

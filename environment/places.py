@@ -14,7 +14,7 @@ SHARED_MEMORY = Path('/dev/shm')
 MESSAGES_FILE = PROJECT / 'environment' / 'messages.txt'
 CLOCK_SOURCES = PROJECT / 'autograder' / 'clock'
 FILE = 'course.toml'
-UNSTATED = {'exams': 'exams', 'package': '', 'work': 'autograder/_work'}
+UNSTATED = {'package': '', 'work': 'autograder/_work'}
 """Defaults for settings that ``course.toml`` does not contain."""
 NO_PACKAGE = '-'
 """Replaces the package's name in the prefix if the course has none; no package can have it."""
@@ -113,8 +113,7 @@ class Places:
     @property
     def for_students(self) -> bool:
         """True if this copy of the course lacks the hidden exams, as students' copies do."""
-        exams = stated(self.project, 'exams').split('.')
-        return not self.project.joinpath(*exams, 'hidden').is_dir()
+        return not (self.project / 'exams' / 'hidden').is_dir()
 
     def site_packages(self) -> Path:
         """Return the folder of the installed packages, for any version of the venv's Python."""

@@ -78,15 +78,13 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
         'name': name,
         'lesson': lesson,
         'package': layout.facts.package,
-        'exams': layout.facts.exams,
         'title': name.replace('_', ' ').capitalize(),
         'class_name': name.title().replace('_', ''),
     }
-    exams = layout.exams.relative_to(layout.root)
     files = {
         Path('solutions', lesson, f'{lesson[3:]}.ipynb'): _notebook(words),
-        exams / 'visible' / f'{name}.py': _filled('visible.txt', words),
-        exams / 'hidden' / f'{name}.py': _filled('hidden.txt', words),
+        Path('exams', 'visible', f'{name}.py'): _filled('visible.txt', words),
+        Path('exams', 'hidden', f'{name}.py'): _filled('hidden.txt', words),
     }
     for path in files:
         if (layout.root / path).exists():

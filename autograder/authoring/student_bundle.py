@@ -60,7 +60,7 @@ MARK = re.compile(r'^ *### (?:BEGIN|END) SOLUTION *\n?', re.MULTILINE)
 def bundled_files(layout: Layout) -> dict[str, Path]:
     """Return the files that students receive, by their name in the students' copy."""
     package = layout.facts.package
-    own = ['course.toml', 'notebooks/', f'{layout.exams.relative_to(layout.root)}/']
+    own = ['course.toml', 'notebooks/', 'exams/']
     own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
     parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
     parts += [

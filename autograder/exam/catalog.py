@@ -1,5 +1,5 @@
 """
-Find the exams of a course: ``course.toml`` names a package with one module per exam.
+Find the exams of a course: its folder ``exams`` is a package with one module per exam.
 
 The subpackage ``visible`` is shipped to learners; ``hidden`` gives the points.
 """
@@ -15,25 +15,22 @@ from autograder.errors import ExamInvalid, GraderError, line_in
 from autograder.exam.exam import Exam
 from autograder.exam.inputs import another_secret
 from autograder.layout import Layout
-from environment.places import FILE
 
 
 @cache
-def _package() -> ModuleType:
+def _import_package() -> None:
     """
     Import the package of the exams from the root of the course.
 
     :raises ExamInvalid: if there is no such package
     """
-    course = Layout.here()
-    if str(course.root) not in sys.path:
-        sys.path.insert(0, str(course.root))
+    root = str(Layout.here().root)
+    sys.path.insert(0, root)
     try:
-        return importlib.import_module(course.facts.exams)
+        importlib.import_module('exams')
     except ModuleNotFoundError as error:
         raise ExamInvalid(
-            f'{course.root / FILE}: exams = {course.facts.exams!r}: {error}.',
-            f'Try: name a package that Python finds from {course.root}.',
+            f'{root}: this course has no exams: {error}.', 'Try: create one with new-exam'
         ) from error
 
 
@@ -43,8 +40,9 @@ def names(hidden: bool = True) -> tuple[str, ...]:
 
     :raises ExamInvalid: if this copy of the course does not contain them
     """
+    _import_package()
     try:
-        package = importlib.import_module(f'{_package().__name__}.{_folder(hidden)}')
+        package = importlib.import_module(f'exams.{_folder(hidden)}')
     except ModuleNotFoundError:
         raise ExamInvalid(
             'The hidden exams are not part of this copy of the course.',
@@ -87,7 +85,7 @@ def load_with_secret(name: str, secret: str) -> Exam:
 
     :param name: an exam that :func:`load` can return
     """
-    found = importlib.util.find_spec(f'{_package().__name__}.{_folder(True)}.{name}')
+    found = importlib.util.find_spec(f'exams.{_folder(True)}.{name}')
     assert found
     assert found.loader
     module = importlib.util.module_from_spec(found)  # a copy, not the module in use
@@ -104,12 +102,12 @@ def _module(folder: str, name: str) -> ModuleType:
     :raises ExamInvalid: if its file cannot be imported, with file, line and message
     """
     try:
-        return importlib.import_module(f'{_package().__name__}.{folder}.{name}')
+        return importlib.import_module(f'exams.{folder}.{name}')
     except GraderError:
         raise  # the error already names its place
     except Exception as error:  # noqa: BLE001 - an exam can raise anything
         place = line_in(Layout.here().exams, error)
-        where = _from_root(place) if place else _file_of(folder, name)
+        where = place or _file_of(folder, name)
         said = ' '.join(str(getattr(error, 'msg', '') or error).split())
         raise ExamInvalid(
             f'{where}: {type(error).__name__}: {said}.', 'Try: correct that line'
@@ -117,13 +115,7 @@ def _module(folder: str, name: str) -> ModuleType:
 
 
 def _file_of(folder: str, name: str) -> str:
-    return _from_root(f'{Layout.here().exams.name}/{folder}/{name}.py')
-
-
-def _from_root(place: str) -> str:
-    """Return the path of a file of the exams relative to the root of the course."""
-    course = Layout.here()
-    return str((course.exams.parent / place).relative_to(course.root))
+    return f'exams/{folder}/{name}.py'
 
 
 def for_assignment(assignment: str, hidden: bool = True) -> tuple[Exam, ...]:

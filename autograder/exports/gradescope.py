@@ -76,8 +76,7 @@ def autograder_zip(
 
 def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
     """Yield the files that grading needs, each with its name in the zip."""
-    exams = layout.exams.relative_to(layout.root).parts[0]
-    own = {'course.toml', 'nbgrader_config.py', 'notebooks', 'solutions', exams}
+    own = {'course.toml', 'nbgrader_config.py', 'notebooks', 'solutions', 'exams'}
     own |= {layout.facts.package} - {''}
     parts = {**dict.fromkeys(ENGINE, PROJECT), **dict.fromkeys(own, layout.root)}
     for part, root in parts.items():

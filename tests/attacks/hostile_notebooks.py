@@ -261,7 +261,7 @@ def is_not_utf8(student, solved, blank):
 def leads_out_of_the_folder(student, solved, blank):
     """Name files outside the package in the magic lines."""
     for name, line in (
-        ('temperature_publisher', '%%node ../../../autograder/exams/hidden/temperature_publisher'),
+        ('temperature_publisher', '%%node ../../../exams/hidden/temperature_publisher'),
         ('temperature_subscriber', '%%node /tmp/an-attack-of-the-corpus-ran'),
         ('temperature_msg', '%%rosmsg ../../etc/cron.d/x'),
         ('package_xml', '%%rospkg ../package.xml'),

@@ -189,7 +189,7 @@ def test_a_student_is_refused_by_the_hub(hub: Hub) -> None:
 def test_a_student_is_refused_by_the_system(hub: Hub) -> None:
     """Other users cannot read homes, hidden exams, the gradebook or the hub's secrets."""
     clone = home_of(TEACHER) / 'course'
-    hidden = clone / 'autograder' / 'exams' / 'hidden'
+    hidden = clone / 'exams' / 'hidden'
     assert hidden.is_dir()
     secrets = [home_of(ANN), clone, hidden, clone / 'autograder' / '_work' / 'gradebook.db']
     secrets += [hub.settings.run, hub.settings.run / 'cookie_secret']

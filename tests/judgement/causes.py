@@ -57,10 +57,8 @@ class Written:
 @cache
 def in_the_code() -> tuple[Written, ...]:
     """Return the causes of the grader and of all exams, in the order of the files."""
-    folder = ROOT / 'autograder'
-    exams = set(folder.glob('exams/*/*.py'))
-    grader = [path for path in folder.rglob('*.py') if path not in exams]
-    paths = [*sorted(grader, key=lambda path: path.name), *sorted(exams)]
+    grader = sorted((ROOT / 'autograder').rglob('*.py'), key=lambda path: path.name)
+    paths = [*grader, *sorted((ROOT / 'exams').rglob('*.py'))]
     found = [one for path in paths for one in _in_file(path)]
     return (*found, *_in_tables())
 
@@ -116,7 +114,8 @@ def _in_tables() -> Iterator[Written]:
         for row in rows_of(f'{name}.txt'):
             text, try_this = (_shown(said, name) for said in (row.text, row.try_this))
             yield Written(_shown(row.cause_id, name).replace('…', '*'), text, try_this, name)
-    for path in [FOLDER / 'by_evidence.txt', *sorted(ROOT.glob('autograder/exam*/**/*.txt'))]:
+    tables = [*ROOT.glob('autograder/exam/*.txt'), *ROOT.glob('exams/**/*.txt')]
+    for path in [FOLDER / 'by_evidence.txt', *sorted(tables)]:
         for head, text, try_this, *_ in words.rows(path.read_text(encoding='utf-8')):
             name, *said = (
                 _shown(one, path.stem) for one in (head.partition('|')[0], text, try_this)

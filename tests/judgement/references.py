@@ -91,7 +91,7 @@ def digest(exercise: Exercise, *more: str) -> str:
 def _sources(exam: Exam) -> set[Path]:
     """Return the files that define an exam's scenario and checks."""
     found = set(SHARED)
-    modules = [f'autograder.exams.{kind}.{exam.name}' for kind in ('visible', 'hidden')]
+    modules = [f'exams.{kind}.{exam.name}' for kind in ('visible', 'hidden')]
     while modules:
         __import__(name := modules.pop())
         path = Path(inspect.getfile(sys.modules[name]))
@@ -105,4 +105,4 @@ def _sources(exam: Exam) -> set[Path]:
 def _exams_used_by(module: object) -> list[str]:
     """Return the other exam modules from which a module takes a function."""
     homes = {getattr(value, '__module__', '') for value in vars(module).values()}
-    return [home for home in homes if str(home).startswith('autograder.exams.')]
+    return [home for home in homes if str(home).startswith('exams.')]

@@ -21,12 +21,12 @@ from autograder.commands.rejudge import account_text, rejudge, rejudge_command
 from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed
-from autograder.exams.visible.temperature_publisher import build
 from autograder.gradebook.record import record
 from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
+from exams.visible.temperature_publisher import build
 
 STUDENTS = (
     'pass__reference',

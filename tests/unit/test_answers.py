@@ -8,14 +8,14 @@ import pytest
 from autograder.authoring.student_bundle import bundled_files
 from autograder.exam import catalog
 from autograder.exam.exam import Run
-from autograder.exams.hidden.check_your_understanding import key
-from autograder.exams.visible.check_your_understanding import path_of, QUESTIONS
 from autograder.judging.judge import judge, worth_running
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import Verdict
 from autograder.submission.cells import ANSWER_MAX, chosen_letter, NotALetterError, parse_cell
 from autograder.submission.notebook import read_release
+from exams.hidden.check_your_understanding import key
+from exams.visible.check_your_understanding import path_of, QUESTIONS
 from roslab.errors import AnswerRefusedError
 from roslab.magics import run_cell
 
@@ -194,7 +194,7 @@ def test_key_stays_with_the_instructor():
     texts = [path.read_text(encoding='utf-8', errors='replace') for path in names.values()]
     sentences = [why for entry in key().values() for why in entry['why'].values()]
 
-    assert f'autograder/exams/visible/{EXAM}.py' in names
+    assert f'exams/visible/{EXAM}.py' in names
     assert not [name for name in names if 'hidden' in name]
     assert not [why for why in sentences for text in texts if why in text]
 

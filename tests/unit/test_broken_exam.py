@@ -2,6 +2,7 @@
 
 import re
 import sys
+from types import ModuleType
 
 import pytest
 
@@ -27,23 +28,24 @@ BROKEN = {
 @pytest.fixture
 def broken_exam(tmp_path, monkeypatch):
     """Return a function that writes the only visible exam of a course."""
-    folder = tmp_path / 'broken_exams' / 'visible'
+    folder = tmp_path / 'exams' / 'visible'
     folder.mkdir(parents=True)
-    (tmp_path / 'course.toml').write_text("exams = 'broken_exams'\n")
+    (tmp_path / 'course.toml').touch()
     (folder.parent / '__init__.py').touch()
     monkeypatch.setenv('COURSE_DIR', str(tmp_path))
     monkeypatch.setattr(sys, 'path', list(sys.path))
-    forget()
+    before = forget()
     yield (folder / 'sample.py').write_text
     forget()
+    sys.modules.update(before)
 
 
-def forget() -> None:
-    """Forget the exams that an earlier test has imported."""
-    for name in [name for name in sys.modules if name.partition('.')[0] == 'broken_exams']:
-        del sys.modules[name]
+def forget() -> dict[str, ModuleType]:
+    """Forget the imported exams, and return their modules."""
     catalog.load.cache_clear()
-    catalog._package.cache_clear()
+    catalog._import_package.cache_clear()
+    names = [name for name in sys.modules if name.partition('.')[0] == 'exams']
+    return {name: sys.modules.pop(name) for name in names}
 
 
 @pytest.mark.parametrize('line', BROKEN)
@@ -54,7 +56,7 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
     command = ['check', 'sample', '--files', str(tmp_path), '--visible']
     assert autograder.main(command) == autograder.USAGE
     (said,) = capsys.readouterr().err.splitlines()
-    place = r'autograder: broken_exams/visible/sample\.py, line 3: '
+    place = r'autograder: exams/visible/sample\.py, line 3: '
     assert re.match(place + BROKEN[line], said)
 
     shown = checking.check('sample').problem.line()
@@ -69,7 +71,7 @@ def test_check_that_breaks_is_named_with_its_line(broken_exam):
     sample = Exam(
         'sample', title='T', assignment='01_x', part=1, cells=(), requires=(), scenario=Scenario()
     )
-    sample.check(points=1)(sys.modules['broken_exams.visible.sample'].sums)
+    sample.check(points=1)(sys.modules['exams.visible.sample'].sums)
 
     with pytest.raises(GraderError, match=r'sums of exam sample broke in .*\.py, line 3: Zero'):
         judge(sample, Run({}, Recording({}, ())))

@@ -169,7 +169,7 @@ class TestZip:
             'temp_monitor_pkg/package.xml',
         ):
             assert name in names, name
-        assert any(name.startswith('autograder/exams/hidden/') for name in names)
+        assert any(name.startswith('exams/hidden/') for name in names)
         imported = {'autograder', 'drawing', 'environment', 'roslab'}
         assert imported <= {name.partition('/')[0] for name in names}
 

@@ -3,10 +3,10 @@
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.exams.visible import courier, harbour, night_watch, running_mean, talker
 from autograder.judging.judge import closest
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.submission.code.source_code import Code
+from exams.visible import courier, harbour, night_watch, running_mean, talker
 
 SECONDS = 21
 DEPTH_10 = {'reliability': 'RELIABLE', 'durability': 'VOLATILE'}

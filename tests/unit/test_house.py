@@ -14,8 +14,6 @@ from autograder.layout import Layout
 ROOT = Path(__file__).resolve().parents[2]
 GRADER = ROOT / 'autograder'
 MOST_MODULES = 12
-ONE_EACH = {'exams/visible', 'exams/hidden'}
-"""Folders with one module per exam."""
 
 
 @cache
@@ -101,15 +99,26 @@ def test_no_folder_has_more_modules_than_can_be_seen_at_once():
             counts[folder] = counts.get(folder, 0) + 1
     too_many = {name: count for name, count in counts.items() if count > MOST_MODULES}
 
-    assert set(too_many) <= ONE_EACH
+    assert too_many == {}
 
 
-def test_nothing_outside_the_exams_names_the_package_of_this_course():
+def test_the_grader_knows_no_course():
     """The names of this course are in course.toml and in its exams."""
-    naming = [
-        str(path.relative_to(GRADER))
-        for path in GRADER.rglob('*.py')
-        if 'exams' not in path.parts and Layout(ROOT).facts.package in path.read_text('utf-8')
-    ]
+    texts = {path: path.read_text('utf-8') for path in GRADER.rglob('*.py')}
+    package = Layout(ROOT).facts.package
 
-    assert naming == []
+    assert [str(path) for path, text in texts.items() if package in text] == []
+    assert [str(path) for path, text in texts.items() if 'from exams' in text] == []
+
+
+def test_exams_import_only_what_judges_and_explains():
+    """An exam cannot start a run, and knows no gradebook or class."""
+    allowed = {*order()[order().index('explaining') :]}
+    used = {
+        (path.name, other)
+        for path in (ROOT / 'exams').rglob('*.py')
+        for other in imported(path)
+        if floor_of(other) not in allowed
+    }
+
+    assert used == set()

@@ -41,9 +41,9 @@ def test_what_the_file_leaves_out_is_usual(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'facts'),
     [
-        ('', ('exams', '', 'autograder/_work')),
-        ("package = 'doors_msgs'\nwork = '_work'", ('exams', 'doors_msgs', '_work')),
-        ('exams = "a.b" # ours\nwork="w"\n[messages]', ('a.b', '', 'w')),
+        ('', ('', 'autograder/_work')),
+        ("package = 'doors_msgs'\nwork = '_work'", ('doors_msgs', '_work')),
+        ('package = "a_b" # ours\nwork="w"\n[messages]', ('a_b', 'w')),
     ],
 )
 def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
@@ -51,8 +51,8 @@ def test_the_set_up_reads_the_same_facts(tmp_path, text, facts):
     (tmp_path / FILE).write_text(text)
 
     found = Layout(tmp_path).facts
-    assert (found.exams, found.package, found.work) == facts
-    assert tuple(stated(tmp_path, name) for name in ('exams', 'package', 'work')) == facts
+    assert (found.package, found.work) == facts
+    assert tuple(stated(tmp_path, name) for name in ('package', 'work')) == facts
 
 
 def test_a_line_that_the_set_up_cannot_read_is_refused(tmp_path):

@@ -7,10 +7,10 @@ import pytest
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
 from autograder.exam.specification import Specification
-from autograder.exams.visible import inspector, limit_keeper, pilot
-from autograder.exams.visible.limit_keeper import LIMIT, Reading
-from autograder.exams.visible.pilot import joining, PilotInput
 from autograder.recording import Recording
+from exams.visible import inspector, limit_keeper, pilot
+from exams.visible.limit_keeper import LIMIT, Reading
+from exams.visible.pilot import joining, PilotInput
 
 SECRETS = [str(number) for number in range(10)]
 

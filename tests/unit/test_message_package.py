@@ -3,9 +3,9 @@
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.exams.visible import station_message, temperature_message
 from autograder.judging.message_package import require_declarations, require_fields, why_no_build
 from autograder.recording import Recording
+from exams.visible import station_message, temperature_message
 
 WANTED = (('pkg_a/Time', 'stamp'), ('float64[<=4]', 'values'), ('string', 'unit'))
 RIGHT = 'pkg_a/Time stamp\nfloat64[<=4] values\nstring unit\n'

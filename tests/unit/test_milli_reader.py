@@ -3,7 +3,8 @@
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.exams.visible.milli_reader import (
+from autograder.recording import Recording
+from exams.visible.milli_reader import (
     build,
     divides_by_a_thousand,
     exam,
@@ -11,7 +12,6 @@ from autograder.exams.visible.milli_reader import (
     TARGET,
     TARGET_TYPE,
 )
-from autograder.recording import Recording
 
 answers_one_for_one = next(one.judge for one in exam.checks if one.name == 'answers_one_for_one')
 

@@ -9,7 +9,14 @@ import pytest
 from autograder.exam.exam import Failed, Run
 from autograder.exam.patterns import why_burst_cut, why_pattern
 from autograder.exam.specification import each, Specification
-from autograder.exams.visible import (
+from autograder.judging import rhythm
+from autograder.judging.judge import closest
+from autograder.judging.log_rows import require_warnings
+from autograder.judging.numbers import shown, why_not_numbered
+from autograder.judging.rows import delays, why_other_answer
+from autograder.recording import ERROR, Recording, WARN
+from autograder.submission.code.source_code import Code
+from exams.visible import (
     courier,
     inspector,
     limit_keeper,
@@ -18,13 +25,6 @@ from autograder.exams.visible import (
     map_server,
     sensor_watch,
 )
-from autograder.judging import rhythm
-from autograder.judging.judge import closest
-from autograder.judging.log_rows import require_warnings
-from autograder.judging.numbers import shown, why_not_numbered
-from autograder.judging.rows import delays, why_other_answer
-from autograder.recording import ERROR, Recording, WARN
-from autograder.submission.code.source_code import Code
 
 ENDS = (
     {'event': 'end', 'reason': 'complete', 'clock_ns': 20 * 10**9},

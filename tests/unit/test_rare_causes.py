@@ -5,9 +5,14 @@ from dataclasses import replace
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.exams.readings import Reading
-from autograder.exams.visible import managed_beacon as beacon
-from autograder.exams.visible import (
+from autograder.judging.causes import ended, lifecycle
+from autograder.judging.judge import closest
+from autograder.judging.log_rows import Followed
+from autograder.recording import ERROR, INFO, Recording, WARN
+from autograder.submission.code.source_code import Code
+from exams.readings import Reading
+from exams.visible import managed_beacon as beacon
+from exams.visible import (
     map_server,
     milli_reader,
     sensor_watch,
@@ -15,11 +20,6 @@ from autograder.exams.visible import (
     temperature_publisher,
     temperature_subscriber,
 )
-from autograder.judging.causes import ended, lifecycle
-from autograder.judging.judge import closest
-from autograder.judging.log_rows import Followed
-from autograder.recording import ERROR, INFO, Recording, WARN
-from autograder.submission.code.source_code import Code
 
 DISTANCES = replace(sensor_watch.exam.asks['distances'], inputs=(1.25,))
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None, 'stdout': ''})

@@ -4,8 +4,9 @@ import pytest
 
 from autograder.exam import catalog
 from autograder.exam.exam import Failed, Run
-from autograder.exams.visible import safety_stop
-from autograder.exams.visible.safety_stop import (
+from autograder.recording import Recording
+from exams.visible import safety_stop
+from exams.visible.safety_stop import (
     Command,
     guarding,
     LIMIT,
@@ -14,7 +15,6 @@ from autograder.exams.visible.safety_stop import (
     SHORT_S,
     STOP,
 )
-from autograder.recording import Recording
 
 
 def test_command_is_limited_and_a_silence_has_one_stop():

@@ -7,13 +7,13 @@ import pytest
 from autograder.exam.exam import Failed, Run
 from autograder.exam.scenario import RosClock
 from autograder.exam.specification import Specification
-from autograder.exams.readings import Reading, slips, warns
-from autograder.exams.visible import temperature_publisher as publisher
-from autograder.exams.visible import temperature_subscriber as subscriber
 from autograder.judging.judge import closest
 from autograder.judging.log_rows import share
 from autograder.recording import ERROR, INFO, Recording, WARN
 from autograder.submission.code.source_code import Code
+from exams.readings import Reading, slips, warns
+from exams.visible import temperature_publisher as publisher
+from exams.visible import temperature_subscriber as subscriber
 
 ENDS = ({'event': 'end', 'reason': 'complete'}, {'event': 'process', 'exit': None})
 TIMER = 'self.create_timer(1.0, self.publish_reading)\n'

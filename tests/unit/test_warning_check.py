@@ -9,12 +9,12 @@ from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Run
 from autograder.exam.specification import Slip
-from autograder.exams.visible import warning_check
-from autograder.exams.visible.warning_check import celsius, made_run
 from autograder.judging.judge import judge
 from autograder.recording import Recording
 from autograder.results import Verdict
 from autograder.simulated import Simulation
+from exams.visible import warning_check
+from exams.visible.warning_check import celsius, made_run
 
 EXAM = warning_check.exam
 RUNS = EXAM.asks['answers'].inputs

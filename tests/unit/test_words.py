@@ -9,11 +9,11 @@ from autograder.errors import ExamInvalid
 from autograder.exam.words import Causes
 from autograder.layout import Layout
 
-GRADER = Layout.here().root / 'autograder'
-TABLES = sorted(GRADER.glob('exam*/**/*.txt'))
+ROOT = Layout.here().root
+TABLES = sorted([*ROOT.glob('autograder/exam/*.txt'), *ROOT.glob('exams/**/*.txt')])
 USERS = {
-    'readings': [GRADER / 'exams/visible/temperature_subscriber.py'],
-    'check_your_understanding': [GRADER / 'submission/cells.py'],
+    'readings': [ROOT / 'exams/visible/temperature_subscriber.py'],
+    'check_your_understanding': [ROOT / 'autograder/submission/cells.py'],
 }
 """Other modules that use the causes in a table."""
 
@@ -47,7 +47,7 @@ def test_table_has_the_causes_of_its_module_and_no_other(table):
 
 
 def _name_of(table):
-    return '.'.join(table.with_suffix('').relative_to(GRADER.parent).parts)
+    return '.'.join(table.with_suffix('').relative_to(ROOT).parts)
 
 
 def test_row_gives_all_fields_of_a_cause(tmp_path):

@@ -1,7 +1,7 @@
 """Hidden exam of lesson 04, part 2: secret numbers and names, and a burst."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.milli_reader import build
+from exams.visible.milli_reader import build
 
 _draw = generator('milli_reader', 'numbers')
 

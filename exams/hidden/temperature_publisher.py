@@ -1,7 +1,7 @@
 """Hidden exam of lesson 07, part 2: a ROS clock with a secret start and rate."""
 
 from autograder.exam.inputs import generator, WATCH_S
-from autograder.exams.visible.temperature_publisher import build
+from exams.visible.temperature_publisher import build
 
 _draw = generator('temperature_publisher', 'clock')
 exam = build(

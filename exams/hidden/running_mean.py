@@ -3,7 +3,7 @@
 import math
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.running_mean import build
+from exams.visible.running_mean import build
 
 _draw = generator('running_mean', 'numbers')
 

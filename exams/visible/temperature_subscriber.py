@@ -16,7 +16,6 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exam.steps import feeds
-from autograder.exams.readings import Reading, sensor_of, slips, warns, WHY
 from autograder.judging.causes.ended import (
     close_name,
     no_node_answered,
@@ -36,6 +35,7 @@ from autograder.judging.log_rows import Followed, followed, require_warnings, sh
 from autograder.judging.numbers import shown
 from autograder.recording import ERROR, Event, INFO, WARN
 from autograder.submission.code.source_code import Code
+from exams.readings import Reading, sensor_of, slips, warns, WHY
 
 NODE = '/temperature_subscriber'
 TOPIC = '/temperature_topic'

@@ -1,7 +1,7 @@
 """Hidden exam of lesson 10: secret speeds and a secret limit, in a secret namespace."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.limiter import build
+from exams.visible.limiter import build
 
 _draw = generator('limiter', 'speeds')
 

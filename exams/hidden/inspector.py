@@ -1,7 +1,7 @@
 """Hidden exam of lesson 02, part 5: more pictures, with secret names."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.inspector import build
+from exams.visible.inspector import build
 
 _draw = generator('inspector', 'pictures')
 _drawn = [''.join(_draw.choices('bcdfghjklmnprstvwz', k=6)) for _ in range(11)]

@@ -3,7 +3,7 @@
 import math
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.sensor_watch import build
+from exams.visible.sensor_watch import build
 
 _draw = generator('sensor_watch', 'distances')
 _near = _draw.choice((0.12, 0.15))

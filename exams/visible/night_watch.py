@@ -13,7 +13,6 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
-from autograder.exams.visible.harbour import WATCH
 from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
 from autograder.judging.checks import own_logs, SECOND
 from autograder.judging.claims import node
@@ -21,6 +20,7 @@ from autograder.judging.numbers import whole_numbers_in, why_not_numbered
 from autograder.judging.rhythm import GRAIN_S, require_period, seconds_between
 from autograder.recording import Event, INFO, LEVELS, WARN
 from autograder.results import shortened
+from exams.visible.harbour import WATCH
 
 EVERY = 5
 GUEST_S = 0.2  # duration of a request [s]

@@ -12,8 +12,8 @@ import yaml
 
 from autograder.errors import ExamInvalid
 from autograder.exam.exam import Cause, Check, Failed, Run
-from autograder.exams.visible.check_your_understanding import build, letter_of, QUESTIONS
 from autograder.submission.cells import LETTERS
+from exams.visible.check_your_understanding import build, letter_of, QUESTIONS
 
 KEY = Path(__file__).with_suffix('.yaml')
 RUN_IT = 'Run the cells of that section again, and predict the result of each cell first.'

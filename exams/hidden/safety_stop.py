@@ -1,7 +1,7 @@
 """Hidden exam of lesson 05, part 6: secret speeds and turns."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.safety_stop import build, drive
+from exams.visible.safety_stop import build, drive
 
 _draw = generator('safety_stop', 'commands')
 _slow = [size / 1000 for size in _draw.sample(range(50, 500), 9)]

@@ -3,7 +3,7 @@
 import random
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.map_server import build
+from exams.visible.map_server import build
 
 _ROOMS = ('hall', 'cellar', 'attic', 'yard', 'workshop', 'stairs', 'lab', 'office')
 

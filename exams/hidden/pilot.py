@@ -1,7 +1,7 @@
 """Hidden exam of lesson 02, part 5: secret values; the first message is a speed."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.pilot import build, journey
+from exams.visible.pilot import build, journey
 
 _draw = generator('pilot', 'inputs')
 _small, _large = _draw.sample(range(50, 1000), 13), _draw.sample(range(1050, 2000), 2)

@@ -1,7 +1,7 @@
 """Hidden exam of lesson 03, part 2: a longer run in a secret namespace."""
 
 from autograder.exam.inputs import generator, WATCH_S
-from autograder.exams.visible.talker import build
+from exams.visible.talker import build
 
 _draw = generator('talker', 'place')
 exam = build(

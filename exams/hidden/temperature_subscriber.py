@@ -5,8 +5,8 @@ import math
 import random
 
 from autograder.exam.inputs import generator
-from autograder.exams.readings import Reading, THRESHOLD_C
-from autograder.exams.visible.temperature_subscriber import build
+from exams.readings import Reading, THRESHOLD_C
+from exams.visible.temperature_subscriber import build
 
 UNKNOWN, UNIT = 'a reading in an unknown unit', 'Fahrenheit'
 

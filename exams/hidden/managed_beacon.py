@@ -1,7 +1,7 @@
 """Hidden exam of lesson 06, part 2: longer active phases in a secret namespace."""
 
 from autograder.exam.inputs import generator, WATCH_S
-from autograder.exams.visible.managed_beacon import build
+from exams.visible.managed_beacon import build
 
 _draw = generator('managed_beacon', 'place and time')
 exam = build(

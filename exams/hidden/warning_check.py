@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from autograder.exam.inputs import generator
-from autograder.exams.hidden.temperature_subscriber import cool, edges, fahrenheit, hot, odd
-from autograder.exams.readings import Reading
-from autograder.exams.visible.warning_check import build, LAGS, made_run, MadeRun, NAN, WORDS
+from exams.hidden.temperature_subscriber import cool, edges, fahrenheit, hot, odd
+from exams.readings import Reading
+from exams.visible.warning_check import build, LAGS, made_run, MadeRun, NAN, WORDS
 
 _draw = generator('warning_check', 'runs')
 

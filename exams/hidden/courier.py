@@ -1,7 +1,7 @@
 """Hidden exam of lesson 03, part 3: subscriptions join at secret times."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.courier import build
+from exams.visible.courier import build
 
 _draw = generator('courier', 'moments')
 # The first subscription joins after about one minute, at a time when a parcel would be late if a

@@ -3,7 +3,7 @@
 import math
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.managed_pressure import build, BURST
+from exams.visible.managed_pressure import build, BURST
 
 _draw = generator('managed_pressure', 'limits and pressures')
 # Rounding or truncating a pressure just above one of these limits gives at most the limit; a

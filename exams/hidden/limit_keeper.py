@@ -1,7 +1,7 @@
 """Hidden exam of lesson 07, part 5: secret limits in a secret order."""
 
 from autograder.exam.inputs import generator
-from autograder.exams.visible.limit_keeper import (
+from exams.visible.limit_keeper import (
     build,
     Change,
     HIGHEST_C,

@@ -25,13 +25,13 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
 from autograder.exam.steps import Feed
 from autograder.exam.words import Causes
-from autograder.exams.readings import Reading, slips, warns
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.claims import claim
 from autograder.judging.rows import published
 from autograder.simulated import LogRecord, Simulation, TopicRecord
+from exams.readings import Reading, slips, warns
 
 FILE = 'warning_check.py'
 NO_ACCEPTS = "has no attribute 'accepts'"
