@@ -29,6 +29,7 @@ from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult
 from autograder.runs import observe, watchdog
+from autograder.runs.program import program_for
 from autograder.sandboxes.confinement import Limits, Program
 from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import answer_files
@@ -160,16 +161,15 @@ def reference(assignment: str) -> dict[str, str]:
 @contextmanager
 def early_limits() -> Iterator[None]:
     """Lower only the limits of CPU time, so that runs reach them sooner."""
-    whole = observe.program_for
 
-    def program_for(
+    def limited(
         scenario: Mapping[str, Any], submission: Path, ros: RosEnvironment
     ) -> tuple[Program, Limits]:
-        program, limits = whole(scenario, submission, ros)
+        program, limits = program_for(scenario, submission, ros)
         if scenario['program'] == 'build':
             return program, limits
         return program, replace(limits, cpu_s=4)
 
     sooner = mock.patch.multiple(watchdog, PROBE_S=3.0, BUSY_SHARE=0.0)
-    with mock.patch.object(observe, 'program_for', program_for), sooner:
+    with mock.patch.object(observe, 'program_for', limited), sooner:
         yield
