@@ -1,5 +1,6 @@
 """Run nodes for the tests of the ros2 command; print a line when ready."""
 
+import os
 import signal
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -66,17 +67,17 @@ def listener(namespace):
 
 
 def main():
-    """Spin all nodes until a signal arrives."""
+    """Spin all nodes until a signal arrives, or the test that started this program is gone."""
     # rclpy's own handler may shut down just before the wait, which raises a different exception.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    interrupted = []
+    interrupted, parent = [], os.getppid()
     signal.signal(signal.SIGINT, lambda *_: interrupted.append(True))
     executor = SingleThreadedExecutor()
     nodes = [Talker(), listener('/lab'), Beacon('beacon'), Node('_shy')]
     for node in nodes:
         executor.add_node(node)
     print('ready', flush=True)
-    while not interrupted:
+    while not interrupted and os.getppid() == parent:
         executor.spin_once(timeout_sec=0.1)
 
 
