@@ -14,12 +14,12 @@ from difflib import get_close_matches
 import json
 import os
 from pathlib import Path
-import re
 import subprocess
 from typing import Any, TYPE_CHECKING
 
 from autograder.errors import GraderError
 from autograder.exam import catalog
+from autograder.explaining.feedback_html import named_section
 from autograder.layout import lesson_files
 from environment.ros import ros_environment
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
 ADVICE = 'Try: correct the exam, or add the missing package to environment/messages.txt'
-_ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
 
 # -- with an installed ROS ------------------------------------------------------------------
@@ -127,19 +126,15 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
     """
     Return what is wrong with a section to read, empty if the section exists.
 
-    :param section: section to read, such as ``Part 2: Names``, ``lesson 02, When a timer ticks``
-        or, without a heading, ``lesson 02, on clocks``
+    :param section: section to read, as for :func:`named_section`
     :param lesson: the lesson to search if the section names no lesson
     """
-    heading = section
-    if elsewhere := _ELSEWHERE.match(section):
-        number, heading = elsewhere.groups()
+    number, heading = named_section(section)
+    if number:
         lesson = next((name for name in sorted(headings) if name.startswith(f'{number}_')), '')
         if not lesson:
             return f'expected a lesson to read, got {section!r}: there is no lesson {number}'
-        if heading.startswith('on '):  # This names a subject, not a heading.
-            return ''
-    if heading in headings[lesson]:
+    if not heading or heading in headings[lesson]:
         return ''
     close = get_close_matches(heading, headings[lesson], n=1, cutoff=0.6)
     hint = f'; did you mean {close[0]!r}?' if close else ''
