@@ -114,19 +114,13 @@ class Recording:
             if event['event'] in ('answer', 'no_answer') and event['service'] == service
         ]
 
-    def logs(self, *, level: int | None = None, after_input: int | None = None) -> list[Event]:
+    def logs(self, *, level: int | None = None) -> list[Event]:
         """
-        Return the log lines, optionally of one level and after one input.
+        Return the log lines, optionally of one level.
 
         :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
-        :param after_input: index of the last input before the log line
         """
-        return [
-            entry
-            for entry in self.of('log')
-            if (level is None or entry['level'] == level)
-            and (after_input is None or entry['after_input'] == after_input)
-        ]
+        return self.of('log') if level is None else self.of('log', level=level)
 
     @cached_property
     def nodes(self) -> tuple[str, ...]:
