@@ -16,7 +16,7 @@ from typing import Any
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from autograder.errors import GraderError
-from autograder.files import write_atomically
+from autograder.files import files_below, write_atomically
 from autograder.layout import Layout
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 from environment.places import FILE
@@ -46,9 +46,8 @@ def new_course(folder: Path) -> list[Path]:
     package = f'{name}_msgs'
     words = {'course': name, 'package': package}
     files = {FILE: _filled('course.toml', words), '.gitignore': '/_work/\n/.venv*\n'}
-    for source in sorted((SKELETON / 'package').rglob('*.*')):
-        inside = source.relative_to(SKELETON)
-        files[f'{package}/{inside.relative_to("package")}'] = _filled(str(inside), words)
+    for inside, _ in sorted(files_below(SKELETON, 'package', set())):
+        files[f'{package}{inside.removeprefix("package")}'] = _filled(inside, words)
     for part in ('', 'visible/', 'hidden/'):
         files[f'exams/{part}__init__.py'] = ''
     files['nbgrader_config.py'] = _filled('nbgrader_config.txt', {})

@@ -9,7 +9,7 @@ import re
 
 from autograder.exam.catalog import for_assignment, load
 from autograder.explaining.worked_answers import encoded, FOLDER
-from autograder.files import write_atomically, zip_bytes, zip_content
+from autograder.files import files_below, write_atomically, zip_bytes, zip_content
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of, read_release
 from environment import packed_package
@@ -63,18 +63,10 @@ def bundled_files(layout: Layout) -> dict[str, Path]:
     own = ['course.toml', 'notebooks/', 'exams/']
     own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
     parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
-    parts += [
-        (AT_THE_TOP, f'{path.name}/' if path.is_dir() else path.name)
-        for path in AT_THE_TOP.iterdir()
-    ]
+    parts += [(AT_THE_TOP, path.name) for path in AT_THE_TOP.iterdir()]
     found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
     for root, part in parts:
-        start = root / part
-        for path in start.rglob('*') if part.endswith('/') else [start]:
-            inside = path.relative_to(root)
-            linked = path.is_symlink() and path != start
-            if not linked and not NO_PARTS & set(inside.parts):
-                found[inside.as_posix()] = path
+        found.update(files_below(root, part, NO_PARTS))
     return {name: path for name, path in found.items() if path.is_file()}
 
 
