@@ -6,8 +6,6 @@ topic.  ``release check`` and ``self-check`` test the rest: whether message type
 hold the values (this needs an installed ROS), and whether the sections to read exist.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from difflib import get_close_matches
@@ -15,16 +13,15 @@ import json
 import os
 from pathlib import Path
 import subprocess
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from autograder.errors import GraderError
 from autograder.exam import catalog
+from autograder.exam.exam import Exam
 from autograder.explaining.feedback_html import named_section
 from autograder.layout import lesson_files
+from autograder.submission.notebook import read_release
 from environment.ros import ros_environment
-
-if TYPE_CHECKING:
-    from autograder.exam.exam import Exam
 
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
@@ -143,8 +140,6 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
 
 def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
     """Return the headings of every readable lesson in a folder, by the lesson's folder name."""
-    from autograder.submission.notebook import read_release
-
     found: dict[str, AbstractSet[str]] = {}
     for path in lesson_files(notebooks):
         try:
