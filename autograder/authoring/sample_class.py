@@ -27,7 +27,7 @@ from autograder.results import first_of
 from autograder.submission.cells import body_of
 from autograder.submission.extract import answer_files
 from autograder.submission.inbox import students_in
-from autograder.submission.notebook import marks_of, Notebook, read_release, StudentCell
+from autograder.submission.notebook import answer_cells, Notebook, read_release, StudentCell
 from autograder.submission.reading import read_file
 from autograder.submission.submission import rebuild
 
@@ -45,17 +45,13 @@ def damaged(notebook: Notebook, damage: str) -> bytes:
     if damage == 'not_a_notebook':
         return NOT_A_NOTEBOOK
     if damage in ('renamed_cell', 'duplicated_cell'):
-        cells = notebook['cells']
-        place, cell = next(
-            (place, cell)
-            for place, cell in enumerate(cells)
-            if cell['source'].startswith('%%node') and marks_of(cell).get('solution')
-        )
+        cells, answers = notebook['cells'], answer_cells(notebook).values()
+        cell = next(cell for cell in answers if cell['source'].startswith('%%node'))
         if damage == 'renamed_cell':  # as if a copy had replaced the cell
-            marks_of(cell)['grade_id'] += '-copy1'
+            cell['metadata']['nbgrader']['grade_id'] += '-copy1'
         else:
             source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
-            cells.insert(place + 1, {**cell, 'source': source})
+            cells.insert(cells.index(cell) + 1, {**cell, 'source': source})
     data = (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
     # Truncate the file as a full disk would.
     return data[: len(data) * 2 // 3] if damage == 'truncated' else data
@@ -100,12 +96,8 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
             f'{sample.name}/expected.json: unknown value {damage!r} for "notebook".',
             f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
         )
-    solution = read_release(layout.solutions / assignment / layout.release(assignment).name)
-    solved = {
-        marks['grade_id']: cell
-        for cell in solution['cells']
-        if (marks := marks_of(cell)).get('solution')
-    }
+    solution = layout.solutions / assignment / layout.release(assignment).name
+    solved = answer_cells(read_release(solution))
     answers = {name: body_of(cell['source']).rstrip('\n') for name, cell in solved.items()}
     files = {file.path: (name, file) for name, file in answer_files(release).items()}
     for inside, path in sorted(files_below(sample, '', {'expected.json', '__pycache__'})):

@@ -11,7 +11,7 @@ from autograder.exam.catalog import for_assignment, load
 from autograder.explaining.worked_answers import encoded, FOLDER
 from autograder.files import files_below, write_atomically, zip_bytes, zip_content
 from autograder.layout import Layout, lesson_files
-from autograder.submission.notebook import marks_of, read_release
+from autograder.submission.notebook import answer_cells, read_release
 from environment import packed_package
 from environment.places import PROJECT
 
@@ -97,13 +97,10 @@ def answer_files(layout: Layout) -> dict[str, bytes]:
     found = {}
     for path in lesson_files(layout.solutions):
         lesson = path.parent.name
-        cells = {
-            marks['grade_id']: cell['source']
-            for cell in read_release(path)['cells']
-            if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('solution')
-        }
+        cells = answer_cells(read_release(path))
+        texts = {name: MARK.sub('', cell['source']).strip() for name, cell in cells.items()}
         answers = {
-            exam.name: '\n\n\n'.join(MARK.sub('', cells[one]).strip() for one in exam.cells)
+            exam.name: '\n\n\n'.join(texts[one] for one in exam.cells)
             for exam in for_assignment(lesson)
             if exam.max_points == load(exam.name, hidden=False).max_points
         }
