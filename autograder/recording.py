@@ -23,7 +23,7 @@ arrive after the last step, and no events after the end of the program.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 import json
@@ -157,16 +157,11 @@ class Recording:
 
     # -- files -----------------------------------------------------------------------------
 
-    def lines(self) -> Iterator[str]:
-        """Yield the lines of the file, without the checksum."""
-        for line in (self.header, *self.events):
-            yield json.dumps(line, allow_nan=False)
-
     def to_bytes(self) -> bytes:
         """Return the content of the file; its header has the number of events and their CRC-32."""
-        _, *events = self.lines()
+        events = (json.dumps(event, allow_nan=False) for event in self.events)
         rest = ''.join(f'{line}\n' for line in events).encode()
-        first = {**self.header, 'seal': _seal(len(events), rest)}
+        first = {**self.header, 'seal': _seal(len(self.events), rest)}
         return json.dumps(first, allow_nan=False).encode() + b'\n' + rest
 
     @classmethod

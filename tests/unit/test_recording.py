@@ -93,7 +93,7 @@ class TestFile:
 
         loaded = Recording.load(path)
 
-        assert list(loaded.lines()) == list(SAMPLE.lines())
+        assert loaded.to_bytes() == SAMPLE.to_bytes()
         assert [file.name for file in path.parent.iterdir()] == ['r.jsonl']
 
     @pytest.mark.parametrize(
