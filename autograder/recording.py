@@ -1,24 +1,11 @@
 """
 Read and write the recording of one run, with one JSON event per line.
 
-Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes every line
-and its fields.  The first line, the header, contains digests of files, scenario and environment,
-and a checksum that shows whether the file was truncated.  Other header fields (time, versions) are
-informative and do not affect a verdict.  The probe's events follow in the order of observation:
-
-* about the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: whether a node is
-  spun), ``imitated`` (another node has the name of the probe's node)
-* received data: ``message``, ``log``, ``answer``, ``no_answer``
-* actions of the probe: ``input``, ``not_connected`` (no subscription for an input), ``joined``,
-  ``offered``, ``left``, ``watched`` (subscribed again), ``mark`` (a phase begins), ``end``
-  (complete, or the reason why not)
-
-The last event is ``process``, in which the grader records how the program ended.  Printed text can
-*explain* a verdict; it is never evidence.  The recording contains no messages or log lines that
-arrive after the last step, and no events after the end of the program.
-
-``clock_ns`` is virtual time since the program started, exact to the nanosecond; it is null in the
-``end`` event if a limit ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes the
+header, the events and their fields.  The first line is the header.  The probe's events follow in
+the order of observation, without messages and log lines that arrive after the last step, and
+without events after the end of the program.  In the last event, ``process``, the grader records
+how the program ended.  Printed text can *explain* a verdict; it is never evidence.
 """
 
 from __future__ import annotations
@@ -63,7 +50,7 @@ class Recording:
         """
         Return the events of one kind whose fields have the given values.
 
-        :param kind: an event name, see the module docstring
+        :param kind: an event name, see ``docs/recording.schema.json``
         :param where: names and values of fields
         """
         found = self._by_kind.get(kind, [])
