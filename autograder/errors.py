@@ -1,19 +1,8 @@
 """
-Define the exceptions for faults of the grader.
+Define the exceptions for faults of the grader: :class:`GraderError` and its subclasses.
 
-::
-
-    GraderError                  the grader failed: the submission is for review and has no score
-    |- SandboxUnavailable        no isolation mode for hidden exams works here
-    |- ProbeFailed               the probe failed, so there is no evidence to judge
-    |- TooBusy                   the machine gave a program too little processor time
-    |- RecordingInvalid          a recording is damaged or has a different format
-    |- ExamInvalid               an exam is inconsistent
-    |- UsageError                the arguments of a command or a simulation are wrong
-    |- UnusableUploadError           files cannot be read as a submission (submission/tree.py)
-    |- ClusterUnavailable        a scheduler or a worker cannot be used (grading/cluster.py)
-    |- InUseError                another command is changing the course (classroom/course_lock.py)
-    `- GradebookRefusedError     nbgrader's database failed (gradebook/database.py)
+Further subclasses are in ``submission/tree.py``, ``grading/cluster.py``,
+``classroom/course_lock.py`` and ``gradebook/database.py``.
 
 A mistake in a *submission* never leaves this package as an exception: it is a
 :class:`~autograder.results.Problem` or a failed check.

@@ -1,6 +1,7 @@
-"""Write files atomically, replace existing files only on request, and create zip files."""
+"""Write files atomically, replace existing files only on request, list files and zip them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from datetime import date
 import fcntl
 import hashlib
@@ -93,6 +94,21 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666, lasting: bool =
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def files_below(root: Path, part: str, left_out: AbstractSet[str]) -> Iterator[tuple[str, Path]]:
+    """
+    Yield a file or all files of a folder, each with its path relative to ``root``.
+
+    :param part: the file or the folder, relative to ``root``; symbolic links in it are left out
+    :param left_out: names of files and folders to leave out
+    """
+    start = root / part
+    for path in start.rglob('*') if start.is_dir() else [start]:
+        inside = path.relative_to(root)
+        linked = path.is_symlink() and path != start
+        if path.is_file() and not linked and left_out.isdisjoint(inside.parts):
+            yield inside.as_posix(), path
 
 
 def zip_content(path: Path) -> tuple[bytes, int]:

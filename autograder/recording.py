@@ -1,29 +1,16 @@
 """
 Read and write the recording of one run, with one JSON event per line.
 
-Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes every line
-and its fields.  The first line, the header, contains digests of files, scenario and environment,
-and a checksum that shows whether the file was truncated.  Other header fields (time, versions) are
-informative and do not affect a verdict.  The probe's events follow in the order of observation:
-
-* about the graph: ``seen`` (first nodes), ``graph``, ``asked`` (after the steps: whether a node is
-  spun), ``imitated`` (another node has the name of the probe's node)
-* received data: ``message``, ``log``, ``answer``, ``no_answer``
-* actions of the probe: ``input``, ``not_connected`` (no subscription for an input), ``joined``,
-  ``offered``, ``left``, ``watched`` (subscribed again), ``mark`` (a phase begins), ``end``
-  (complete, or the reason why not)
-
-The last event is ``process``, in which the grader records how the program ended.  Printed text can
-*explain* a verdict; it is never evidence.  The recording contains no messages or log lines that
-arrive after the last step, and no events after the end of the program.
-
-``clock_ns`` is virtual time since the program started, exact to the nanosecond; it is null in the
-``end`` event if a limit ended the run.  Non-finite floats are the strings 'nan', 'inf' and '-inf'.
+Recordings are stored and can be judged again.  ``docs/recording.schema.json`` describes the
+header, the events and their fields.  The first line is the header.  The probe's events follow in
+the order of observation, without messages and log lines that arrive after the last step, and
+without events after the end of the program.  In the last event, ``process``, the grader records
+how the program ended.  Printed text can *explain* a verdict; it is never evidence.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 import json
@@ -63,7 +50,7 @@ class Recording:
         """
         Return the events of one kind whose fields have the given values.
 
-        :param kind: an event name, see the module docstring
+        :param kind: an event name, see ``docs/recording.schema.json``
         :param where: names and values of fields
         """
         found = self._by_kind.get(kind, [])
@@ -114,19 +101,13 @@ class Recording:
             if event['event'] in ('answer', 'no_answer') and event['service'] == service
         ]
 
-    def logs(self, *, level: int | None = None, after_input: int | None = None) -> list[Event]:
+    def logs(self, *, level: int | None = None) -> list[Event]:
         """
-        Return the log lines, optionally of one level and after one input.
+        Return the log lines, optionally of one level.
 
         :param level: 10 DEBUG, 20 INFO, 30 WARN, 40 ERROR, 50 FATAL (rcl_interfaces/msg/Log)
-        :param after_input: index of the last input before the log line
         """
-        return [
-            entry
-            for entry in self.of('log')
-            if (level is None or entry['level'] == level)
-            and (after_input is None or entry['after_input'] == after_input)
-        ]
+        return self.of('log') if level is None else self.of('log', level=level)
 
     @cached_property
     def nodes(self) -> tuple[str, ...]:
@@ -163,16 +144,11 @@ class Recording:
 
     # -- files -----------------------------------------------------------------------------
 
-    def lines(self) -> Iterator[str]:
-        """Yield the lines of the file, without the checksum."""
-        for line in (self.header, *self.events):
-            yield json.dumps(line, allow_nan=False)
-
     def to_bytes(self) -> bytes:
         """Return the content of the file; its header has the number of events and their CRC-32."""
-        _, *events = self.lines()
+        events = (json.dumps(event, allow_nan=False) for event in self.events)
         rest = ''.join(f'{line}\n' for line in events).encode()
-        first = {**self.header, 'seal': _seal(len(events), rest)}
+        first = {**self.header, 'seal': _seal(len(self.events), rest)}
         return json.dumps(first, allow_nan=False).encode() + b'\n' + rest
 
     @classmethod

@@ -5,9 +5,9 @@ from functools import partial
 from rclpy.node import Node
 
 from drawing import svg
+from drawing.lanes import draw_lanes, Lane, Place
 from roslab.callbacks import Call, Watch
 from roslab.output import counted, text_table
-from roslab.timeline_picture import draw_lanes, Lane, Place
 
 _COLOURS = (svg.BLUE, svg.ORANGE, svg.GREEN, svg.RED)
 _LEGEND = (
@@ -36,7 +36,7 @@ class Callbacks(Watch):
         begin = max(min(times), 0.0)  # a message may have arrived long before the watch
         title = f'Callbacks in {end - begin:.2f} seconds, {counted(lanes, "row")}'
         described = '. '.join(f'{lane.more}, {lane.label}: {lane.amount}' for lane in lanes)
-        return draw_lanes(lanes, (begin, end), title, described, self._table(), _LEGEND)
+        return draw_lanes(lanes, (begin, end), title, described, self._table(), legend=_LEGEND)
 
     def _table(self) -> list[tuple[str, ...]]:
         """Return one row per callback in chronological order."""

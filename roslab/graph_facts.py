@@ -17,6 +17,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility, QoSProfile
 
+from drawing.connections import Edge
 from roslab.ros2.graph import (
     full_name,
     is_hidden,
@@ -81,22 +82,6 @@ class Topic:
     def hidden(self) -> bool:
         """Return whether all its endpoints belong to hidden nodes, which are then shown."""
         return all(end.hidden for end in self.ends)
-
-
-class Edge(NamedTuple):
-    """
-    An arrow between a node and a topic.
-
-    :param outward: True from node to topic (the node publishes), False from topic to node
-    :param matched: whether the node's endpoint is matched
-    :param remark: why it is not matched, or that only hidden endpoints match it
-    """
-
-    node: str
-    topic: str
-    outward: bool
-    matched: bool
-    remark: str = ''
 
 
 class Pair(NamedTuple):

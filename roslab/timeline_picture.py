@@ -1,18 +1,16 @@
 """Draw messages against time: one row per topic, one tick per message."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 from drawing import svg
-from drawing.slider import cursor, slider
+from drawing.lanes import distinct, draw_lanes, draw_ticks, Lane, Place
 from roslab.cli_text import message_yaml
 from roslab.errors import RoslabError
 from roslab.lookup import type_name
 from roslab.output import counted, text_table
 
-_WIDTH = 760.0
-_MARGIN = 10.0
 _MOST_TIMES = 12
 _MOST_LETTERS = 60
 _MARK_SHAPES = ('triangle', 'diamond', 'cross', 'square', 'plus', 'circle')
@@ -48,30 +46,6 @@ class Row(NamedTuple):
         """The number and the rate of the messages, as text."""
         words = counted(self.times, 'mark' if self.mark else 'message')
         return words if self.rate is None else f'{words}, {self.rate:.1f} Hz'
-
-
-Place = Callable[[float], float]
-"""Returns the position of a time [s] on the axis."""
-
-
-class Lane(NamedTuple):
-    """
-    One row of a picture with a time axis.
-
-    :param label: at the left of the row
-    :param more: a second, fainter label
-    :param amount: at the right of the row
-    :param draw: returns the drawing, from the height of the row's line and the axis
-    :param middle: distance of the row's line from its top
-    """
-
-    label: str
-    more: str
-    amount: str
-    draw: Callable[[float, Place], str]
-    italic: bool = False
-    middle: float = 15.0
-    height: float = 30.0
 
 
 class Timeline:
@@ -190,91 +164,16 @@ def _draw(line: Timeline) -> str:
     marks = [row for row in rows if row.mark]
     lanes = []
     for row in rows:
-        draw = partial(_mark if row.mark else _messages, row, marks)
+        draw = (
+            partial(_mark, row, marks.index(row))
+            if row.mark
+            else partial(draw_ticks, row.times, svg.BLUE, False)
+        )
         lanes.append(Lane(row.label, row.more, row.amount, draw, italic=row.mark))
     return draw_lanes(lanes, axis, title, described, table, moments=_moments(rows))
 
 
-def draw_lanes(
-    lanes: Sequence[Lane],
-    axis: tuple[float, float],
-    title: str,
-    described: str,
-    table: svg.Table,
-    legend: str = '',
-    moments: Sequence[tuple[float, str]] = (),
-) -> str:
-    """
-    Return a picture with labelled rows above a time axis.
-
-    :param axis: start and end of the axis [s]
-    :param described: the contents of the picture as text
-    :param legend: explains the symbols
-    :param moments: positions of the slider: time [s] and caption
-    """
-    begin, end = axis
-    left = _MARGIN + max(
-        max(svg.text_width(lane.label, 13), svg.text_width(lane.more, 10)) for lane in lanes
-    )
-    right = _WIDTH - _MARGIN - max(svg.text_width(lane.amount, 11) for lane in lanes)
-    span, pad = max(end - begin, 1e-6), 12.0
-
-    def place(seconds: float) -> float:
-        return left + pad + (seconds - begin) / span * (right - left - 2 * pad)
-
-    bottom = _MARGIN + sum(lane.height for lane in lanes)
-    parts = []
-    for tick in svg.ticks(begin, end):
-        x = place(tick)
-        parts.append(svg.line(x, _MARGIN, x, bottom + 4, faint=True))
-        parts.append(svg.text(x, bottom + 17, f'{tick:g}', anchor='middle', size=11))
-    parts.append(svg.text(right + 4, bottom + 17, 'seconds', size=11, faint=True))
-    parts.append(svg.text(_MARGIN, bottom + 34, legend, size=11) if legend else '')
-    top = _MARGIN
-    for lane in lanes:
-        parts += [_labels(lane, top + lane.middle, left, right)]
-        parts += [lane.draw(top + lane.middle, place)]
-        top += lane.height
-    below = ''
-    if moments:
-        places = [(place(time), words) for time, words in moments]
-        parts.append(cursor(places[-1][0], _MARGIN, bottom + 4))
-        below = slider(title, places, (place(begin), place(begin + span)), _WIDTH)
-    height = bottom + (46 if legend else 28)
-    return svg.picture(_WIDTH, height, title, described, parts, table, below)
-
-
-def _labels(lane: Lane, y: float, left: float, right: float) -> str:
-    label = svg.text(
-        left,
-        y if lane.more else y + 4,
-        lane.label,
-        anchor='end',
-        bold=not lane.italic,
-        italic=lane.italic,
-    )
-    more = svg.text(left, y + 12, lane.more, anchor='end', size=10, faint=True)
-    line = svg.line(left + 6, y, right - 6, y, faint=True)
-    return (
-        label
-        + (more if lane.more else '')
-        + line
-        + svg.text(right + 4, y + 4, lane.amount, size=11)
-    )
-
-
-def _xs(row: Row, place: Place) -> list[float]:
-    """Return one position per half pixel, to limit the size of the picture."""
-    return sorted({round(place(time) * 2) / 2 for time in row.times})
-
-
-def _messages(row: Row, _: Sequence[Row], y: float, place: Place) -> str:
-    ticks = (svg.line(x, y - 9, x, y + 9, colour=svg.BLUE, width=1.8) for x in _xs(row, place))
-    return ''.join(ticks)
-
-
-def _mark(row: Row, marks: Sequence[Row], y: float, place: Place) -> str:
-    number = marks.index(row)
+def _mark(row: Row, number: int, y: float, place: Place) -> str:
     kind = _MARK_SHAPES[number % len(_MARK_SHAPES)]
     colour = _MARK_COLOURS[number % len(_MARK_COLOURS)]
-    return ''.join(svg.shape(kind, x, y, 5, colour) for x in _xs(row, place))
+    return ''.join(svg.shape(kind, x, y, 5, colour) for x in distinct(row.times, place))

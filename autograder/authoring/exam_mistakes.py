@@ -6,30 +6,26 @@ topic.  ``release check`` and ``self-check`` test the rest: whether message type
 hold the values (this needs an installed ROS), and whether the sections to read exist.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from difflib import get_close_matches
 import json
 import os
 from pathlib import Path
-import re
 import subprocess
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from autograder.errors import GraderError
 from autograder.exam import catalog
+from autograder.exam.exam import Exam
+from autograder.explaining.feedback_html import named_section
 from autograder.layout import lesson_files
+from autograder.submission.notebook import read_release
 from environment.ros import ros_environment
-
-if TYPE_CHECKING:
-    from autograder.exam.exam import Exam
 
 SECRETS = 200
 """Number of different secrets for which the drawn inputs of an exam are tested."""
 ADVICE = 'Try: correct the exam, or add the missing package to environment/messages.txt'
-_ELSEWHERE = re.compile(r'^lesson (\d\d), (.+)$')
 
 
 # -- with an installed ROS ------------------------------------------------------------------
@@ -127,19 +123,15 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
     """
     Return what is wrong with a section to read, empty if the section exists.
 
-    :param section: section to read, such as ``Part 2: Names``, ``lesson 02, When a timer ticks``
-        or, without a heading, ``lesson 02, on clocks``
+    :param section: section to read, as for :func:`named_section`
     :param lesson: the lesson to search if the section names no lesson
     """
-    heading = section
-    if elsewhere := _ELSEWHERE.match(section):
-        number, heading = elsewhere.groups()
+    number, heading = named_section(section)
+    if number:
         lesson = next((name for name in sorted(headings) if name.startswith(f'{number}_')), '')
         if not lesson:
             return f'expected a lesson to read, got {section!r}: there is no lesson {number}'
-        if heading.startswith('on '):  # This names a subject, not a heading.
-            return ''
-    if heading in headings[lesson]:
+    if not heading or heading in headings[lesson]:
         return ''
     close = get_close_matches(heading, headings[lesson], n=1, cutoff=0.6)
     hint = f'; did you mean {close[0]!r}?' if close else ''
@@ -148,8 +140,6 @@ def no_section(section: str, lesson: str, headings: Mapping[str, AbstractSet[str
 
 def lesson_headings(notebooks: Path) -> dict[str, AbstractSet[str]]:
     """Return the headings of every readable lesson in a folder, by the lesson's folder name."""
-    from autograder.submission.notebook import read_release
-
     found: dict[str, AbstractSet[str]] = {}
     for path in lesson_files(notebooks):
         try:

@@ -5,18 +5,14 @@ The templates are in ``skeleton/``; placeholders such as ``$name`` in them are r
 """
 
 from collections.abc import Mapping
-import json
 from pathlib import Path
 import re
 import shutil
 from string import Template
 import tempfile
-from typing import Any
-
-from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from autograder.errors import GraderError
-from autograder.files import write_atomically
+from autograder.files import files_below, write_atomically
 from autograder.layout import Layout
 from environment.install_files import KERNEL_NAME, KERNEL_TITLE
 from environment.places import FILE
@@ -46,9 +42,8 @@ def new_course(folder: Path) -> list[Path]:
     package = f'{name}_msgs'
     words = {'course': name, 'package': package}
     files = {FILE: _filled('course.toml', words), '.gitignore': '/_work/\n/.venv*\n'}
-    for source in sorted((SKELETON / 'package').rglob('*.*')):
-        inside = source.relative_to(SKELETON)
-        files[f'{package}/{inside.relative_to("package")}'] = _filled(str(inside), words)
+    for inside, _ in sorted(files_below(SKELETON, 'package', set())):
+        files[f'{package}{inside.removeprefix("package")}'] = _filled(inside, words)
     for part in ('', 'visible/', 'hidden/'):
         files[f'exams/{part}__init__.py'] = ''
     files['nbgrader_config.py'] = _filled('nbgrader_config.txt', {})
@@ -80,9 +75,12 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
         'package': layout.facts.package,
         'title': name.replace('_', ' ').capitalize(),
         'class_name': name.title().replace('_', ''),
+        'cell': name.replace('_', '-'),
+        'kernel': KERNEL_NAME,
+        'kernel_title': KERNEL_TITLE,
     }
     files = {
-        Path('solutions', lesson, f'{lesson[3:]}.ipynb'): _notebook(words),
+        Path('solutions', lesson, f'{lesson[3:]}.ipynb'): _filled('notebook.txt', words),
         Path('exams', 'visible', f'{name}.py'): _filled('visible.txt', words),
         Path('exams', 'hidden', f'{name}.py'): _filled('hidden.txt', words),
     }
@@ -96,32 +94,3 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
 
 def _filled(name: str, words: Mapping[str, str]) -> str:
     return Template((SKELETON / name).read_text(encoding='utf-8')).substitute(words)
-
-
-def _notebook(words: Mapping[str, str]) -> str:
-    """Return a lesson as JSON: text, import of ``check``, solved answer cell, check cell."""
-    name = words['name']
-    check = f'check_{name}'
-    cells = [
-        new_markdown_cell(_filled('lesson.txt', words).rstrip(), id='text'),
-        new_code_cell('from roslab import check', id='start'),
-        new_code_cell(
-            _filled('node.txt', words).rstrip(),
-            id=name.replace('_', '-'),
-            metadata=_marks(name, grade=False),
-        ),
-        new_code_cell(
-            f"check('{name}')",
-            id=check.replace('_', '-'),
-            metadata=_marks(check, grade=True, points=6),
-        ),
-    ]
-    kernel = {'display_name': KERNEL_TITLE, 'language': 'python', 'name': KERNEL_NAME}
-    notebook = new_notebook(cells=cells, metadata={'kernelspec': kernel})
-    return json.dumps(notebook, indent=1) + '\n'
-
-
-def _marks(grade_id: str, grade: bool, **more: Any) -> dict[str, Any]:
-    """Return nbgrader's metadata for a check cell (``grade``) or for an answer cell."""
-    marks = {'grade_id': grade_id, 'grade': grade, 'solution': not grade, 'locked': grade}
-    return {'nbgrader': {**marks, 'task': False, 'schema_version': 3, **more}}

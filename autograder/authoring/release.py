@@ -8,7 +8,6 @@ checks the course, and packs the students' copy.
 import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-import re
 import sys
 import tempfile
 
@@ -19,14 +18,12 @@ from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
 from autograder.exam.catalog import for_assignment
 from autograder.exam.exam import Exam
+from autograder.files import files_below
 from autograder.gradebook import converters
 from autograder.gradebook.record import points_mismatches
 from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
 from autograder.submission.notebook import marks_of, Notebook, read_release
-
-CHECK_CELL = re.compile(r"^check\((['\"])(?P<exam>\w+)\1\)$")
-
 
 # -- check ----------------------------------------------------------------------------------
 
@@ -63,13 +60,7 @@ def drift(layout: Layout) -> Iterator[str]:
 
 def _contents(folder: Path) -> dict[str, bytes]:
     """Return the content of all files in a folder by path, except files that learners create."""
-    if not folder.is_dir():
-        return {}
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in folder.rglob('*')
-        if path.is_file() and not NO_PARTS & set(path.relative_to(folder).parts)
-    }
+    return {name: path.read_bytes() for name, path in files_below(folder, '', NO_PARTS)}
 
 
 def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:
@@ -91,21 +82,21 @@ def repeated_ids(notebook: Notebook, where: str, seen: dict[str, str]) -> Iterat
 
 def unfit_checks(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
     """Yield one line for each check cell that does not match the exams of its lesson."""
-    known = {exam.name: exam for exam in exams}
+    needs = {exam.name: set(exam.cells) for exam in exams}
     answers: set[str] = set()
     for cell in notebook['cells']:
         marks = marks_of(cell)
         if marks.get('solution'):
             answers.add(marks['grade_id'])
         elif marks.get('grade') and cell['cell_type'] == 'code':
-            grade_id, match = marks['grade_id'], CHECK_CELL.match(cell['source'].strip())
-            name = match['exam'] if match else ''
-            if grade_id != f'{CHECK_PREFIX}{name}':
-                expected = f"check('{grade_id.removeprefix(CHECK_PREFIX)}')"
-                got = repr(cell['source'][:60])
+            grade_id, source = marks['grade_id'], cell['source'].strip()
+            name = grade_id.removeprefix(CHECK_PREFIX)
+            expected = f"check('{name}')"
+            if source.replace('"', "'") != expected or name == grade_id:
+                got = repr(source[:60])
                 yield f'{where}, cell {grade_id}: expected the one line {expected}, got {got}.'
                 continue
-            for needed in sorted(set(known[name].cells if name in known else ()) - answers):
+            for needed in sorted(needs.get(name, set()) - answers):
                 yield (
                     f'{where}, cell {grade_id}: the exam needs the answer {needed}, but no cell '
                     'above has that id.'

@@ -21,13 +21,13 @@ import tempfile
 from typing import Any
 
 from autograder.errors import GraderError
-from autograder.files import refuse_existing, write_atomically
+from autograder.files import files_below, refuse_existing, write_atomically
 from autograder.layout import Layout
 from autograder.results import first_of
 from autograder.submission.cells import body_of
 from autograder.submission.extract import answer_files
 from autograder.submission.inbox import students_in
-from autograder.submission.notebook import marks_of, Notebook, read_release, StudentCell
+from autograder.submission.notebook import answer_cells, Notebook, read_release, StudentCell
 from autograder.submission.reading import read_file
 from autograder.submission.submission import rebuild
 
@@ -45,17 +45,13 @@ def damaged(notebook: Notebook, damage: str) -> bytes:
     if damage == 'not_a_notebook':
         return NOT_A_NOTEBOOK
     if damage in ('renamed_cell', 'duplicated_cell'):
-        cells = notebook['cells']
-        place, cell = next(
-            (place, cell)
-            for place, cell in enumerate(cells)
-            if cell['source'].startswith('%%node') and marks_of(cell).get('solution')
-        )
+        cells, answers = notebook['cells'], answer_cells(notebook).values()
+        cell = next(cell for cell in answers if cell['source'].startswith('%%node'))
         if damage == 'renamed_cell':  # as if a copy had replaced the cell
-            marks_of(cell)['grade_id'] += '-copy1'
+            cell['metadata']['nbgrader']['grade_id'] += '-copy1'
         else:
             source = f'{cell["source"].splitlines()[0]}\n# second try, not finished\n'
-            cells.insert(place + 1, {**cell, 'source': source})
+            cells.insert(cells.index(cell) + 1, {**cell, 'source': source})
     data = (json.dumps(notebook, indent=1, ensure_ascii=False) + '\n').encode()
     # Truncate the file as a full disk would.
     return data[: len(data) * 2 // 3] if damage == 'truncated' else data
@@ -100,18 +96,11 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
             f'{sample.name}/expected.json: unknown value {damage!r} for "notebook".',
             f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
         )
-    solution = read_release(layout.solutions / assignment / layout.release(assignment).name)
-    solved = {
-        marks['grade_id']: cell
-        for cell in solution['cells']
-        if (marks := marks_of(cell)).get('solution')
-    }
+    solution = layout.solutions / assignment / layout.release(assignment).name
+    solved = answer_cells(read_release(solution))
     answers = {name: body_of(cell['source']).rstrip('\n') for name, cell in solved.items()}
     files = {file.path: (name, file) for name, file in answer_files(release).items()}
-    for path in sorted(path for path in sample.rglob('*') if path.is_file()):
-        inside = path.relative_to(sample).as_posix()
-        if inside == 'expected.json' or '__pycache__' in inside:
-            continue
+    for inside, path in sorted(files_below(sample, '', {'expected.json', '__pycache__'})):
         grade_id, file = files.get(inside, (path.stem if path.suffix == '.md' else '', None))
         if grade_id not in answers:
             known = ', '.join([*files, 'GRADE_ID.md'])

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 
 from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.exam.exam import Exam
+from autograder.gradebook.record import points_mismatches
 from autograder.grading.pipeline import Engine, grade_notebook, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
-from autograder.submission.notebook import marks_of
 
 
 def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
@@ -30,7 +30,8 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
             yield from ((False, f'{assignment}: {line}') for line in mistakes)
             continue
         if not lesson.exams:
-            yield _nothing_to_grade(lesson)
+            cells = list(points_mismatches(lesson.release, assignment, ()))
+            yield not cells, ' '.join(cells) or f'{assignment}: nothing to grade, as expected.'
             continue
         source = layout.solutions / assignment / lesson.notebook
         result = grade_notebook(source.read_bytes(), lesson, 'the reference solution', engine)
@@ -38,18 +39,6 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
         bare = layout.release(assignment).read_bytes()
         result = grade_notebook(bare, lesson, 'the untouched release', engine)
         yield _line(lesson, result, 0.0)
-
-
-def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
-    """Return whether a lesson without exams is correct, and one line of text."""
-    checks = [
-        marks['grade_id']
-        for cell in lesson.release['cells']
-        if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('grade')
-    ]
-    if checks:
-        return False, f'{lesson.assignment}: {", ".join(checks)} has no exam.'
-    return True, f'{lesson.assignment}: nothing to grade, as expected.'
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:

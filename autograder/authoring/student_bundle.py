@@ -9,9 +9,9 @@ import re
 
 from autograder.exam.catalog import for_assignment, load
 from autograder.explaining.worked_answers import encoded, FOLDER
-from autograder.files import write_atomically, zip_bytes, zip_content
+from autograder.files import files_below, write_atomically, zip_bytes, zip_content
 from autograder.layout import Layout, lesson_files
-from autograder.submission.notebook import marks_of, read_release
+from autograder.submission.notebook import answer_cells, read_release
 from environment import packed_package
 from environment.places import PROJECT
 
@@ -63,18 +63,10 @@ def bundled_files(layout: Layout) -> dict[str, Path]:
     own = ['course.toml', 'notebooks/', 'exams/']
     own += [f'{package}/{folder}/' for folder in ('config', 'launch') if package]
     parts = [*((layout.root, one) for one in own), *((PROJECT, one) for one in ALLOWED)]
-    parts += [
-        (AT_THE_TOP, f'{path.name}/' if path.is_dir() else path.name)
-        for path in AT_THE_TOP.iterdir()
-    ]
+    parts += [(AT_THE_TOP, path.name) for path in AT_THE_TOP.iterdir()]
     found = {name: layout.root / source for name, source in UNDER_ANOTHER_NAME.items()}
     for root, part in parts:
-        start = root / part
-        for path in start.rglob('*') if part.endswith('/') else [start]:
-            inside = path.relative_to(root)
-            linked = path.is_symlink() and path != start
-            if not linked and not NO_PARTS & set(inside.parts):
-                found[inside.as_posix()] = path
+        found.update(files_below(root, part, NO_PARTS))
     return {name: path for name, path in found.items() if path.is_file()}
 
 
@@ -105,13 +97,10 @@ def answer_files(layout: Layout) -> dict[str, bytes]:
     found = {}
     for path in lesson_files(layout.solutions):
         lesson = path.parent.name
-        cells = {
-            marks['grade_id']: cell['source']
-            for cell in read_release(path)['cells']
-            if cell['cell_type'] == 'code' and (marks := marks_of(cell)).get('solution')
-        }
+        cells = answer_cells(read_release(path))
+        texts = {name: MARK.sub('', cell['source']).strip() for name, cell in cells.items()}
         answers = {
-            exam.name: '\n\n\n'.join(MARK.sub('', cells[one]).strip() for one in exam.cells)
+            exam.name: '\n\n\n'.join(texts[one] for one in exam.cells)
             for exam in for_assignment(lesson)
             if exam.max_points == load(exam.name, hidden=False).max_points
         }

@@ -88,12 +88,22 @@ def _check(check: CheckResult, result: ExamResult, lessons: Lessons) -> str:
 
 
 def _fact(name: str, text: str, check: CheckResult, lessons: Lessons) -> str:
-    elsewhere = _ELSEWHERE.fullmatch(check.read)
-    number, heading = elsewhere.groups() if elsewhere else ('', check.read)
+    number, heading = named_section(check.read)
     if name != 'read' or number not in lessons:
         return _escaped(text)
     address = html.escape(lessons[number] + (f'#{section_id(heading)}' if heading else ''))
     return f'<a href="{address}">{_escaped(text)}</a>'
+
+
+def named_section(read: str) -> tuple[str, str]:
+    """
+    Return the number of the lesson and the heading that a section to read names, ``''`` if none.
+
+    :param read: such as ``Part 2: Names``, ``lesson 02, When a timer ticks`` or, without heading,
+        ``lesson 02, on clocks``
+    """
+    elsewhere = _ELSEWHERE.fullmatch(read)
+    return (elsewhere[1], elsewhere[2] or '') if elsewhere else ('', read)
 
 
 def section_id(heading: str) -> str:

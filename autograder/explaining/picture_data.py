@@ -234,31 +234,25 @@ def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[s
     for event in () if rate else recording.of('input'):
         topic = str(offered.get(event['topic'], event['topic']))
         sent.setdefault(topic, []).append(event)
-    shown = [(f'sent on {topic}', events) for topic, events in sent.items()]
-    # A name may be the beginning of a longer one.
-    named = [
-        node
-        for node in recording.nodes
-        if re.search(rf'{re.escape(node)}(?![\w/])', result.expected)
-    ]
-    if not named and len(recording.nodes) > 1:
-        named = [node for node in recording.nodes if _names(about, node)]
-    levels = list(dict.fromkeys(_LEVEL.findall(about)))
-    for level in levels:
-        for node in named:
-            shown.append((f'{level} lines of {node}', own_logs(run, node, _NUMBERS[level])))
-        if not named and len(recording.nodes) == 1:
-            shown.append((f'{level} lines', own_logs(run, recording.nodes[0], _NUMBERS[level])))
-        elif not named:
-            shown.append((f'{level} lines', recording.logs(level=_NUMBERS[level])))
-    if not levels:
+    shown: dict[str, list[Event]] = {}
+    for level in dict.fromkeys(_LEVEL.findall(about)):
+        for node in _meant(recording.nodes, result.expected, about):
+            of = f' of {node}' if len(recording.nodes) > 1 else ''
+            shown[f'{level} lines{of}'] = own_logs(run, node, _NUMBERS[level])
+    if not shown:
         topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
         topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
-        shown += [(topic, recording.messages(topic)) for topic in topics[:3]]
-    kinds = ['sent'] * len(sent) + ['observed'] * (len(shown) - len(sent))
-    return [
-        _row(label, kind, _moments(events, rate)) for kind, (label, events) in zip(kinds, shown)
-    ]
+        shown = {topic: recording.messages(topic) for topic in topics[:3]}
+    rows = [(f'sent on {topic}', 'sent', events) for topic, events in sent.items()]
+    rows += [(label, 'observed', events) for label, events in shown.items()]
+    return [_row(label, what, _moments(events, rate)) for label, what, events in rows]
+
+
+def _meant(nodes: Sequence[str], expected: str, about: str) -> Sequence[str]:
+    """Return the nodes with the full name in an expectation, else with the last part in a text."""
+    # A name may be the beginning of a longer one.
+    full = [node for node in nodes if re.search(rf'{re.escape(node)}(?![\w/])', expected)]
+    return full or [node for node in nodes if _names(about, node)] or nodes
 
 
 def _moments(events: Iterable[Event], rate: float) -> list[float]:

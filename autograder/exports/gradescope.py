@@ -24,7 +24,7 @@ from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.explaining.feedback import causes_once, number, printable
 from autograder.exports.marks import automatic
-from autograder.files import json_bytes, write_atomically, zip_bytes, zip_content
+from autograder.files import files_below, json_bytes, write_atomically, zip_bytes, zip_content
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
@@ -39,7 +39,7 @@ EXECUTABLE = ('setup.sh', 'run_autograder')
 HERE = Path(__file__).parent / 'gradescope_files'
 ENGINE = ('autograder', 'drawing', 'environment', 'roslab', 'pyproject.toml')
 """Files and folders of this project that grading needs, in addition to the course's own files."""
-LEFT_OUT = {'_work', '__pycache__', '.ipynb_checkpoints', 'ros_ws', '.mypy_cache', '.ruff_cache'}
+LEFT_OUT = {'_work', '__pycache__', 'ros_ws'}
 
 
 def autograder_zip(
@@ -80,12 +80,9 @@ def course_files(layout: Layout) -> Iterator[tuple[str, Path]]:
     own |= {layout.facts.package} - {''}
     parts = {**dict.fromkeys(ENGINE, PROJECT), **dict.fromkeys(own, layout.root)}
     for part, root in parts.items():
-        start = root / part
-        for path in [start] if start.is_file() else start.rglob('*'):
-            inside = path.relative_to(root)
-            hidden = any(part in LEFT_OUT or part.startswith('.') for part in inside.parts)
-            if not hidden and path.is_file() and not path.is_symlink():
-                yield inside.as_posix(), path
+        for name, path in files_below(root, part, LEFT_OUT):
+            if not any(one.startswith('.') for one in name.split('/')):
+                yield name, path
 
 
 def results_of(result: SubmissionResult, visibility: str = VISIBILITIES[0]) -> dict[str, Any]:

@@ -54,13 +54,9 @@ def order_of(
     arguments: Sequence[str] = (),
 ) -> Order:
     """
-    Return the order for a user's arguments.
+    Return the order for a user's arguments; topics may lack the leading slash.
 
-    :param file: node file
-    :param seconds: how long to run, in virtual time from the start of the program [s]
     :param inputs: pairs of a time [s] and a message (or a dict of its fields), by topic
-    :param late: time at which an additional subscription joins [s], by topic
-    :param arguments: arguments of the program, after ``--ros-args``
     :raises UsageError: if an argument has a wrong form, or a time is invalid
     """
     try:

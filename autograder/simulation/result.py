@@ -22,35 +22,26 @@ def read_simulation(recording: Recording) -> Simulation:
     ended_later = recording.end_reason == 'student_exited' and over_ns > end_ns
     complete = ended_later or recording.end_reason == 'complete'
     seconds, events = min(over_ns, end_ns) / 1e9, Recording(about, within)
-    published, process = about['published'], recording.process
+    types, process = {**about['sent'], **about['published']}, recording.process
+
+    def record(topic: str, found: Sequence[Event], what: str = '') -> TopicRecord:
+        times = tuple(one['clock_ns'] / 1e9 for one in found)
+        data = tuple(one.get('data') for one in found)
+        return TopicRecord(f'{topic}{what}', types[topic], times, data, seconds)
+
+    late = {one['topic']: one['listener'] for one in events.of('joined')}
     return Simulation(
         about['exam'],
-        {
-            topic: _record(topic, name, events.messages(topic), seconds)
-            for topic, name in published.items()
-        },
-        {
-            topic: _record(
-                f'{topic} (late)', published[topic], events.messages(topic, listener), seconds
-            )
-            for topic, listener in ((one['topic'], one['listener']) for one in events.of('joined'))
-        },
-        {
-            topic: _record(f'{topic} (input)', name, events.of('input', topic=topic), seconds)
-            for topic, name in about['sent'].items()
-        },
-        tuple(map(_log, events.of('log'))),
-        'complete' if complete else recording.end_reason,
-        seconds,
-        None if complete else process['exit'],
-        process['stdout'] + process['stderr'],
-        about['mode'],
+        heard={topic: record(topic, events.messages(topic)) for topic in about['published']},
+        late={to: record(to, events.messages(to, by), ' (late)') for to, by in late.items()},
+        sent={to: record(to, events.of('input', topic=to), ' (input)') for to in about['sent']},
+        logs=tuple(map(_log, events.of('log'))),
+        reason='complete' if complete else recording.end_reason,
+        seconds=seconds,
+        exit=None if complete else process['exit'],
+        printed=process['stdout'] + process['stderr'],
+        mode=about['mode'],
     )
-
-
-def _record(label: str, name: str, events: Sequence[Event], seconds: float) -> TopicRecord:
-    times = tuple(one['clock_ns'] / 1e9 for one in events)
-    return TopicRecord(label, name, times, tuple(one.get('data') for one in events), seconds)
 
 
 def _log(event: Event) -> LogRecord:

@@ -69,11 +69,11 @@ def files_of(program: str | os.PathLike[str]) -> tuple[str, dict[str, str]]:
     if not path.is_file():
         raise UsageError(f'{program}: there is no such file.')
     files = {}
-    for one in sorted(path.parent.glob('*.py')):
+    for one in sorted({path, *path.parent.glob('*.py')}):
         text = one.read_text(encoding='utf-8')
         files[one.name] = files[f'{path.parent.name}/{one.name}'] = text
     if not colon:
-        return path.name, {**files, path.name: path.read_text(encoding='utf-8')}
+        return path.name, files
     return ENTRY, {**files, ENTRY: ENTRY_TEXT.format(module=module, function=function)}
 
 

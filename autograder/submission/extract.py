@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from autograder.exam.exam import Exam
 from autograder.results import Problem, SubmissionResult
 from autograder.submission.cells import CellFile, CellSyntaxError, first_line, parse_cell
-from autograder.submission.notebook import marks_of, Notebook
+from autograder.submission.notebook import answer_cells, marks_of, Notebook
 from autograder.submission.package import with_missing_file
 from autograder.submission.submission import Opened
 
@@ -39,11 +39,10 @@ def answer_files(release: Notebook) -> dict[str, CellFile]:
     :param release: the notebook that students received
     :raises CellSyntaxError: if a magic line in the release is invalid
     """
-    marked = ((marks_of(cell), cell) for cell in release['cells'] if cell['cell_type'] == 'code')
     return {
-        marks['grade_id']: found
-        for marks, cell in marked
-        if marks.get('solution') and (found := parse_cell(cell['source']))
+        grade_id: found
+        for grade_id, cell in answer_cells(release).items()
+        if cell['cell_type'] == 'code' and (found := parse_cell(cell['source']))
     }
 
 

@@ -168,6 +168,12 @@ def marks_of(cell: Notebook) -> dict[str, Any]:
     return marks if isinstance(marks, dict) else {}
 
 
+def answer_cells(notebook: Notebook) -> dict[str, Notebook]:
+    """Return the answer cells of a trusted notebook, by grade id."""
+    marked = ((marks_of(cell), cell) for cell in notebook['cells'])
+    return {marks['grade_id']: cell for marks, cell in marked if marks.get('solution')}
+
+
 def grade_ids(notebook: Notebook) -> frozenset[str]:
     """Return the grade ids of a trusted notebook."""
     return frozenset(marks_of(cell).get('grade_id', '') for cell in notebook['cells']) - {''}

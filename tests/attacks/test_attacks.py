@@ -88,7 +88,7 @@ def test_attack_finds_and_reaches_nothing(graded, attack):
     outcome = graded[attack]
 
     if outcome.recording is not None:
-        text = '\n'.join(outcome.recording.lines())
+        text = outcome.recording.to_bytes().decode()
         assert CANARY not in text
         for word in LOOT:
             assert word not in str(outcome.recording.process.get('stdout', ''))

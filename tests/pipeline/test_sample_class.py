@@ -82,7 +82,7 @@ def recording_of(result: ExamResult) -> Recording:
 
 def seen(result: SubmissionResult) -> str:
     """Return how the runs of a submission began and ended, to help find the cause of a failure."""
-    texts = ['\n'.join(recording_of(one).lines()) for one in result.exams if one.recording]
+    texts = [recording_of(one).to_bytes().decode() for one in result.exams if one.recording]
     return '\n'.join(
         text if len(text) < 4000 else f'{text[:2000]}\n...\n{text[-2000:]}' for text in texts
     )

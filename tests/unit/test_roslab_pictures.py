@@ -321,8 +321,8 @@ def test_timeline_draws_a_tick_per_message_and_another_shape_per_mark():
         for e in drawing(page).iter('{http://www.w3.org/2000/svg}path')
     }
 
-    assert page.count('stroke-width="1.8"') == 3
-    assert len(shapes) == 2
+    assert len(re.findall(r'M[\d.]+ [\d.]+v18', page)) == 3
+    assert len(shapes) == 3
     assert 'stopped: 1 mark' in page
 
 

@@ -94,7 +94,7 @@ def test_check_cell_without_an_exam_is_no_lesson_without_exams(course):
     """Otherwise a missing exam would go unnoticed."""
     lines = list(self_check(course('right', 'x'), FakeEngine()))
 
-    assert lines == [(False, '01_x: check_talker has no exam.')]
+    assert lines == [(False, '01_x, cell check_talker: this lesson has no exam talker.')]
 
 
 def test_a_run_without_a_verdict_has_no_points_to_compare(course):

@@ -17,7 +17,6 @@ from traitlets.config import Config
 
 from autograder.authoring.execute import executed
 from autograder.authoring.lesson_frame import lesson_map, outlines, START_HERE
-from autograder.files import write_atomically
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of
 
@@ -43,31 +42,25 @@ To write nodes of your own, open the lessons in JupyterLab: `make lab`.
 CONTENTS = '```{toctree}\n:hidden:\n:glob:\n\n*/*\n```'
 
 
-def write_pages(layout: Layout, folder: Path) -> list[Path]:
+def write_pages(layout: Layout, folder: Path) -> None:
     """
     Execute the solved lessons, and write one page for each lesson and a page that lists them.
 
     :param folder: folder that receives the notebooks that Sphinx reads
-    :returns: the pages of the lessons
     :raises CellExecutionError: if a cell of a solved lesson raised an error
     """
-    lessons = lesson_files(layout.notebooks)
-    names = [path.relative_to(layout.notebooks) for path in lessons]
+    names = [path.relative_to(layout.notebooks) for path in lesson_files(layout.notebooks)]
     # Name the cell in each request, as JupyterLab does: roslab then shows pictures, not text.
     frontend = Config({'Session': {'metadata': {'cellId': 'book'}}})
     with ThreadPoolExecutor(AT_ONCE) as pool:
         solved = list(
             pool.map(lambda name: executed(layout.solutions / name, config=frontend), names)
         )
-    for path, name, notebook in zip(lessons, names, solved):
-        _write(page(nbformat.read(path, as_version=4), notebook), folder / name)
-    _write(first_page(layout), folder / INDEX)
-    return [folder / name for name in names]
-
-
-def _write(notebook: nbformat.NotebookNode, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, f'{nbformat.writes(notebook)}\n'.encode())
+    for name, notebook in zip(names, solved):
+        (folder / name).parent.mkdir(parents=True)
+        released = nbformat.read(layout.notebooks / name, as_version=4)
+        nbformat.write(page(released, notebook), folder / name)
+    nbformat.write(first_page(layout), folder / INDEX)
 
 
 def page(release: nbformat.NotebookNode, solved: nbformat.NotebookNode) -> nbformat.NotebookNode:
