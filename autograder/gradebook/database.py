@@ -21,6 +21,7 @@ from sqlalchemy.pool import NullPool
 from traitlets.config import Config
 from traitlets.config.loader import PyFileConfigLoader
 
+from autograder.classroom.tables import read_json
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
@@ -274,8 +275,7 @@ def refuse_damaged(layout: Layout) -> None:
         got = str(error)
     else:
         nothing = not path.stat().st_size
-        journals = (layout.work / 'entered').glob('*.jsonl')
-        was_filled = any(journal.read_bytes().strip() for journal in journals)
+        was_filled = any(map(read_json, (layout.work / 'entered').glob('*.json')))
         if not empty or not (was_filled or (nothing and copies(layout))):
             return
         got = 'the file is empty' if nothing else 'it no longer has any submissions'
