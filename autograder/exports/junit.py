@@ -70,8 +70,8 @@ def _add_suite(
 ) -> ElementTree.Element:
     """Add a test suite without cases; its counts are set when it is complete."""
     where = clean(f'{mark.assignment}/{mark.student}/{name}')
-    counts = dict.fromkeys(COUNTS, '')
-    return ElementTree.SubElement(suites, 'testsuite', name=where, **counts, time=f'{seconds:.3f}')
+    attributes = {'name': where, **dict.fromkeys(COUNTS, ''), 'time': f'{seconds:.3f}'}
+    return ElementTree.SubElement(suites, 'testsuite', attributes)
 
 
 def _add_case(suite: ElementTree.Element, mark: Mark, name: str) -> ElementTree.Element:
