@@ -96,18 +96,13 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
     return None
 
 
-def refusal(layout: Layout, error: SQLAlchemyError) -> GradebookRefusedError:
-    """Return the error for a failure of the database."""
-    return unusable(layout, str(getattr(error, 'orig', None) or error))
-
-
-def unusable(layout: Layout, said: str) -> GradebookRefusedError:
+def refusal(layout: Layout, error: Exception | str) -> GradebookRefusedError:
     """
     Return the error for an unusable gradebook, with its address, the problem and a remedy.
 
-    :param said: the message of the database; only its first line is used
+    :param error: the failure of the database; only the first line of its message is used
     """
-    said = said.strip().partition('\n')[0].rstrip('.')
+    said = str(getattr(error, 'orig', None) or error).strip().partition('\n')[0].rstrip('.')
     path = gradebook_file(layout)
     if path is not None:
         known = (advice for part, advice in FILE_ADVICE.items() if part in said)
@@ -162,16 +157,15 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         raise refusal(layout, error) from error
 
 
-def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
+def query(layout: Layout, statement: Any, **values: str) -> Sequence[Any]:
     """
-    Return the rows of a query; none if the gradebook or a table does not exist yet.
+    Return the rows of a query; none if the gradebook or its tables do not exist yet.
 
-    :param table: the query returns no rows if this table does not exist
     :param values: values of the statement's parameters
     :raises GraderError: if the gradebook cannot be queried
     """
     with connected(layout) as gradebook:
-        if gradebook is None or not inspect(gradebook).has_table(table):
+        if gradebook is None or not inspect(gradebook).get_table_names():
             return ()
         return gradebook.execute(statement, values).all()
 

@@ -21,7 +21,7 @@ from sqlalchemy import inspect, text
 from autograder.classroom.people import extensions
 from autograder.classroom.tables import read_json
 from autograder.files import json_bytes, write_atomically
-from autograder.gradebook.database import connected, gradebook_file, load_config, query, unusable
+from autograder.gradebook.database import connected, gradebook_file, load_config, query, refusal
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
@@ -79,7 +79,7 @@ def refuse_incomplete(layout: Layout) -> None:
         there = set() if gradebook is None else set(inspect(gradebook).get_table_names())
     missing = sorted(set(Base.metadata.tables) - there)
     if there and missing:
-        raise unusable(layout, f'no such table: {", ".join(missing)}')
+        raise refusal(layout, f'no such table: {", ".join(missing)}')
 
 
 def _make(path: Path, course: str) -> None:

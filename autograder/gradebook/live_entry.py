@@ -102,11 +102,13 @@ def _penalty(
     due, more = submission.assignment.duedate, submission.extension
     if (listed := extensions(layout)) is not None:
         more = listed.get((graded.result.student, submission.assignment.name))
-    if when is None or due is None or when <= due + (more or timedelta()):
+    if when is None or due is None:
+        return 0.0
+    late_s = (when - due - (more or timedelta())).total_seconds()
+    if late_s <= 0:
         return 0.0
     policy = AssignLatePenalties(config=load_config(layout))
     policy.init_plugin()
-    late_s = (when - due - (more or timedelta())).total_seconds()
     penalty = policy.plugin_inst.late_submission_penalty(graded.result.student, score, late_s)
     return min(max(0.0, penalty or 0.0), score)
 
@@ -216,9 +218,6 @@ class LiveEntry:
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
     """Prepare the gradebook for entries; the first call imports nbgrader, which takes seconds."""
-    journal.gradebook_values(
-        layout, assignment
-    )  # This reports a database failure more clearly than nbgrader does.
     journal.refuse_incomplete(layout)
     _ = guard.copy
     journal.make_gradebook(layout)
