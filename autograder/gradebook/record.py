@@ -60,15 +60,15 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
     """
     from autograder.gradebook import converters
 
-    entered = [one for one in graded if one.submission.recordable]
+    facts = {}
     with tempfile.TemporaryDirectory(prefix='staged_', dir=layout.work) as folder:
-        staged = Path(folder)
-        for one in entered:
-            _stage(staged / one.result.student / lesson.assignment, lesson.notebook, one)
-        results = {one.result.student: one.result for one in entered}
-        same = {one.result.student for one in entered if _is_same_work(layout, lesson, one)}
-        if results:
-            converters.autograde(layout, lesson.assignment, staged, results, same)
+        for one in graded:
+            if one.submission.recordable:
+                student, same = one.result.student, _is_same_work(layout, lesson, one)
+                facts[student] = {'result': one.result, 'same_work': same}
+                _stage(Path(folder, student, lesson.assignment), lesson.notebook, one)
+        if facts:
+            converters.autograde(layout, lesson.assignment, Path(folder), facts)
 
 
 def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
