@@ -8,6 +8,7 @@ PyLTI1p3 signs the requests.  The platform's list of members (Names and Role Pro
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from datetime import datetime, timezone
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -131,19 +132,16 @@ def _connector(platform: Platform) -> Any:
     from pylti1p3.service_connector import ServiceConnector
     import requests
 
-    class Session(requests.Session):
-        """A session with a timeout, so that a silent platform cannot block it forever."""
-
-        def request(self, *given: Any, **more: Any) -> requests.Response:
-            return super().request(*given, **{'timeout': TIMEOUT_S, **more})
-
+    session: Any = requests.Session()
+    # Without a timeout, a silent platform could block the export forever.
+    session.request = partial(session.request, timeout=TIMEOUT_S)
     known = Registration().set_client_id(platform.client_id)
     known.set_auth_token_url(platform.token_url).set_tool_private_key(platform.key)
     if platform.audience:
         known.set_auth_audience(platform.audience)
     if platform.key_id:
         known.set_kid(platform.key_id)
-    return ServiceConnector(known, Session())
+    return ServiceConnector(known, session)
 
 
 def _members(connector: Any, url: str) -> list[Mapping[str, Any]]:
