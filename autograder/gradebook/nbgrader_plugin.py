@@ -27,6 +27,7 @@ from nbgrader import utils
 from nbgrader.api import Gradebook, Student
 from nbgrader.preprocessors import ClearSolutions, GetGrades, NbGraderPreprocessor, SaveAutoGrades
 from traitlets import Unicode
+from traitlets.config import Config
 from traitlets.utils.importstring import import_item
 
 from autograder.classroom.people import extensions, read_people
@@ -188,20 +189,12 @@ class GradesToShow(GetGrades):
             marks['comment'] = LOST
 
 
-class CoursePlugin(NbGraderPreprocessor):
-    """A plug-in that needs the folders of the course."""
-
-    root = Unicode('', help='Folder of the course; empty for the course in this project.').tag(
-        config=True
-    )
-
-    @property
-    def layout(self) -> Layout:
-        """Return the folders of the course."""
-        return Layout(Path(self.root)) if self.root else Layout.here()
+def _course(config: Config) -> Layout:
+    """Return the course to which nbgrader's settings belong."""
+    return Layout(Path(config.CourseDirectory.root))
 
 
-class GradeOutside(CoursePlugin):
+class GradeOutside(NbGraderPreprocessor):
     """Grade in the sandbox instead of the kernel, and write the outcomes into the check cells."""
 
     engine_factory = Unicode(
@@ -227,7 +220,7 @@ class GradeOutside(CoursePlugin):
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
-        layout = self.layout
+        layout = _course(self.config)
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)
         lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
@@ -245,7 +238,7 @@ class GradeOutside(CoursePlugin):
         return result
 
 
-class SaveGrades(CoursePlugin, SaveAutoGrades):
+class SaveGrades(SaveAutoGrades):
     """
     nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
@@ -258,13 +251,13 @@ class SaveGrades(CoursePlugin, SaveAutoGrades):
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Record the name and the extra time of the student, and the scores of a notebook."""
-        facts = resources['nbgrader']
-        more = extensions(self.layout)
+        facts, layout = resources['nbgrader'], _course(self.config)
+        more = extensions(layout)
         with Gradebook(facts['db_url']) as gradebook:
             submission = gradebook.find_submission(facts['assignment'], facts['student'])
             if more is not None:
                 submission.extension = more.get((facts['student'], facts['assignment']))
-            _name(submission.student, read_people(self.layout))
+            _name(submission.student, read_people(layout))
             gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
         return super().preprocess(nb, resources)
