@@ -132,11 +132,7 @@ def _run(
 
 @contextmanager
 def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
-    """
-    Yield nbgrader's gradebook; create it if there is none.
-
-    :raises GraderError: if a table is missing, or the gradebook cannot be opened, read or written
-    """
+    """Yield nbgrader's gradebook; create it if there is none."""
     refuse_incomplete(layout)
     try:
         with _silence_nbgrader():

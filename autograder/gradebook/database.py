@@ -124,10 +124,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     """
     Yield a connection to the gradebook, or None if the file does not exist yet.
 
-    This function never creates a gradebook.
-
-    :raises GraderError: if the gradebook cannot be reached or read; the error shows its address
-        without the password
+    This function never creates a gradebook.  Its errors show no password.
     """
     if not has_gradebook(layout):
         yield None
@@ -162,7 +159,6 @@ def query(layout: Layout, statement: Any, **values: str) -> Sequence[Any]:
     Return the rows of a query; none if the gradebook or its tables do not exist yet.
 
     :param values: values of the statement's parameters
-    :raises GraderError: if the gradebook cannot be queried
     """
     with connected(layout) as gradebook:
         if gradebook is None or not inspect(gradebook).get_table_names():

@@ -125,11 +125,7 @@ class Journal:
         return hashlib.sha256(settings + b'\0' + release.encode('utf-8', 'replace')).hexdigest()
 
     def new(self, graded: Sequence[Graded]) -> list[Graded]:
-        """
-        Return the submissions whose results are not in the gradebook yet.
-
-        :raises GraderError: if the gradebook cannot be queried
-        """
+        """Return the submissions whose results are not in the gradebook yet."""
         return [
             one
             for one in graded
@@ -188,11 +184,7 @@ def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
 
 
 def gradebook_values(layout: Layout, assignment: str) -> Rows:
-    """
-    Return the values in the gradebook for an assignment.
-
-    :raises GraderError: if the gradebook cannot be queried
-    """
+    """Return the values in the gradebook for an assignment."""
     rows: Rows = {}
     for student, cell, *facts in query(layout, text(SHOWN), assignment=assignment):
         score, *times = facts

@@ -41,7 +41,6 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> d
 
     :param graded: the results that are about to be entered
     :returns: the change as text, such as ``ann 40 to 27``, by student
-    :raises GraderError: if the gradebook cannot be read
     """
     if not has_gradebook(layout):
         return {}  # Opening the gradebook would create it.
@@ -133,11 +132,7 @@ class Guard:
         return save_copy(self.layout)
 
     def allowed(self, lesson: Lesson, new: Sequence[Graded]) -> list[Graded]:
-        """
-        Return the submissions that may be entered; store which of them would lower a mark.
-
-        :raises GraderError: if the gradebook cannot be read
-        """
+        """Return the submissions that may be entered; store which of them would lower a mark."""
         lowered = lowered_marks(self.layout, lesson, new)
         self.lowered.setdefault(lesson.assignment, {}).update(lowered)
         return [one for one in new if self.yes or one.result.student not in lowered]

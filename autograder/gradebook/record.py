@@ -28,11 +28,7 @@ from autograder.submission.reading import read_file
 
 
 def enter_assignment(layout: Layout, assignment: str) -> None:
-    """
-    Enter the cells and points of an assignment in the gradebook, from its solution.
-
-    :raises GraderError: if nbgrader cannot enter the assignment
-    """
+    """Enter the cells and points of an assignment in the gradebook, from its solution."""
     from autograder.gradebook import converters  # nbgrader takes seconds to import.
 
     layout.work.mkdir(parents=True, exist_ok=True)
