@@ -5,12 +5,12 @@ from dataclasses import asdict
 
 from nbformat import from_dict, NotebookNode
 from nbformat.v4 import new_output
-from nbgrader import utils
 
 from autograder.explaining.feedback import exam_text, FOR_REVIEW, review_text
 from autograder.explaining.feedback_html import exam_html
 from autograder.results import ExamResult, Problem, SubmissionResult
 from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.notebook import is_check, marks_of, Notebook
 from autograder.submission.submission import Opened
 
 
@@ -39,8 +39,8 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
     answers: set[str] = set()
     for cell in nb.cells:
         if not is_check(cell):
-            if utils.is_solution(cell):
-                answers.add(cell.metadata.nbgrader['grade_id'])
+            if marks_of(cell).get('solution'):
+                answers.add(marks_of(cell)['grade_id'])
             continue
         about = [problem for problem in result.problems if answers & set(problem.cells)]
         answers.clear()
@@ -55,23 +55,18 @@ def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
         general = []
 
 
-def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
+def score_of(cell: Notebook, result: SubmissionResult) -> float | None:
     """Return the score of a check cell of the release, or None if the cell is for review."""
-    maximum = float(cell.metadata.nbgrader['points'])
+    maximum = float(marks_of(cell)['points'])
     for exam in () if result.review else result.exams:
         if exam.exam == _exam_name(cell) and 0 <= exam.points <= maximum + 1e-6:
             return round(min(exam.points, maximum), 3)
     return None
 
 
-def _exam_name(cell: NotebookNode) -> str:
+def _exam_name(cell: Notebook) -> str:
     """Return the name of the exam that grades a check cell."""
-    return str(cell.metadata.nbgrader['grade_id']).removeprefix(CHECK_PREFIX)
-
-
-def is_check(cell: NotebookNode) -> bool:
-    """Return whether an exam grades a cell."""
-    return bool(utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code')
+    return str(marks_of(cell)['grade_id']).removeprefix(CHECK_PREFIX)
 
 
 def _feedback_output(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:

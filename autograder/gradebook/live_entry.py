@@ -26,9 +26,9 @@ from autograder.gradebook.journal import Journal
 from autograder.gradebook.record import enter_assignment, record, timestamp_of
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
+from autograder.submission.notebook import is_check, marks_of
 
 if TYPE_CHECKING:
-    from nbformat import NotebookNode
     from nbgrader.api import SubmittedAssignment
 
 BATCH_SIZE = 10
@@ -44,30 +44,31 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> d
     """
     if not has_gradebook(layout):
         return {}  # Opening the gradebook would create it.
-    from nbformat import from_dict
     from nbgrader.api import MissingEntry
 
     from autograder.gradebook.converters import opened_gradebook
-    from autograder.gradebook.grade_cells import is_check
 
     found = {}
-    checks = [cell for cell in from_dict(lesson.release).cells if is_check(cell)]
     with opened_gradebook(layout) as gradebook:
         for one in graded:
             with suppress(MissingEntry):
                 submission = gradebook.find_submission(lesson.assignment, one.result.student)
-                if change := _lowered(layout, one, submission, checks):
+                if change := _lowered(layout, lesson, one, submission):
                     found[one.result.student] = printable(f'{one.result.student} {change}')
     return found
 
 
 def _lowered(
-    layout: Layout, graded: Graded, submission: SubmittedAssignment, checks: Sequence[NotebookNode]
+    layout: Layout, lesson: Lesson, graded: Graded, submission: SubmittedAssignment
 ) -> str:
     """Return how the mark of one submission would be lowered or cleared, else empty."""
     from autograder.gradebook.grade_cells import score_of
 
-    new = {cell.metadata.nbgrader['grade_id']: score_of(cell, graded.result) for cell in checks}
+    new = {
+        marks_of(cell)['grade_id']: score_of(cell, graded.result)
+        for cell in lesson.release['cells']
+        if is_check(cell)
+    }
     counted = [
         grade
         for notebook in submission.notebooks

@@ -33,7 +33,7 @@ from traitlets.utils.importstring import import_item
 from autograder.classroom.people import extensions, read_people
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
-from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
+from autograder.gradebook.grade_cells import from_node, to_node, write_outcomes
 from autograder.gradebook.live_entry import lowered_marks
 from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
@@ -41,7 +41,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from autograder.submission.inbox import Submission
-from autograder.submission.notebook import read_release
+from autograder.submission.notebook import is_check, read_release
 from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 

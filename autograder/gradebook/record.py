@@ -23,7 +23,7 @@ from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.extract import CHECK_PREFIX
-from autograder.submission.notebook import marks_of, Notebook, read_release
+from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
 from autograder.submission.reading import read_file
 
 
@@ -138,12 +138,8 @@ def timestamp_of(folder: Path) -> str:
 
 def points_mismatches(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
     """Yield one line for each check cell of a notebook whose points differ from its exam's."""
-    cells = {
-        marks['grade_id'].removeprefix(CHECK_PREFIX): float(marks['points'])
-        for cell in notebook['cells']
-        if (marks := marks_of(cell)).get('grade') and not marks.get('solution')
-        if cell['cell_type'] == 'code'
-    }
+    checks = [marks_of(cell) for cell in notebook['cells'] if is_check(cell)]
+    cells = {one['grade_id'].removeprefix(CHECK_PREFIX): float(one['points']) for one in checks}
     gives = {exam.name: exam.max_points for exam in exams}
     for name in dict.fromkeys((*cells, *gives)):
         if name not in gives:
