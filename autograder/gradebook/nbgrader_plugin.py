@@ -61,7 +61,6 @@ _SAFE_TAGS = {
     *('table', 'caption', 'thead', 'tbody', 'tr', 'th', 'td', 'details', 'summary'),
     *('del', 's', 'sub', 'sup', 'dl', 'dt', 'dd'),
 }
-_SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
 # Elements and styles of the grader's pictures; they load nothing and run no script.
 _PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
 _PICTURE_ATTRIBUTES = [
@@ -83,28 +82,27 @@ Resources = dict[str, Any]
 Step = tuple[NotebookNode, Resources]
 
 
-def safe_html(html: object, **allowed: Any) -> str:
+def safe_markdown(source: str) -> str:
     """
-    Return HTML without scripts, event handlers or pictures from other sites.
+    Render a student's Markdown without scripts, event handlers or pictures from other sites.
+
+    Scripts would run with an instructor's rights.
+    """
+    attributes = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
+    return str(bleach.clean(markdown2html(source), tags=_SAFE_TAGS, attributes=attributes))
+
+
+def safe_output(html: object) -> str:
+    """
+    Clean the HTML of a cell output in the same way, but keep the grader's pictures.
 
     nbconvert's own ``clean_html`` also rejects paragraphs, headings and parts of tables: it shows
     their tags as text.
     """
     text = html.decode() if isinstance(html, bytes) else str(html)
-    allowed = {'tags': _SAFE_TAGS, 'attributes': _SAFE_ATTRIBUTES, **allowed}
-    return str(bleach.clean(text, **allowed))
-
-
-def safe_markdown(source: str) -> str:
-    """Render a student's Markdown without scripts, which would run with an instructor's rights."""
-    return safe_html(markdown2html(source))
-
-
-def safe_output(html: object) -> str:
-    """Clean the HTML of a cell output like :func:`safe_html`, but keep the grader's pictures."""
     attributes = {**bleach.ALLOWED_ATTRIBUTES, '*': _PICTURE_ATTRIBUTES}
     tags = _SAFE_TAGS | _PICTURE_TAGS
-    return safe_html(html, tags=tags, attributes=attributes, css_sanitizer=_STYLE)
+    return str(bleach.clean(text, tags=tags, attributes=attributes, css_sanitizer=_STYLE))
 
 
 class ClearSolutionsByKind(ClearSolutions):
