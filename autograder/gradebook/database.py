@@ -40,10 +40,6 @@ FILE_ADVICE = {
 """Advice for a gradebook file that fails, by a part of SQLite's error message."""
 
 
-class GradebookRefusedError(GraderError):
-    """The database of the gradebook failed, so no submission can be entered."""
-
-
 def load_config(layout: Layout) -> Config:
     """
     Return the settings in the course's ``nbgrader_config.py``.
@@ -96,7 +92,7 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
     return None
 
 
-def refusal(layout: Layout, error: Exception | str) -> GradebookRefusedError:
+def refusal(layout: Layout, error: Exception | str) -> GraderError:
     """
     Return the error for an unusable gradebook, with its address, the problem and a remedy.
 
@@ -113,7 +109,7 @@ def refusal(layout: Layout, error: Exception | str) -> GradebookRefusedError:
     else:
         where = make_url(address(layout)).render_as_string(hide_password=True)
         advice = 'check that the database server is running and that its gradebook is complete'
-    return GradebookRefusedError(
+    return GraderError(
         f'{where}: the gradebook cannot be used: {said}.',
         f'Try: {advice}, then run the same command again. Finished runs are kept.',
     )

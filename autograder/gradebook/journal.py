@@ -71,7 +71,7 @@ def refuse_incomplete(layout: Layout) -> None:
     """
     Refuse a gradebook with a missing table, because nbgrader would create an empty table.
 
-    :raises GradebookRefusedError: if tables are missing; the error names them
+    :raises GraderError: if tables are missing; the error names them
     """
     from nbgrader.api import Base
 

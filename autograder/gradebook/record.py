@@ -18,7 +18,7 @@ from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam.exam import Exam
-from autograder.gradebook.database import GradebookRefusedError, has_gradebook
+from autograder.gradebook.database import has_gradebook
 from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
@@ -35,9 +35,9 @@ def enter_assignment(layout: Layout, assignment: str) -> None:
     with tempfile.TemporaryDirectory(prefix='release_', dir=layout.work) as folder:
         try:
             converters.generate(layout, assignment, Path(folder), database=True)
-        except GradebookRefusedError:
-            raise
         except GraderError as error:
+            if error.fix:  # The database or the disk failed.
+                raise
             raise GraderError(
                 error.what,
                 'If cells of the assignment have changed since the last grading: restore them, '
