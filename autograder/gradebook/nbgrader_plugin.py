@@ -254,7 +254,9 @@ class SaveGrades(SaveAutoGrades):
         with Gradebook(facts['db_url']) as gradebook:
             submission = gradebook.find_submission(facts['assignment'], facts['student'])
             if more is not None:
-                submission.extension = more.get((facts['student'], facts['assignment']))
+                given = more.get((facts['student'], facts['assignment']))
+                # nbgrader fails if it adds extra time to a missing due date.
+                submission.extension = given if submission.assignment.duedate else None
             _name(submission.student, read_people(layout))
             gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)

@@ -265,14 +265,14 @@ def gives_students_more_time(course: Layout) -> None:
     config.write_text(
         f"{text}\nc.LateSubmissionPlugin.penalty_method = 'zero'\n", encoding='utf-8'
     )
-    begin(course)
-    with book(course) as gradebook:
-        gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
     for student in ('ann', 'bob'):
         hand_in(course, student, '2026-03-03 12:00:00 UTC')
     course.extensions.write_text(
         'student,assignment,hours\nann,temperature_monitor,48\n', encoding='utf-8'
     )
+    assert grade(course) == 2  # without a due date, extra time has no effect
+    with book(course) as gradebook:
+        gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
     assert grade(course) == 2
     assert (scores(course, 'ann')['late'], scores(course, 'bob')['late']) == (0, 50)
     assert str(due_dates(course).of('ann', ASSIGNMENT)) == '2026-03-04 00:00:00+00:00'
