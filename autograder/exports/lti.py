@@ -115,7 +115,11 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
     try:
         members = _members(connector, platform.members_url)
         grades = AssignmentsGradesService(connector, {'scope': [SCORE], 'lineitem': url})
-        for row, mark in _by_member(members, marks, done).items():
+        columns = 'user id, login or e-mail address'
+        for row, mark in matched(_rows(members), marks, columns, done).items():
+            if mark.points is None:
+                done.left_out.append((mark.student, mark.status))
+                continue
             if not dry_run:
                 grades.put_grade(_score(Grade(), str(members[row]['user_id']), mark))
             done.filled += 1
@@ -158,20 +162,14 @@ def _members(connector: Any, url: str) -> list[Mapping[str, Any]]:
     return found
 
 
-def _by_member(
-    members: Sequence[Mapping[str, Any]], marks: Sequence[Mark], done: Filled
-) -> dict[int, Mark]:
-    """Return the marks to send, by the index of the member."""
+def _rows(members: Sequence[Mapping[str, Any]]) -> dict[str, set[int]]:
+    """Return the indexes of the active members with each id."""
     by_id: dict[str, set[int]] = {}
     for row, member in enumerate(members):
         if member.get('status', 'Active') == 'Active' and member.get('user_id'):
             for name in IDS:
                 add_names(by_id, str(member.get(name) or ''), row)
-    found = matched(by_id, marks, 'user id, login or e-mail address', done)
-    for mark in found.values():
-        if mark.points is None:
-            done.left_out.append((mark.student, mark.status))
-    return {row: mark for row, mark in found.items() if mark.points is not None}
+    return by_id
 
 
 def _score(grade: Any, user_id: str, mark: Mark) -> Any:
