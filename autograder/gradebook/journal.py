@@ -54,6 +54,10 @@ def make_gradebook(layout: Layout) -> None:
     steps, a later version of nbgrader cannot upgrade the gradebook.  The journals are removed
     first, because they describe a gradebook that no longer exists.
     """
+    from alembic.script import ScriptDirectory
+    from nbgrader import api
+    from nbgrader.dbutil import ALEMBIC_DIR
+
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
@@ -61,7 +65,14 @@ def make_gradebook(layout: Layout) -> None:
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)
-    _make(unfinished, str(load_config(layout).CourseDirectory.course_id))
+    of_nbgrader = api.get_alembic_version  # It starts a separate command, which takes a second.
+    api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
+    try:
+        course = str(load_config(layout).CourseDirectory.course_id)
+        with api.Gradebook(f'sqlite:///{unfinished}', course):
+            pass
+    finally:
+        api.get_alembic_version = of_nbgrader
     for assignment in layout.assignments():
         journal_file(layout, assignment).unlink(missing_ok=True)
     unfinished.replace(path)
@@ -80,21 +91,6 @@ def refuse_incomplete(layout: Layout) -> None:
     missing = sorted(set(Base.metadata.tables) - there)
     if there and missing:
         raise refusal(layout, f'no such table: {", ".join(missing)}')
-
-
-def _make(path: Path, course: str) -> None:
-    from alembic.script import ScriptDirectory
-    from nbgrader import api
-    from nbgrader.dbutil import ALEMBIC_DIR
-
-    # nbgrader's function starts a separate command, which takes a second.
-    of_nbgrader = api.get_alembic_version
-    api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
-    try:
-        with api.Gradebook(f'sqlite:///{path}', course):
-            pass
-    finally:
-        api.get_alembic_version = of_nbgrader
 
 
 class Journal:
