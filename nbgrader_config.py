@@ -70,8 +70,6 @@ c.Autograde.autograde_preprocessors = [
     'nbgrader.preprocessors.AssignLatePenalties',
     'nbgrader.preprocessors.CheckCellMetadata',
 ]
-c.GradeOutside.root = str(root)
-c.SaveGrades.root = str(root)
 
 # SQLAlchemy warns about nbgrader's own queries, whose results are correct.
 warnings.filterwarnings('ignore', message='Object of type .* not in session')

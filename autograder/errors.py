@@ -1,8 +1,7 @@
 """
 Define the exceptions for faults of the grader: :class:`GraderError` and its subclasses.
 
-Further subclasses are in ``submission/tree.py``, ``grading/cluster.py``,
-``classroom/course_lock.py`` and ``gradebook/database.py``.
+Further subclasses are in ``submission/tree.py`` and ``grading/cluster.py``.
 
 A mistake in a *submission* never leaves this package as an exception: it is a
 :class:`~autograder.results.Problem` or a failed check.

@@ -23,7 +23,7 @@ from autograder.gradebook import converters
 from autograder.gradebook.record import points_mismatches
 from autograder.layout import Layout, lesson_files
 from autograder.submission.extract import CHECK_PREFIX
-from autograder.submission.notebook import marks_of, Notebook, read_release
+from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
 
 # -- check ----------------------------------------------------------------------------------
 
@@ -88,7 +88,7 @@ def unfit_checks(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Itera
         marks = marks_of(cell)
         if marks.get('solution'):
             answers.add(marks['grade_id'])
-        elif marks.get('grade') and cell['cell_type'] == 'code':
+        elif is_check(cell):
             grade_id, source = marks['grade_id'], cell['source'].strip()
             name = grade_id.removeprefix(CHECK_PREFIX)
             expected = f"check('{name}')"

@@ -29,7 +29,7 @@ from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
 from autograder.files import json_bytes, write_atomically
 from autograder.gradebook.database import query, save_copy
-from autograder.gradebook.journal import journal_file, read_notes
+from autograder.gradebook.journal import read_notes
 from autograder.gradebook.record import remove_entries
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
@@ -93,9 +93,7 @@ def traces(layout: Layout, student: str) -> Traces:
     known.update(*folders.values(), *graded.values())
     student = student_named(layout, student, known) or _unknown(student, known)
     has_results = [name for name, students in graded.items() if student in students]
-    entered = [
-        one for one in layout.assignments() if student in read_notes(journal_file(layout, one))
-    ]
+    entered = [one for one in layout.assignments() if student in read_notes(layout, one)]
     theirs = tuple(above / student for above in made if student in folders[above])
     lines = [
         *(f'gradebook: {mark}' for mark in marks.get(student, ())),

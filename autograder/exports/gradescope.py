@@ -28,7 +28,6 @@ from autograder.files import files_below, json_bytes, write_atomically, zip_byte
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
-from autograder.sandboxes.isolation import MODES
 from autograder.submission.inbox import open_folder
 from environment.places import PROJECT
 
@@ -52,14 +51,8 @@ def autograder_zip(
     :param visibility: when students see the tests, one of :data:`VISIBILITIES`
     :param allow_weak: weakest isolation mode to accept in the container, see
         :mod:`autograder.sandboxes.isolation`; empty for full isolation only
-    :raises GraderError: if hidden exams must not run with this mode, or this copy of the course
-        has no hidden exams
+    :raises GraderError: if this copy of the course has no hidden exams
     """
-    if allow_weak and not MODES[allow_weak].keeps_secrets:
-        raise GraderError(
-            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so '
-            'there would be no grades.'
-        )
     if not (layout.exams / 'hidden').is_dir():
         raise GraderError(
             "The students' copy of the course has no hidden exams.",
@@ -170,7 +163,10 @@ def main(arguments: Sequence[str]) -> int:
     try:
         layout = Layout.here()
         settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
-        result = grade(layout, settings['assignment'], root / 'submission', settings['allow_weak'])
+        engine = grading_engine(layout, allow_weak=settings['allow_weak'])
+        lesson = load_lesson(layout, settings['assignment'], engine)
+        opened = open_one(open_folder(root / 'submission', 'submission', lesson.notebook), lesson)
+        result = grade_opened(opened, 'submission', lesson, engine)
         write_atomically(results, json_bytes(results_of(result, settings['visibility'])))
     except GraderError as error:
         print(f'No verdict, so no score: {error}', flush=True)
@@ -178,21 +174,6 @@ def main(arguments: Sequence[str]) -> int:
     for flag in result.flags:
         print(f'flag: {flag}')
     return 0
-
-
-def grade(layout: Layout, assignment: str, folder: Path, allow_weak: str) -> SubmissionResult:
-    """
-    Grade the notebook in a folder with the full exams.
-
-    :param folder: folder with the student's upload
-    :raises GraderError: if no isolation mode that may run hidden exams works here
-    """
-    engine = grading_engine(layout, allow_weak=allow_weak)
-    if not engine.hidden:
-        raise GraderError('Only visible checks can run here, so there is no grade.')
-    lesson = load_lesson(layout, assignment, engine)
-    opened = open_one(open_folder(folder, 'submission', lesson.notebook), lesson)
-    return grade_opened(opened, 'submission', lesson, engine)
 
 
 if __name__ == '__main__':

@@ -14,31 +14,25 @@ from xml.etree import ElementTree
 
 from autograder.classroom.results_of_class import seconds_of_exam
 from autograder.exports.marks import Mark
-from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.results import CheckResult, Verdict
 
 NO_XML = re.compile('[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 """Characters that XML 1.0 does not allow (production ``Char`` in section 2.2)."""
 
-COUNTS = {'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
+COUNTS = {'tests': 'testcase', 'failures': 'failure', 'errors': 'error', 'skipped': 'skipped'}
+"""The elements that each attribute of a suite counts."""
 
 
 def junit_xml(marks: Iterable[Mark]) -> bytes:
     """Return the document, in UTF-8."""
     suites = ElementTree.Element('testsuites', name='autograder')
     for mark in marks:
-        result = mark.result
-        if result is None:
-            suites.append(
-                _single_case_suite(mark, 'missing', 'submission', 'skipped', mark.status)
-            )
-            continue
-        suites.extend(_suite(result, exam) for exam in result.exams)
-        if result.review:
-            suites.append(
-                _single_case_suite(mark, 'for review', 'grading', 'error', result.review)
-            )
-    for name in ('tests', 'failures', 'errors'):
-        suites.set(name, str(sum(int(suite.get(name, '0')) for suite in suites)))
+        _add_suites(suites, mark)
+    for suite in suites:
+        for attribute, tag in COUNTS.items():
+            suite.set(attribute, str(len(suite.findall(f'.//{tag}'))))
+    for attribute in ('tests', 'failures', 'errors'):
+        suites.set(attribute, str(len(suites.findall(f'.//{COUNTS[attribute]}'))))
     suites.set('time', f'{sum(float(suite.get("time", "0")) for suite in suites):.3f}')
     ElementTree.indent(suites)
     return ElementTree.tostring(suites, encoding='utf-8', xml_declaration=True) + b'\n'
@@ -49,60 +43,51 @@ def clean(text: str) -> str:
     return NO_XML.sub('\N{REPLACEMENT CHARACTER}', text)
 
 
-def _suite(result: SubmissionResult, exam: ExamResult) -> ElementTree.Element:
-    suite = _new_suite(f'{result.assignment}/{result.student}/{exam.exam}')
-    for check in exam.checks:
-        case = _case(suite, result.assignment, result.student, f'{exam.exam}/{check.check}')
-        if check.verdict is Verdict.FAILED:
-            message = check.cause or check.observed or check.title
-            failure = ElementTree.SubElement(case, 'failure', message=clean(message))
-            failure.set('type', clean(check.cause_id) or 'failed')
-            failure.text = clean(_feedback_text(check))
-        elif check.verdict is Verdict.NOT_RUN:
-            ElementTree.SubElement(case, 'skipped', message=clean(f'waits for {check.waits_for}'))
-    said = [problem.line() for problem in result.problems]
-    said += [text for text in (exam.note, *exam.flags) if text]
-    if said:
-        ElementTree.SubElement(suite, 'system-out').text = clean('\n'.join(said))
-    return _counted(suite, seconds_of_exam(exam))
+def _add_suites(suites: ElementTree.Element, mark: Mark) -> None:
+    """Add the test suites of one student."""
+    result = mark.result
+    if result is None:
+        case = _add_case(_add_suite(suites, mark, 'missing'), mark, 'submission')
+        ElementTree.SubElement(case, 'skipped', message=clean(mark.status))
+        return
+    for exam in result.exams:
+        suite = _add_suite(suites, mark, exam.exam, seconds_of_exam(exam))
+        for check in exam.checks:
+            _add_verdict(_add_case(suite, mark, f'{exam.exam}/{check.check}'), check)
+        said = [problem.line() for problem in result.problems]
+        said += [text for text in (exam.note, *exam.flags) if text]
+        if said:
+            ElementTree.SubElement(suite, 'system-out').text = clean('\n'.join(said))
+    if result.review:
+        case = _add_case(_add_suite(suites, mark, 'for review'), mark, 'grading')
+        error = ElementTree.SubElement(case, 'error', message=clean(result.review))
+        error.set('type', 'for_review')
+        error.text = 'There is no score. A person must decide.'
 
 
-def _single_case_suite(
-    mark: Mark, kind: str, name: str, tag: str, message: str
+def _add_suite(
+    suites: ElementTree.Element, mark: Mark, name: str, seconds: float = 0.0
 ) -> ElementTree.Element:
-    """Return a test suite with one case that has neither passed nor failed."""
-    suite = _new_suite(f'{mark.assignment}/{mark.student}/{kind}')
-    case = _case(suite, mark.assignment, mark.student, name)
-    about = ElementTree.SubElement(case, tag, message=clean(message))
-    if tag == 'error':
-        about.set('type', 'for_review')
-        about.text = 'There is no score. A person must decide.'
-    return _counted(suite, 0.0)
+    """Add a test suite without cases; its counts are set when it is complete."""
+    where = clean(f'{mark.assignment}/{mark.student}/{name}')
+    attributes = {'name': where, **dict.fromkeys(COUNTS, ''), 'time': f'{seconds:.3f}'}
+    return ElementTree.SubElement(suites, 'testsuite', attributes)
 
 
-def _new_suite(name: str) -> ElementTree.Element:
-    return ElementTree.Element('testsuite', name=clean(name))
-
-
-def _case(
-    suite: ElementTree.Element, assignment: str, student: str, name: str
-) -> ElementTree.Element:
+def _add_case(suite: ElementTree.Element, mark: Mark, name: str) -> ElementTree.Element:
     """Add a case; its class name and name are unique in the class of students."""
-    where = clean(f'{assignment}.{student}')
+    where = clean(f'{mark.assignment}.{mark.student}')
     return ElementTree.SubElement(suite, 'testcase', classname=where, name=clean(name))
 
 
-def _counted(suite: ElementTree.Element, seconds: float) -> ElementTree.Element:
-    """Set the counts of a test suite from its cases, and its time; return the suite."""
-    suite.set('tests', str(len(suite.findall('testcase'))))
-    for attribute, tag in COUNTS.items():
-        suite.set(attribute, str(len(suite.findall(f'testcase/{tag}'))))
-    suite.set('time', f'{seconds:.3f}')
-    return suite
-
-
-def _feedback_text(check: CheckResult) -> str:
-    """Return the feedback on a check as text, one line per item."""
-    points = f'{check.points:g} of {check.max_points:g}'
-    facts = {'checked': check.title, **check.facts, 'points': points}
-    return '\n'.join(f'{name}: {text}' for name, text in facts.items())
+def _add_verdict(case: ElementTree.Element, check: CheckResult) -> None:
+    """Add to a case why its check has not passed; a failure contains the feedback as text."""
+    if check.verdict is Verdict.FAILED:
+        message = check.cause or check.observed or check.title
+        failure = ElementTree.SubElement(case, 'failure', message=clean(message))
+        failure.set('type', clean(check.cause_id) or 'failed')
+        points = f'{check.points:g} of {check.max_points:g}'
+        facts = {'checked': check.title, **check.facts, 'points': points}
+        failure.text = clean('\n'.join(f'{name}: {text}' for name, text in facts.items()))
+    elif check.verdict is Verdict.NOT_RUN:
+        ElementTree.SubElement(case, 'skipped', message=clean(f'waits for {check.waits_for}'))

@@ -8,6 +8,7 @@ PyLTI1p3 signs the requests.  The platform's list of members (Names and Role Pro
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from datetime import datetime, timezone
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -114,7 +115,11 @@ def send(platform: Platform, url: str, marks: Sequence[Mark], dry_run: bool = Fa
     try:
         members = _members(connector, platform.members_url)
         grades = AssignmentsGradesService(connector, {'scope': [SCORE], 'lineitem': url})
-        for row, mark in _by_member(members, marks, done).items():
+        columns = 'user id, login or e-mail address'
+        for row, mark in matched(_rows(members), marks, columns, done).items():
+            if mark.points is None:
+                done.left_out.append((mark.student, mark.status))
+                continue
             if not dry_run:
                 grades.put_grade(_score(Grade(), str(members[row]['user_id']), mark))
             done.filled += 1
@@ -131,19 +136,16 @@ def _connector(platform: Platform) -> Any:
     from pylti1p3.service_connector import ServiceConnector
     import requests
 
-    class Session(requests.Session):
-        """A session with a timeout, so that a silent platform cannot block it forever."""
-
-        def request(self, *given: Any, **more: Any) -> requests.Response:
-            return super().request(*given, **{'timeout': TIMEOUT_S, **more})
-
+    session: Any = requests.Session()
+    # Without a timeout, a silent platform could block the export forever.
+    session.request = partial(session.request, timeout=TIMEOUT_S)
     known = Registration().set_client_id(platform.client_id)
     known.set_auth_token_url(platform.token_url).set_tool_private_key(platform.key)
     if platform.audience:
         known.set_auth_audience(platform.audience)
     if platform.key_id:
         known.set_kid(platform.key_id)
-    return ServiceConnector(known, Session())
+    return ServiceConnector(known, session)
 
 
 def _members(connector: Any, url: str) -> list[Mapping[str, Any]]:
@@ -160,20 +162,14 @@ def _members(connector: Any, url: str) -> list[Mapping[str, Any]]:
     return found
 
 
-def _by_member(
-    members: Sequence[Mapping[str, Any]], marks: Sequence[Mark], done: Filled
-) -> dict[int, Mark]:
-    """Return the marks to send, by the index of the member."""
+def _rows(members: Sequence[Mapping[str, Any]]) -> dict[str, set[int]]:
+    """Return the indexes of the active members with each id."""
     by_id: dict[str, set[int]] = {}
     for row, member in enumerate(members):
         if member.get('status', 'Active') == 'Active' and member.get('user_id'):
             for name in IDS:
                 add_names(by_id, str(member.get(name) or ''), row)
-    found = matched(by_id, marks, 'user id, login or e-mail address', done)
-    for mark in found.values():
-        if mark.points is None:
-            done.left_out.append((mark.student, mark.status))
-    return {row: mark for row, mark in found.items() if mark.points is not None}
+    return by_id
 
 
 def _score(grade: Any, user_id: str, mark: Mark) -> Any:

@@ -10,10 +10,9 @@ written unchanged.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-import csv
-import io
 import re
 
+from autograder.classroom.tables import Table
 from autograder.explaining.feedback import headline, number, printable
 from autograder.exports.marks import Mark
 
@@ -78,11 +77,8 @@ def checks_csv(marks: Iterable[Mark]) -> bytes:
 
 def csv_bytes(header: Sequence[str], rows: Iterable[Sequence[Cell]]) -> bytes:
     """Return a CSV table in UTF-8."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator='\r\n')
-    writer.writerow(header)
-    writer.writerows([_field(cell) for cell in row] for row in rows)
-    return text.getvalue().encode('utf-8', 'replace')
+    cells = [list(header), *([_field(cell) for cell in row] for row in rows)]
+    return Table(cells, newline='\r\n').to_bytes()
 
 
 def _field(cell: Cell) -> str:

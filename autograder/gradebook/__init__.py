@@ -1,1 +1,6 @@
-"""Plug-ins for nbgrader, and the only code of the grader that writes to its gradebook."""
+"""
+Plug-ins for nbgrader, and the only code of the grader that writes to its gradebook.
+
+Every function that uses the gradebook raises a GraderError if it cannot be reached, read or
+written.
+"""

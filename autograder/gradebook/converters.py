@@ -32,7 +32,6 @@ from autograder.errors import from_os_error, GraderError, is_disk_full
 from autograder.gradebook.database import address, database_failure, load_config, refusal
 from autograder.gradebook.journal import refuse_incomplete
 from autograder.layout import Layout
-from autograder.results import SubmissionResult
 
 MAX_LINES = 6
 """Maximum number of nbgrader's log lines in an error: two lines each for three students."""
@@ -59,17 +58,16 @@ def autograde(
     layout: Layout,
     assignment: str,
     submitted: Path,
-    results: Mapping[str, SubmissionResult],
-    same_work: Collection[str] = (),
+    facts: Mapping[str, Mapping[str, Any]],
 ) -> None:
     """
     Enter results in the gradebook, as ``nbgrader autograde`` does.
 
     :param submitted: folder of rebuilt notebooks, ``<student>/<assignment>/<notebook>.ipynb``
-    :param results: results by student
-    :param same_work: students whose answers have not changed since their last entry
-    :raises GraderError: with nbgrader's message, if some students failed; the others are recorded
-    :raises GradebookRefusedError: if the database failed; no further students are recorded
+    :param facts: what :mod:`autograder.gradebook.nbgrader_plugin` needs about each student: the
+        ``result``, and ``same_work``, whether the answers are unchanged since the last entry
+    :raises GraderError: with nbgrader's message, if some students failed; the others are recorded,
+        unless the database or the disk failed
     """
     config = load_config(layout)
     config.CourseDirectory.submitted_directory = str(submitted)
@@ -78,8 +76,7 @@ def autograde(
     config.Autograde.exporter_class = 'nbconvert.exporters.NotebookExporter'
     config.Autograde.sanitize_preprocessors = ['nbgrader.preprocessors.ClearOutput']
     config.Exporter.optimistic_validation = True
-    facts = {'students': results, 'results': results, 'same_work': same_work}
-    _run(layout, assignment, f'recording {assignment}', config, _Recorder, **facts)
+    _run(layout, assignment, f'recording {assignment}', config, _Recorder, facts=facts)
 
 
 def feedback(layout: Layout, assignment: str, students: Collection[str]) -> dict[str, bytes]:
@@ -108,20 +105,20 @@ def _run(
     doing: str,
     config: Config,
     kind: type[_StopOnDatabaseError],
-    **facts: Any,
+    **attributes: Any,
 ) -> None:
     """
     Run a command of nbgrader.
 
     :param doing: what the command does, for messages
-    :param facts: attributes of the command
+    :param attributes: attributes of the command
     :raises GraderError: with nbgrader's message, or if the database or the disk failed
     """
     config.CourseDirectory.assignment_id = assignment
     with _logged(doing) as log, _share_engine():
         coursedir = CourseDirectory(config=config, log=log)
         command = kind(coursedir=coursedir, config=config, log=log, force=True)
-        for name, value in facts.items():
+        for name, value in attributes.items():
             setattr(command, name, value)
         try:
             command.start()
@@ -135,25 +132,14 @@ def _run(
 
 @contextmanager
 def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
-    """
-    Yield nbgrader's gradebook; create it if there is none.
-
-    :raises GraderError: if a table is missing, or the gradebook cannot be opened, read or written
-    """
+    """Yield nbgrader's gradebook; create it if there is none."""
     refuse_incomplete(layout)
     try:
         with _silence_nbgrader():
             with api.Gradebook(address(layout)) as gradebook:
                 yield gradebook
     except (SQLAlchemyError, api.InvalidEntry) as error:
-        if failure := database_failure(error):
-            raise refusal(layout, failure) from error
-        said = (str(error).strip().splitlines() or [type(error).__name__])[0]
-        raise GraderError(
-            f'nbgrader cannot use its gradebook: {said}.',
-            'Try: close other programs that use it, then run the same command again. Finished '
-            'runs are kept.',
-        ) from error
+        raise refusal(layout, database_failure(error) or error) from error
 
 
 @contextmanager
@@ -207,11 +193,11 @@ class _StopOnDatabaseError(BaseConverter):
 
 
 class _Generator(_StopOnDatabaseError, GenerateAssignment):
-    """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
+    """nbgrader's GenerateAssignment."""
 
 
-class _StudentsCommand(_StopOnDatabaseError):
-    """An nbgrader command for exactly the given students."""
+class _FeedbackWriter(_StopOnDatabaseError, GenerateFeedback):
+    """nbgrader's GenerateFeedback for exactly the given students."""
 
     students: Collection[str]
 
@@ -223,22 +209,15 @@ class _StudentsCommand(_StopOnDatabaseError):
             self.assignments[str(folder)] = sorted(str(path) for path in folder.glob('*.ipynb'))
 
 
-class _FeedbackWriter(_StudentsCommand, GenerateFeedback):
-    """nbgrader's GenerateFeedback for exactly the given students."""
+class _Recorder(_StopOnDatabaseError, Autograde):
+    """nbgrader's Autograde for students whose results are known."""
 
-
-class _Recorder(_StudentsCommand, Autograde):
-    """nbgrader's Autograde for exactly the students whose results are known."""
-
-    results: Mapping[str, SubmissionResult]
-    same_work: Collection[str]
+    facts: Mapping[str, Mapping[str, Any]]
 
     def init_single_notebook_resources(self, notebook_filename: str) -> dict[str, Any]:
-        """Add the data that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
+        """Add the facts that :mod:`autograder.gradebook.nbgrader_plugin` needs."""
         resources: dict[str, Any] = super().init_single_notebook_resources(notebook_filename)
-        student = resources['nbgrader']['student']
-        resources['nbgrader']['result'] = self.results[student]
-        resources['nbgrader']['same_work'] = student in self.same_work
+        resources['nbgrader'].update(self.facts[resources['nbgrader']['student']])
         return resources
 
 

@@ -21,6 +21,7 @@ from sqlalchemy.pool import NullPool
 from traitlets.config import Config
 from traitlets.config.loader import PyFileConfigLoader
 
+from autograder.classroom.tables import read_json
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
@@ -37,10 +38,6 @@ FILE_ADVICE = {
     **dict.fromkeys(INCOMPLETE, 'put a complete copy of the file in its place'),
 }
 """Advice for a gradebook file that fails, by a part of SQLite's error message."""
-
-
-class GradebookRefusedError(GraderError):
-    """The database of the gradebook failed, so no submission can be entered."""
 
 
 def load_config(layout: Layout) -> Config:
@@ -95,18 +92,13 @@ def database_failure(error: BaseException) -> SQLAlchemyError | None:
     return None
 
 
-def refusal(layout: Layout, error: SQLAlchemyError) -> GradebookRefusedError:
-    """Return the error for a failure of the database."""
-    return unusable(layout, str(getattr(error, 'orig', None) or error))
-
-
-def unusable(layout: Layout, said: str) -> GradebookRefusedError:
+def refusal(layout: Layout, error: Exception | str) -> GraderError:
     """
     Return the error for an unusable gradebook, with its address, the problem and a remedy.
 
-    :param said: the message of the database; only its first line is used
+    :param error: the failure of the database; only the first line of its message is used
     """
-    said = said.strip().partition('\n')[0].rstrip('.')
+    said = str(getattr(error, 'orig', None) or error).strip().partition('\n')[0].rstrip('.')
     path = gradebook_file(layout)
     if path is not None:
         known = (advice for part, advice in FILE_ADVICE.items() if part in said)
@@ -117,7 +109,7 @@ def unusable(layout: Layout, said: str) -> GradebookRefusedError:
     else:
         where = make_url(address(layout)).render_as_string(hide_password=True)
         advice = 'check that the database server is running and that its gradebook is complete'
-    return GradebookRefusedError(
+    return GraderError(
         f'{where}: the gradebook cannot be used: {said}.',
         f'Try: {advice}, then run the same command again. Finished runs are kept.',
     )
@@ -128,10 +120,7 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
     """
     Yield a connection to the gradebook, or None if the file does not exist yet.
 
-    This function never creates a gradebook.
-
-    :raises GraderError: if the gradebook cannot be reached or read; the error shows its address
-        without the password
+    This function never creates a gradebook.  Its errors show no password.
     """
     if not has_gradebook(layout):
         yield None
@@ -161,16 +150,14 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         raise refusal(layout, error) from error
 
 
-def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
+def query(layout: Layout, statement: Any, **values: str) -> Sequence[Any]:
     """
-    Return the rows of a query; none if the gradebook or a table does not exist yet.
+    Return the rows of a query; none if the gradebook or its tables do not exist yet.
 
-    :param table: the query returns no rows if this table does not exist
     :param values: values of the statement's parameters
-    :raises GraderError: if the gradebook cannot be queried
     """
     with connected(layout) as gradebook:
-        if gradebook is None or not inspect(gradebook).has_table(table):
+        if gradebook is None or not inspect(gradebook).get_table_names():
             return ()
         return gradebook.execute(statement, values).all()
 
@@ -274,8 +261,7 @@ def refuse_damaged(layout: Layout) -> None:
         got = str(error)
     else:
         nothing = not path.stat().st_size
-        journals = (layout.work / 'entered').glob('*.jsonl')
-        was_filled = any(journal.read_bytes().strip() for journal in journals)
+        was_filled = any(map(read_json, (layout.work / 'entered').glob('*.json')))
         if not empty or not (was_filled or (nothing and copies(layout))):
             return
         got = 'the file is empty' if nothing else 'it no longer has any submissions'

@@ -1,16 +1,16 @@
 """Find the cells of a notebook that an exam grades, and write scores and feedback into them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from nbformat import from_dict, NotebookNode
 from nbformat.v4 import new_output
-from nbgrader import utils
 
 from autograder.explaining.feedback import exam_text, FOR_REVIEW, review_text
 from autograder.explaining.feedback_html import exam_html
 from autograder.results import ExamResult, Problem, SubmissionResult
 from autograder.submission.extract import CHECK_PREFIX
+from autograder.submission.notebook import is_check, marks_of, Notebook
 from autograder.submission.submission import Opened
 
 
@@ -28,57 +28,45 @@ def from_node(notebook: NotebookNode) -> Opened:
 
 
 def write_outcomes(nb: NotebookNode, result: SubmissionResult) -> None:
-    """Write the feedback and, if there is one, the score into every check cell of a notebook."""
+    """
+    Write the feedback and, if there is one, the score into every check cell of a notebook.
+
+    Problems with the answers directly above a check cell belong to this cell; problems with the
+    whole notebook, to the first check cell with a score.
+    """
     exams = {exam.exam: exam for exam in result.exams}
     general = [problem for problem in result.problems if not problem.cells]
+    answers: set[str] = set()
     for cell in nb.cells:
         if not is_check(cell):
+            if marks_of(cell).get('solution'):
+                answers.add(marks_of(cell)['grade_id'])
             continue
+        about = [problem for problem in result.problems if answers & set(problem.cells)]
+        answers.clear()
         score = score_of(cell, result)
         if score is None:
-            cell.outputs = [_text(review_text(result) if result.review else f'{FOR_REVIEW}\n')]
+            text = review_text(result) if result.review else f'{FOR_REVIEW}\n'
+            cell.outputs = [new_output('stream', name='stdout', text=text)]
             continue
-        exam = exams[_exam_name(cell)]
-        problems = [*general, *_about(result, exam, nb)]
-        general = []
-        cell.outputs = [_feedback_output(exam, problems), _score(score)]
+        feedback = _feedback_output(exams[_exam_name(cell)], [*general, *about])
+        cell.outputs = [feedback, _score(score)]
         cell.execution_count = 1
+        general = []
 
 
-def score_of(cell: NotebookNode, result: SubmissionResult) -> float | None:
+def score_of(cell: Notebook, result: SubmissionResult) -> float | None:
     """Return the score of a check cell of the release, or None if the cell is for review."""
-    maximum = float(cell.metadata.nbgrader['points'])
+    maximum = float(marks_of(cell)['points'])
     for exam in () if result.review else result.exams:
         if exam.exam == _exam_name(cell) and 0 <= exam.points <= maximum + 1e-6:
             return round(min(exam.points, maximum), 3)
     return None
 
 
-def _exam_name(cell: NotebookNode) -> str:
+def _exam_name(cell: Notebook) -> str:
     """Return the name of the exam that grades a check cell."""
-    return str(cell.metadata.nbgrader['grade_id']).removeprefix(CHECK_PREFIX)
-
-
-def is_check(cell: NotebookNode) -> bool:
-    """Return whether an exam grades a cell."""
-    return bool(utils.is_grade(cell) and not utils.is_solution(cell) and cell.cell_type == 'code')
-
-
-def _about(result: SubmissionResult, exam: ExamResult, nb: NotebookNode) -> list[Problem]:
-    """Return the problems with the answer cells directly above the check cell of an exam."""
-    own: set[str] = set()
-    for cell in nb.cells:
-        if is_check(cell):
-            if cell.metadata.nbgrader['grade_id'] == f'{CHECK_PREFIX}{exam.exam}':
-                break
-            own.clear()
-        elif utils.is_solution(cell):
-            own.add(cell.metadata.nbgrader['grade_id'])
-    return [problem for problem in result.problems if own & set(problem.cells)]
-
-
-def _text(text: str) -> NotebookNode:
-    return new_output('stream', name='stdout', text=text)
+    return str(marks_of(cell)['grade_id']).removeprefix(CHECK_PREFIX)
 
 
 def _feedback_output(exam: ExamResult, problems: Sequence[Problem]) -> NotebookNode:
@@ -92,5 +80,4 @@ def _feedback_output(exam: ExamResult, problems: Sequence[Problem]) -> NotebookN
 
 def _score(points: float) -> NotebookNode:
     """Return the cell output that nbgrader reads as a partial grade."""
-    data: Mapping[str, str] = {'text/plain': repr(points)}
-    return new_output('execute_result', data=data, execution_count=1)
+    return new_output('execute_result', data={'text/plain': repr(points)}, execution_count=1)

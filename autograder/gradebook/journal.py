@@ -2,28 +2,26 @@
 Record which results are in the gradebook, so that unchanged results are not entered again.
 
 nbgrader needs about 30 ms to enter a submission, three times as long as a rerun may take.  So the
-journal appends one line per entry to a file; incomplete lines are ignored.  A submission is
-skipped only if it has not changed *and* the gradebook still shows the same values: a gradebook
-that was deleted, restored or edited is filled again.  Manual grades are not compared, because
-nbgrader always keeps them.  But a late penalty may be a share of the manual grades, so late work
-is entered again after each manual grade.
+journal of an assignment is a JSON file with a digest by student: of the submission, its result and
+the values that the gradebook shows.  A gradebook that was deleted, restored or edited is therefore
+filled again.  Manual grades are not compared, because nbgrader always keeps them.  But a late
+penalty may be a share of the manual grades, so late work is entered again after each manual grade.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import suppress
 from datetime import timedelta
 from functools import cached_property
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import inspect, text
 
 from autograder.classroom.people import extensions
-from autograder.files import write_atomically
-from autograder.gradebook.database import connected, gradebook_file, load_config, query, unusable
+from autograder.classroom.tables import read_json
+from autograder.files import json_bytes, write_atomically
+from autograder.gradebook.database import connected, gradebook_file, load_config, query, refusal
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
@@ -56,6 +54,10 @@ def make_gradebook(layout: Layout) -> None:
     steps, a later version of nbgrader cannot upgrade the gradebook.  The journals are removed
     first, because they describe a gradebook that no longer exists.
     """
+    from alembic.script import ScriptDirectory
+    from nbgrader import api
+    from nbgrader.dbutil import ALEMBIC_DIR
+
     path = gradebook_file(layout)
     if path is None or path.exists():
         return
@@ -63,7 +65,14 @@ def make_gradebook(layout: Layout) -> None:
     unfinished.parent.mkdir(parents=True, exist_ok=True)
     for left in (unfinished, Path(f'{unfinished}-journal')):
         left.unlink(missing_ok=True)
-    _make(unfinished, str(load_config(layout).CourseDirectory.course_id))
+    of_nbgrader = api.get_alembic_version  # It starts a separate command, which takes a second.
+    api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
+    try:
+        course = str(load_config(layout).CourseDirectory.course_id)
+        with api.Gradebook(f'sqlite:///{unfinished}', course):
+            pass
+    finally:
+        api.get_alembic_version = of_nbgrader
     for assignment in layout.assignments():
         journal_file(layout, assignment).unlink(missing_ok=True)
     unfinished.replace(path)
@@ -73,7 +82,7 @@ def refuse_incomplete(layout: Layout) -> None:
     """
     Refuse a gradebook with a missing table, because nbgrader would create an empty table.
 
-    :raises GradebookRefusedError: if tables are missing; the error names them
+    :raises GraderError: if tables are missing; the error names them
     """
     from nbgrader.api import Base
 
@@ -81,22 +90,7 @@ def refuse_incomplete(layout: Layout) -> None:
         there = set() if gradebook is None else set(inspect(gradebook).get_table_names())
     missing = sorted(set(Base.metadata.tables) - there)
     if there and missing:
-        raise unusable(layout, f'no such table: {", ".join(missing)}')
-
-
-def _make(path: Path, course: str) -> None:
-    from alembic.script import ScriptDirectory
-    from nbgrader import api
-    from nbgrader.dbutil import ALEMBIC_DIR
-
-    # nbgrader's function starts a separate command, which takes a second.
-    of_nbgrader = api.get_alembic_version
-    api.get_alembic_version = ScriptDirectory(ALEMBIC_DIR).get_current_head
-    try:
-        with api.Gradebook(f'sqlite:///{path}', course):
-            pass
-    finally:
-        api.get_alembic_version = of_nbgrader
+        raise refusal(layout, f'no such table: {", ".join(missing)}')
 
 
 class Journal:
@@ -106,8 +100,8 @@ class Journal:
         self.layout, self.lesson = layout, lesson
 
     @cached_property
-    def _known(self) -> dict[str, dict[str, Any]]:
-        return read_notes(journal_file(self.layout, self.lesson.assignment))
+    def _known(self) -> Mapping[str, str]:
+        return read_notes(self.layout, self.lesson.assignment)
 
     @cached_property
     def _gradebook_values(self) -> Rows:
@@ -115,99 +109,78 @@ class Journal:
         return gradebook_values(self.layout, self.lesson.assignment)
 
     @cached_property
-    def _extensions(self) -> Mapping[tuple[str, str], timedelta] | None:
+    def _extensions(self) -> Mapping[tuple[str, str], timedelta]:
         """Return the extra time of individual students."""
-        return extensions(self.layout)
+        return extensions(self.layout) or {}
 
     @cached_property
-    def _common_digest(self) -> bytes:
+    def _common_digest(self) -> str:
         """Return a digest of the release and the settings, on which all entries depend."""
         settings = (self.layout.root / 'nbgrader_config.py').read_bytes()
         release = json.dumps(self.lesson.release, sort_keys=True)
-        data = settings + b'\0' + release.encode('utf-8', 'replace')
-        return hashlib.sha256(data).digest()
+        return hashlib.sha256(settings + b'\0' + release.encode('utf-8', 'replace')).hexdigest()
 
     def new(self, graded: Sequence[Graded]) -> list[Graded]:
-        """
-        Return the submissions whose results are not in the gradebook yet.
-
-        :raises GraderError: if the gradebook cannot be queried
-        """
+        """Return the submissions whose results are not in the gradebook yet."""
         return [
             one
             for one in graded
-            if self._known.get(one.result.student) != self._line(one, self._gradebook_values)
+            if self._known.get(one.result.student) != self._digest(one, self._gradebook_values)
             or not autograded(self.layout, self.lesson, one).is_file()
         ]
 
     def note(self, entered: Sequence[Graded]) -> None:
-        """Append a note for each of these submissions that nbgrader has entered."""
+        """Store the digests of those submissions that nbgrader has entered."""
         rows = gradebook_values(self.layout, self.lesson.assignment)
-        lines = [
-            _json_line({'student': one.result.student, **self._line(one, rows)})
+        digests = {
+            one.result.student: self._digest(one, rows)
             for one in entered
             if one.result.student in rows
-        ]
+        }
+        known = read_notes(self.layout, self.lesson.assignment)
         path = journal_file(self.layout, self.lesson.assignment)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open('ab') as file:
-            # Begin with a line break: an incomplete last line must not merge with the next one.
-            file.write(b'\n' + b''.join(lines))
-            file.flush()
-            os.fsync(file.fileno())
+        write_atomically(path, json_bytes({**known, **digests}))
 
-    def _line(self, graded: Graded, rows: Rows) -> dict[str, Any]:
-        """Return the note about a submission: a digest of its data, and the gradebook's values."""
-        result = graded.result.to_json()
+    def _digest(self, graded: Graded, rows: Rows) -> str:
+        """Return a digest of a submission, its result, and the gradebook's values."""
+        student, result = graded.result.student, graded.result.to_json()
         for exam in result['exams']:
             exam.pop('timing', None)
             exam.pop('pictures', None)
         stamp, _ = read_file(graded.submission.folder / 'timestamp.txt', 'timestamp.txt')
-        more = self._extensions and self._extensions.get(
-            (graded.result.student, self.lesson.assignment)
+        parts = (
+            self._common_digest,
+            result,
+            graded.opened.notebook,
+            (stamp or b'')[:100].decode('latin-1'),
+            str(self._extensions.get((student, self.lesson.assignment), '')),
+            rows.get(student, {}),
         )
-        parts = [result, graded.opened.notebook, (stamp or b'')[:100].decode('latin-1')]
-        if more:
-            parts.append(str(more))
-        text = json.dumps(parts, sort_keys=True, default=list).encode('utf-8', 'replace')
-        digest = hashlib.sha256(self._common_digest + text).hexdigest()[:32]
-        return {'digest': digest, 'shown': rows.get(graded.result.student, {})}
+        text = json.dumps(parts, sort_keys=True, default=list)
+        return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
 
 
 def journal_file(layout: Layout, assignment: str) -> Path:
-    """Return the file with one line per entered submission."""
-    return layout.work / 'entered' / f'{assignment}.jsonl'
+    """Return the file with the digests of the entered submissions."""
+    return layout.work / 'entered' / f'{assignment}.json'
 
 
-def read_notes(path: Path) -> dict[str, dict[str, Any]]:
-    """Return the last note about each student, ignoring incomplete lines."""
-    found = {}
-    for line in path.read_bytes().splitlines() if path.is_file() else ():
-        with suppress(ValueError):  # A power cut can leave an incomplete line.
-            data = json.loads(line)
-            found[data.pop('student')] = data
-    return found
+def read_notes(layout: Layout, assignment: str) -> dict[str, str]:
+    """Return the digests of the entered submissions by student; none if the file is damaged."""
+    found = read_json(journal_file(layout, assignment))
+    return found if isinstance(found, dict) else {}
 
 
 def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
-    """Remove the notes about some students from the journal of an assignment."""
-    path = journal_file(layout, assignment)
-    known = read_notes(path)
-    if known.keys() & set(students):
-        lines = [
-            _json_line({'student': student, **data})
-            for student, data in known.items()
-            if student not in students
-        ]
-        write_atomically(path, b''.join(lines))
+    """Remove some students from the journal of an assignment."""
+    known = read_notes(layout, assignment)
+    kept = {student: digest for student, digest in known.items() if student not in students}
+    if kept != known:
+        write_atomically(journal_file(layout, assignment), json_bytes(kept))
 
 
 def gradebook_values(layout: Layout, assignment: str) -> Rows:
-    """
-    Return the values in the gradebook for an assignment.
-
-    :raises GraderError: if the gradebook cannot be queried
-    """
+    """Return the values in the gradebook for an assignment."""
     rows: Rows = {}
     for student, cell, *facts in query(layout, text(SHOWN), assignment=assignment):
         score, *times = facts
@@ -219,7 +192,3 @@ def autograded(layout: Layout, lesson: Lesson, graded: Graded) -> Path:
     """Return the path of the notebook that nbgrader stores for a graded submission."""
     folder = layout.work / 'autograded' / graded.result.student / lesson.assignment
     return folder / lesson.notebook
-
-
-def _json_line(data: Mapping[str, Any]) -> bytes:
-    return json.dumps(data, sort_keys=True).encode() + b'\n'

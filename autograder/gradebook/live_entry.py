@@ -26,9 +26,9 @@ from autograder.gradebook.journal import Journal
 from autograder.gradebook.record import enter_assignment, record, timestamp_of
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
+from autograder.submission.notebook import is_check, marks_of
 
 if TYPE_CHECKING:
-    from nbformat import NotebookNode
     from nbgrader.api import SubmittedAssignment
 
 BATCH_SIZE = 10
@@ -41,34 +41,34 @@ def lowered_marks(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> d
 
     :param graded: the results that are about to be entered
     :returns: the change as text, such as ``ann 40 to 27``, by student
-    :raises GraderError: if the gradebook cannot be read
     """
     if not has_gradebook(layout):
         return {}  # Opening the gradebook would create it.
-    from nbformat import from_dict
     from nbgrader.api import MissingEntry
 
     from autograder.gradebook.converters import opened_gradebook
-    from autograder.gradebook.grade_cells import is_check
 
     found = {}
-    checks = [cell for cell in from_dict(lesson.release).cells if is_check(cell)]
     with opened_gradebook(layout) as gradebook:
         for one in graded:
             with suppress(MissingEntry):
                 submission = gradebook.find_submission(lesson.assignment, one.result.student)
-                if change := _lowered(layout, one, submission, checks):
+                if change := _lowered(layout, lesson, one, submission):
                     found[one.result.student] = printable(f'{one.result.student} {change}')
     return found
 
 
 def _lowered(
-    layout: Layout, graded: Graded, submission: SubmittedAssignment, checks: Sequence[NotebookNode]
+    layout: Layout, lesson: Lesson, graded: Graded, submission: SubmittedAssignment
 ) -> str:
     """Return how the mark of one submission would be lowered or cleared, else empty."""
     from autograder.gradebook.grade_cells import score_of
 
-    new = {cell.metadata.nbgrader['grade_id']: score_of(cell, graded.result) for cell in checks}
+    new = {
+        marks_of(cell)['grade_id']: score_of(cell, graded.result)
+        for cell in lesson.release['cells']
+        if is_check(cell)
+    }
     counted = [
         grade
         for notebook in submission.notebooks
@@ -102,11 +102,13 @@ def _penalty(
     due, more = submission.assignment.duedate, submission.extension
     if (listed := extensions(layout)) is not None:
         more = listed.get((graded.result.student, submission.assignment.name))
-    if when is None or due is None or when <= due + (more or timedelta()):
+    if when is None or due is None:
+        return 0.0
+    late_s = (when - due - (more or timedelta())).total_seconds()
+    if late_s <= 0:
         return 0.0
     policy = AssignLatePenalties(config=load_config(layout))
     policy.init_plugin()
-    late_s = (when - due - (more or timedelta())).total_seconds()
     penalty = policy.plugin_inst.late_submission_penalty(graded.result.student, score, late_s)
     return min(max(0.0, penalty or 0.0), score)
 
@@ -131,11 +133,7 @@ class Guard:
         return save_copy(self.layout)
 
     def allowed(self, lesson: Lesson, new: Sequence[Graded]) -> list[Graded]:
-        """
-        Return the submissions that may be entered; store which of them would lower a mark.
-
-        :raises GraderError: if the gradebook cannot be read
-        """
+        """Return the submissions that may be entered; store which of them would lower a mark."""
         lowered = lowered_marks(self.layout, lesson, new)
         self.lowered.setdefault(lesson.assignment, {}).update(lowered)
         return [one for one in new if self.yes or one.result.student not in lowered]
@@ -216,9 +214,6 @@ class LiveEntry:
 
 def begin_to_enter(layout: Layout, assignment: str, guard: Guard) -> None:
     """Prepare the gradebook for entries; the first call imports nbgrader, which takes seconds."""
-    journal.gradebook_values(
-        layout, assignment
-    )  # This reports a database failure more clearly than nbgrader does.
     journal.refuse_incomplete(layout)
     _ = guard.copy
     journal.make_gradebook(layout)

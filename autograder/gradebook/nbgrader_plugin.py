@@ -27,12 +27,13 @@ from nbgrader import utils
 from nbgrader.api import Gradebook, Student
 from nbgrader.preprocessors import ClearSolutions, GetGrades, NbGraderPreprocessor, SaveAutoGrades
 from traitlets import Unicode
+from traitlets.config import Config
 from traitlets.utils.importstring import import_item
 
 from autograder.classroom.people import extensions, read_people
 from autograder.explaining.feedback import printable
 from autograder.explaining.feedback_html import with_unique_ids
-from autograder.gradebook.grade_cells import from_node, is_check, to_node, write_outcomes
+from autograder.gradebook.grade_cells import from_node, to_node, write_outcomes
 from autograder.gradebook.live_entry import lowered_marks
 from autograder.gradebook.record import refuse_unfit_points
 from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
@@ -40,7 +41,7 @@ from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED
 from autograder.submission.inbox import Submission
-from autograder.submission.notebook import read_release
+from autograder.submission.notebook import is_check, read_release
 from autograder.submission.reading import read_file
 from autograder.submission.submission import open_submission
 
@@ -60,7 +61,6 @@ _SAFE_TAGS = {
     *('table', 'caption', 'thead', 'tbody', 'tr', 'th', 'td', 'details', 'summary'),
     *('del', 's', 'sub', 'sup', 'dl', 'dt', 'dd'),
 }
-_SAFE_ATTRIBUTES = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
 # Elements and styles of the grader's pictures; they load nothing and run no script.
 _PICTURE_TAGS = {'svg', 'g', 'title', 'desc', 'path', 'line', 'rect', 'text'}
 _PICTURE_ATTRIBUTES = [
@@ -82,28 +82,27 @@ Resources = dict[str, Any]
 Step = tuple[NotebookNode, Resources]
 
 
-def safe_html(html: object, **allowed: Any) -> str:
+def safe_markdown(source: str) -> str:
     """
-    Return HTML without scripts, event handlers or pictures from other sites.
+    Render a student's Markdown without scripts, event handlers or pictures from other sites.
+
+    Scripts would run with an instructor's rights.
+    """
+    attributes = {**bleach.ALLOWED_ATTRIBUTES, '*': ['class', 'id']}
+    return str(bleach.clean(markdown2html(source), tags=_SAFE_TAGS, attributes=attributes))
+
+
+def safe_output(html: object) -> str:
+    """
+    Clean the HTML of a cell output in the same way, but keep the grader's pictures.
 
     nbconvert's own ``clean_html`` also rejects paragraphs, headings and parts of tables: it shows
     their tags as text.
     """
     text = html.decode() if isinstance(html, bytes) else str(html)
-    allowed = {'tags': _SAFE_TAGS, 'attributes': _SAFE_ATTRIBUTES, **allowed}
-    return str(bleach.clean(text, **allowed))
-
-
-def safe_markdown(source: str) -> str:
-    """Render a student's Markdown without scripts, which would run with an instructor's rights."""
-    return safe_html(markdown2html(source))
-
-
-def safe_output(html: object) -> str:
-    """Clean the HTML of a cell output like :func:`safe_html`, but keep the grader's pictures."""
     attributes = {**bleach.ALLOWED_ATTRIBUTES, '*': _PICTURE_ATTRIBUTES}
     tags = _SAFE_TAGS | _PICTURE_TAGS
-    return safe_html(html, tags=tags, attributes=attributes, css_sanitizer=_STYLE)
+    return str(bleach.clean(text, tags=tags, attributes=attributes, css_sanitizer=_STYLE))
 
 
 class ClearSolutionsByKind(ClearSolutions):
@@ -188,20 +187,12 @@ class GradesToShow(GetGrades):
             marks['comment'] = LOST
 
 
-class CoursePlugin(NbGraderPreprocessor):
-    """A plug-in that needs the folders of the course."""
-
-    root = Unicode('', help='Folder of the course; empty for the course in this project.').tag(
-        config=True
-    )
-
-    @property
-    def layout(self) -> Layout:
-        """Return the folders of the course."""
-        return Layout(Path(self.root)) if self.root else Layout.here()
+def _course(config: Config) -> Layout:
+    """Return the course to which nbgrader's settings belong."""
+    return Layout(Path(config.CourseDirectory.root))
 
 
-class GradeOutside(CoursePlugin):
+class GradeOutside(NbGraderPreprocessor):
     """Grade in the sandbox instead of the kernel, and write the outcomes into the check cells."""
 
     engine_factory = Unicode(
@@ -227,7 +218,7 @@ class GradeOutside(CoursePlugin):
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
-        layout = self.layout
+        layout = _course(self.config)
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)
         lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
@@ -245,7 +236,7 @@ class GradeOutside(CoursePlugin):
         return result
 
 
-class SaveGrades(CoursePlugin, SaveAutoGrades):
+class SaveGrades(SaveAutoGrades):
     """
     nbgrader's SaveAutoGrades, with a different rule for manual grading.
 
@@ -258,13 +249,15 @@ class SaveGrades(CoursePlugin, SaveAutoGrades):
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Record the name and the extra time of the student, and the scores of a notebook."""
-        facts = resources['nbgrader']
-        more = extensions(self.layout)
+        facts, layout = resources['nbgrader'], _course(self.config)
+        more = extensions(layout)
         with Gradebook(facts['db_url']) as gradebook:
             submission = gradebook.find_submission(facts['assignment'], facts['student'])
             if more is not None:
-                submission.extension = more.get((facts['student'], facts['assignment']))
-            _name(submission.student, read_people(self.layout))
+                given = more.get((facts['student'], facts['assignment']))
+                # nbgrader fails if it adds extra time to a missing due date.
+                submission.extension = given if submission.assignment.duedate else None
+            _name(submission.student, read_people(layout))
             gradebook.db.commit()
         self._unusable = any(problem.unusable for problem in from_node(nb).problems)
         return super().preprocess(nb, resources)

@@ -18,30 +18,26 @@ from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import results_file, results_of_others
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam.exam import Exam
-from autograder.gradebook.database import GradebookRefusedError, has_gradebook
+from autograder.gradebook.database import has_gradebook
 from autograder.gradebook.journal import autograded, drop
 from autograder.grading.pipeline import Graded, Lesson
 from autograder.layout import Layout
 from autograder.submission.extract import CHECK_PREFIX
-from autograder.submission.notebook import marks_of, Notebook, read_release
+from autograder.submission.notebook import is_check, marks_of, Notebook, read_release
 from autograder.submission.reading import read_file
 
 
 def enter_assignment(layout: Layout, assignment: str) -> None:
-    """
-    Enter the cells and points of an assignment in the gradebook, from its solution.
-
-    :raises GraderError: if nbgrader cannot enter the assignment
-    """
+    """Enter the cells and points of an assignment in the gradebook, from its solution."""
     from autograder.gradebook import converters  # nbgrader takes seconds to import.
 
     layout.work.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix='release_', dir=layout.work) as folder:
         try:
             converters.generate(layout, assignment, Path(folder), database=True)
-        except GradebookRefusedError:
-            raise
         except GraderError as error:
+            if error.fix:  # The database or the disk failed.
+                raise
             raise GraderError(
                 error.what,
                 'If cells of the assignment have changed since the last grading: restore them, '
@@ -60,15 +56,15 @@ def record(layout: Layout, lesson: Lesson, graded: Sequence[Graded]) -> None:
     """
     from autograder.gradebook import converters
 
-    entered = [one for one in graded if one.submission.recordable]
+    facts = {}
     with tempfile.TemporaryDirectory(prefix='staged_', dir=layout.work) as folder:
-        staged = Path(folder)
-        for one in entered:
-            _stage(staged / one.result.student / lesson.assignment, lesson.notebook, one)
-        results = {one.result.student: one.result for one in entered}
-        same = {one.result.student for one in entered if _is_same_work(layout, lesson, one)}
-        if results:
-            converters.autograde(layout, lesson.assignment, staged, results, same)
+        for one in graded:
+            if one.submission.recordable:
+                student, same = one.result.student, _is_same_work(layout, lesson, one)
+                facts[student] = {'result': one.result, 'same_work': same}
+                _stage(Path(folder, student, lesson.assignment), lesson.notebook, one)
+        if facts:
+            converters.autograde(layout, lesson.assignment, Path(folder), facts)
 
 
 def _is_same_work(layout: Layout, lesson: Lesson, graded: Graded) -> bool:
@@ -142,12 +138,8 @@ def timestamp_of(folder: Path) -> str:
 
 def points_mismatches(notebook: Notebook, where: str, exams: Sequence[Exam]) -> Iterator[str]:
     """Yield one line for each check cell of a notebook whose points differ from its exam's."""
-    cells = {
-        marks['grade_id'].removeprefix(CHECK_PREFIX): float(marks['points'])
-        for cell in notebook['cells']
-        if (marks := marks_of(cell)).get('grade') and not marks.get('solution')
-        if cell['cell_type'] == 'code'
-    }
+    checks = [marks_of(cell) for cell in notebook['cells'] if is_check(cell)]
+    cells = {one['grade_id'].removeprefix(CHECK_PREFIX): float(one['points']) for one in checks}
     gives = {exam.name: exam.max_points for exam in exams}
     for name in dict.fromkeys((*cells, *gives)):
         if name not in gives:

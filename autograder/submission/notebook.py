@@ -174,6 +174,12 @@ def answer_cells(notebook: Notebook) -> dict[str, Notebook]:
     return {marks['grade_id']: cell for marks, cell in marked if marks.get('solution')}
 
 
+def is_check(cell: Notebook) -> bool:
+    """Return whether an exam grades a trusted cell, which is a check cell."""
+    marks = marks_of(cell)
+    return bool(marks.get('grade')) and not marks.get('solution') and cell['cell_type'] == 'code'
+
+
 def grade_ids(notebook: Notebook) -> frozenset[str]:
     """Return the grade ids of a trusted notebook."""
     return frozenset(marks_of(cell).get('grade_id', '') for cell in notebook['cells']) - {''}

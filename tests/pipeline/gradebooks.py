@@ -203,8 +203,8 @@ def fills_what_was_changed_or_lost(course: Layout) -> None:
     assert grade(course) == 2
     assert scores(course, 'ann')[CHECK] == scores(course, 'bob')[CHECK] == 15
 
-    lines = journal.journal_file(course, ASSIGNMENT)
-    lines.write_bytes(lines.read_bytes()[:-20].splitlines(keepends=True)[-1])
+    notes = journal.journal_file(course, ASSIGNMENT)
+    notes.write_bytes(notes.read_bytes()[:-20])
     assert grade(course) == 2
 
 
@@ -265,14 +265,14 @@ def gives_students_more_time(course: Layout) -> None:
     config.write_text(
         f"{text}\nc.LateSubmissionPlugin.penalty_method = 'zero'\n", encoding='utf-8'
     )
-    begin(course)
-    with book(course) as gradebook:
-        gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
     for student in ('ann', 'bob'):
         hand_in(course, student, '2026-03-03 12:00:00 UTC')
     course.extensions.write_text(
         'student,assignment,hours\nann,temperature_monitor,48\n', encoding='utf-8'
     )
+    assert grade(course) == 2  # without a due date, extra time has no effect
+    with book(course) as gradebook:
+        gradebook.update_or_create_assignment(ASSIGNMENT, duedate='2026-03-02 00:00:00 UTC')
     assert grade(course) == 2
     assert (scores(course, 'ann')['late'], scores(course, 'bob')['late']) == (0, 50)
     assert str(due_dates(course).of('ann', ASSIGNMENT)) == '2026-03-04 00:00:00+00:00'
@@ -384,7 +384,7 @@ def forgets_a_student(course: Layout) -> None:
     assert [one.student for one in last_results(course, ASSIGNMENT)] == ['1002']
     assert [one.name for one in course.reports.glob('*/students/*')] == ['1002.html']
     assert read_people(course) == {'1002': 'Bob Example'}
-    assert list(journal.read_notes(journal.journal_file(course, ASSIGNMENT))) == ['1002']
+    assert list(journal.read_notes(course, ASSIGNMENT)) == ['1002']
     (moved,) = (course.work / 'forgotten').iterdir()
     assert (moved / ASSIGNMENT / NOTEBOOK).is_file()
     assert grade(course) == 0

@@ -16,6 +16,7 @@ from export_world import check, CLASS, FULL, REVIEW, submission
 from jsonschema import Draft202012Validator
 import pytest
 
+from autograder import __main__ as command
 from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
 from autograder.exports.gradescope import autograder_zip, results_of, SETTINGS, VISIBILITIES
@@ -203,9 +204,11 @@ class TestZip:
                 'allow_weak': 'landlock-uid',
             }
 
-    def test_no_isolation_at_all_is_refused(self):
-        with pytest.raises(GraderError, match='hidden exams never run'):
-            autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
+    def test_no_isolation_at_all_is_refused(self, capsys):
+        """Hidden exams never run without isolation, so there would be no grades."""
+        with pytest.raises(SystemExit):
+            command.main(['export', 'gradescope-autograder', ASSIGNMENT, '--allow-weak', 'none'])
+        assert "invalid choice: 'none'" in capsys.readouterr().err
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
         """A students' copy is refused, because it has no hidden exams."""

@@ -24,7 +24,7 @@ def course(tmp_path):
     )
     layout = Layout(tmp_path)
     (layout.work / 'entered').mkdir(parents=True)
-    (layout.work / 'entered' / '01.jsonl').write_bytes(b'\n12345678 {}\n')
+    (layout.work / 'entered' / '01.json').write_bytes(b'{"ann": "12345678"}')
     submit(layout, 'ann', 'bob', fill='x' * 20_000)
     return layout
 
@@ -191,7 +191,7 @@ def test_without_a_copy_a_backup_is_asked_for(course):
 
 def test_an_empty_file_that_was_never_filled_is_fine(course):
     """If a gradebook was never filled, it may be empty or missing: the next run creates it."""
-    journal = course.work / 'entered' / '01.jsonl'
+    journal = course.work / 'entered' / '01.json'
     journal.unlink()
     empty(gradebook(course))
     refuse_damaged(course)

@@ -109,11 +109,10 @@ def due_dates(layout: Layout) -> DueDates:
     given = extensions(layout)
     try:
         found = {
-            str(name): date.replace(tzinfo=timezone.utc)
-            for name, date in query(layout, dates, 'assignment')
+            str(name): date.replace(tzinfo=timezone.utc) for name, date in query(layout, dates)
         }
         if given is None:
-            rows = query(layout, granted, 'assignment')
+            rows = query(layout, granted)
             given = {(str(one), str(name)): more for one, name, more in rows}
         return DueDates(found, given)
     except (GraderError, ValueError, ImportError) as error:
