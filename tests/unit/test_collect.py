@@ -27,7 +27,7 @@ import pytest
 from autograder import __main__ as command
 from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import lock_course
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.recognise import recognise_platform
 from autograder.collect.source.deliveries import opened
@@ -323,8 +323,8 @@ class TestCommand:
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
         example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
         everybody = [SubmissionResult(one, TALK) for one in ('ann', 'pass__example')]
-        write_reports(layout.reports, TALK, everybody)
-        write_reports(layout.reports, LISTEN, everybody[1:])
+        write_all_reports(layout, TALK, everybody)
+        write_all_reports(layout, LISTEN, everybody[1:])
         empty = laid(tmp_path / 'empty', {'ann/x.txt': b''})
         settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
         (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
