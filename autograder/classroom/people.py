@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import Any
 import unicodedata
 
-from autograder.classroom.tables import parse_table, read_bytes, read_json
+from autograder.classroom.tables import parse_table, read_bytes, read_json, save_json
 from autograder.errors import GraderError
-from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.ids import named_id
 
@@ -163,10 +162,8 @@ def save_people(layout: Layout, names: Mapping[str, str]) -> None:
     :param names: names by student id, as written in a source
     :raises OSError: if the file cannot be written
     """
-    known = saved_people(layout)
-    merged = dict(sorted({**known, **_clean(names)}.items()))
-    if merged != known:
-        write_atomically(layout.people, json_bytes(merged))
+    merged = {**saved_people(layout), **_clean(names)}
+    save_json(layout.people, dict(sorted(merged.items())))
 
 
 def _clean(names: Mapping[str, Any]) -> dict[str, str]:

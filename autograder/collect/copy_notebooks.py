@@ -7,9 +7,9 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 import os
 from pathlib import Path
 
@@ -81,43 +81,39 @@ def collect(
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        kept = _records_to_save(taken, there.kind, known, rows, layout)
-        rows += _saved(kept if to.resolve() == layout.submitted.resolve() else kept[:-1])
+        _save_records(layout, taken, there.kind, known, rows)
+        if to.resolve() == layout.submitted.resolve():
+            with _reported(layout.not_collected, 'list of missing work', rows):
+                save_not_collected(layout, _not_collected(rows, layout))
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
-Kept = tuple[Path, str, Callable[[], None]]
-"""A file for later commands, what it contains, and the function that writes it."""
-
-
-def _records_to_save(
+def _save_records(
+    layout: Layout,
     taken: Sequence[tuple[Delivery, Row]],
     kind: str,
     known: Namesakes,
-    rows: Sequence[Row],
-    layout: Layout,
-) -> list[Kept]:
-    """Return the files that a collection writes for later commands."""
+    rows: list[Row],
+) -> None:
+    """Write the files about collected work; add a row for each file that cannot be written."""
     places = {(row.assignment, row.student): Delivered(kind, row.place) for _, row in taken}
     people = {row.student: row.person for _, row in taken if row.person}
     numbers = [(one, row.assignment) for one, row in taken]
-    left = list(_not_collected(rows, layout))
-    numbers_of_moodle = partial(save_namesakes, layout, known, numbers)
-    return [
-        (layout.delivered, 'names of files', partial(save_delivered, layout, places)),
-        (layout.people, 'names', partial(save_people, layout, people)),
-        (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
-        (layout.not_collected, 'list of missing work', partial(save_not_collected, layout, left)),
-    ]
+    with _reported(layout.delivered, 'names of files', rows):
+        save_delivered(layout, places)
+    with _reported(layout.people, 'names', rows):
+        save_people(layout, people)
+    with _reported(layout.namesakes, 'student numbers from Moodle', rows):
+        save_namesakes(layout, known, numbers)
 
 
-def _saved(kept: Iterable[Kept]) -> Iterator[Row]:
-    """Write files for later commands; yield a row for each file that cannot be written."""
-    for path, what, save in kept:
-        try:
-            save()
-        except OSError as error:
-            yield unclaimed(str(path), f'{what} {_unwritable(error)}')
+@contextmanager
+def _reported(path: Path, what: str, rows: list[Row]) -> Iterator[None]:
+    """Add a row to the table if a file for later commands cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        rows.append(unclaimed(str(path), f'{what} {_unwritable(error)}'))
 
 
 def _unwritable(error: OSError) -> str:

@@ -14,8 +14,8 @@ from collections.abc import Iterable, Sequence
 import json
 from typing import NamedTuple
 
+from autograder.classroom.tables import save_json
 from autograder.collect.source.deliveries import Delivery
-from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
 from autograder.submission.tree import UnusableUploadError
@@ -48,11 +48,8 @@ def read_namesakes(layout: Layout) -> Namesakes:
         return Namesakes(frozenset(), {})
     try:
         found = json.loads(data or b'')
-        numbers = {
-            str(student): {str(name): str(number) for name, number in of_one.items()}
-            for student, of_one in found['numbers'].items()
-        }
-        return Namesakes(frozenset(map(str, found['shared'])), numbers)
+        numbers = {student: dict(of_one) for student, of_one in found['numbers'].items()}
+        return Namesakes(frozenset(found['shared']), numbers)
     except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
         got = problems[0].got if problems else 'something else'
         raise UnusableUploadError(
@@ -111,9 +108,6 @@ def save_namesakes(
     for one, assignment in taken:
         if one.number:
             numbers.setdefault(one.id, {})[assignment] = one.number
-    if not known.shared and not numbers and not layout.namesakes.exists():
-        return
-    ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
-    data = json_bytes({'numbers': ordered, 'shared': sorted(known.shared)})
-    if data != read_file(layout.namesakes, '')[0]:
-        write_atomically(layout.namesakes, data)
+    if known.shared or numbers or layout.namesakes.exists():
+        ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
+        save_json(layout.namesakes, {'numbers': ordered, 'shared': sorted(known.shared)})
