@@ -60,7 +60,7 @@ def read_namesakes(layout: Layout) -> Namesakes:
 
 def check_names(deliveries: Sequence[Delivery], known: Namesakes, assignment: str) -> Namesakes:
     """
-    Set ``doubt`` in the deliveries whose owner is unclear.
+    Refuse the deliveries whose owner is unclear.
 
     :param assignment: the assignment of the source, empty if it is not known
     :returns: the updated ids and numbers
@@ -72,7 +72,7 @@ def check_names(deliveries: Sequence[Delivery], known: Namesakes, assignment: st
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
     now = known._replace(shared=frozenset(shared))
     for one in deliveries:
-        one.doubt = one.doubt or _doubt(one, now, assignment)
+        one.refused = one.refused or _doubt(one, now, assignment)
     return now
 
 

@@ -81,7 +81,7 @@ def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
 
 
 def check_owners(deliveries: Iterable[Delivery], rule: OwnerRule) -> None:
-    """Set ``doubt`` in the deliveries of an exchange that another user owns."""
+    """Refuse the deliveries of an exchange that another user owns."""
     for one in deliveries:
         if doubt := rule.doubt(one.student, one.owners):
-            one.doubt = f'{doubt}; {ADVICE}'
+            one.refused = f'{doubt}; {ADVICE}'

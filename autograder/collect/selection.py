@@ -146,8 +146,8 @@ def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
     """Return why a delivery cannot be collected, without reading its files; empty if it can."""
     if not delivery.id:
         return 'no letter or digit in the name'
-    if why := delivery.doubt or delivery.instead:
-        return why
+    if delivery.refused:
+        return delivery.refused
     if wanted and delivery.assignment and delivery.assignment != wanted:
         return f'handed in for {delivery.assignment}'
     if delivery.assignment and delivery.assignment not in course.assignments:

@@ -97,8 +97,8 @@ class Delivery:
     :param stamped: whether a ``timestamp.txt`` next to a notebook contains the time
     :param late: name of the platform that marks the delivery as late, else empty
     :param assignment: the assignment, if the source names it, else empty
-    :param instead: description of a delivery without files, such as typed text
-    :param doubt: why the owner of the delivery is unclear, empty if the owner is clear
+    :param refused: why the delivery is not collected: its owner is unclear, or it has no files,
+        only typed text; else empty
     :param owners: ids of the system users who own the folder and its contents, if known
     :param notes: notes for the table
     """
@@ -111,8 +111,7 @@ class Delivery:
     stamped: bool = False
     late: str = ''
     assignment: str = ''
-    instead: str = ''
-    doubt: str = ''
+    refused: str = ''
     notes: tuple[str, ...] = ()
     called: str = ''
     number: str = ''
