@@ -26,18 +26,19 @@ from autograder.collect.duplicate_names import (
     read_namesakes,
     save_namesakes,
 )
-from autograder.collect.owners import check_owners, owner_rule
+from autograder.collect.owners import check_owners
 from autograder.collect.platforms import EXCHANGE
 from autograder.collect.recognise import find_deliveries
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
+from autograder.collect.source import deliveries
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Delivery, opened
+from autograder.collect.source.deliveries import Delivery
 from autograder.collect.source.times import read_time, STAMP
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
-from autograder.submission.tree import Tree, UnreadableError
+from autograder.submission.tree import opened, Tree, UnreadableError
 
 
 def collect(
@@ -65,10 +66,10 @@ def collect(
     """
     course = Course(layout)
     extensions(layout)  # Report a wrong file before anything is copied.
-    with opened(source) as tree:
+    with opened(source, deliveries.BOUNDS) as tree:
         there = find_deliveries(tree, course, kind, prefix)
-        if there.kind == EXCHANGE:
-            check_owners(there.deliveries, owner_rule(layout, trust_names))
+        if there.kind == EXCHANGE and not trust_names:
+            check_owners(there.deliveries, layout)
         notebooks = {one: read_notebooks(one, course, assignment) for one in there.deliveries}
         goal = assignment or (
             most_common_assignment(notebooks.values(), course, tree.name) if there.single else ''
@@ -176,8 +177,7 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     same = there == data
     if same and wanted in (None, time_there):
         return UNCHANGED, ''
-    texts = ((stamp or b'')[:100].decode('utf-8', 'replace') for stamp in (wanted, time_there))
-    new, old = (read_time(text)[0] for text in texts)
+    new, old = read_time(wanted)[0], read_time(time_there)[0]
     if there is not None and new and old and new < old:
         said = f'older than the collected one from {old:%Y-%m-%d %H:%M}'
         return (UNCHANGED, 'handed in again later') if same else (LEFT, said)

@@ -12,6 +12,7 @@ Two people with the same name who never hand in the same assignment are not dete
 
 from collections.abc import Iterable, Sequence
 import json
+import os
 from typing import NamedTuple
 
 from autograder.classroom.tables import save_json
@@ -43,9 +44,9 @@ def read_namesakes(layout: Layout) -> Namesakes:
     :raises UnusableUploadError: if the file is damaged, because two people could then share an id
     """
     path = layout.namesakes
-    data, problems = read_file(path, path.name)
-    if data is None and not path.is_symlink() and not path.exists():
+    if not os.path.lexists(path):
         return Namesakes(frozenset(), {})
+    data, problems = read_file(path, path.name)
     try:
         found = json.loads(data or b'')
         numbers = {student: dict(of_one) for student, of_one in found['numbers'].items()}

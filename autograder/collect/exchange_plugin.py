@@ -43,20 +43,18 @@ class CollectFromOwners(ExchangeCollect):
 
     def _path_to_record(self, path: str) -> dict[str, Any]:
         record: dict[str, Any] = super()._path_to_record(path)
-        record['doubt'] = doubt = self._doubt(Path(path), record['username'])
+        student, inside = record['username'], [Path(path), *Path(path).rglob('*')]
+        uids = {one.lstat().st_uid for one in inside}
+        doubt = OwnerRule(self.check_owner, self.owners).doubt(student, uids)
+        if self.check_owner and any(one.is_symlink() for one in inside):
+            doubt = f'handed in as {student!r}, but it contains a symbolic link'
+        record['doubt'] = doubt
         if doubt:
             self.log.error('%s: not collected: %s', record['filename'], doubt)
             # nbgrader collects the newest delivery of each user.  Give a refused delivery a
             # different user name, so that a later forgery cannot hide the student's work.
             record['username'] = f'not collected: {record["filename"]}'
         return record
-
-    def _doubt(self, folder: Path, student: str) -> str:
-        inside = [folder, *folder.rglob('*')]
-        if self.check_owner and any(path.is_symlink() for path in inside):
-            return f'handed in as {student!r}, but it contains a symbolic link'
-        uids = {path.lstat().st_uid for path in inside}
-        return OwnerRule(self.check_owner, self.owners).doubt(student, uids)
 
     def copy_files(self) -> None:
         """Copy the deliveries that were accepted."""

@@ -59,29 +59,22 @@ def user_name(uid: int) -> str:
         return f'uid {uid}'
 
 
-def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
+def check_owners(deliveries: Iterable[Delivery], layout: Layout) -> None:
     """
-    Return the owner rule of a course, from its nbgrader settings.
+    Refuse the deliveries of an exchange that another user owns, as nbgrader's settings require.
 
-    :param trust_names: True to accept every owner
     :raises GraderError: if the settings cannot be used
     """
-    if trust_names:
-        return OwnerRule(check=False)
-    if not (layout.root / 'nbgrader_config.py').is_file():
-        return OwnerRule()
-    settings = load_config(layout).ExchangeCollect
-    owners = settings.get('owners', {})
-    if not isinstance(owners, Mapping):
-        raise GraderError(
-            'nbgrader_config.py: c.ExchangeCollect.owners is not a dictionary.',
-            "Try: c.ExchangeCollect.owners = {'STUDENT': 'USER'}",
-        )
-    return OwnerRule(bool(settings.get('check_owner', True)), owners)
-
-
-def check_owners(deliveries: Iterable[Delivery], rule: OwnerRule) -> None:
-    """Refuse the deliveries of an exchange that another user owns."""
+    rule = OwnerRule()
+    if (layout.root / 'nbgrader_config.py').is_file():
+        settings = load_config(layout).ExchangeCollect
+        owners = settings.get('owners', {})
+        if not isinstance(owners, Mapping):
+            raise GraderError(
+                'nbgrader_config.py: c.ExchangeCollect.owners is not a dictionary.',
+                "Try: c.ExchangeCollect.owners = {'STUDENT': 'USER'}",
+            )
+        rule = OwnerRule(bool(settings.get('check_owner', True)), owners)
     for one in deliveries:
         if doubt := rule.doubt(one.student, one.owners):
             one.refused = f'{doubt}; {ADVICE}'

@@ -267,7 +267,7 @@ def _time(
     if file is None or delivered.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
-        when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
+        when, note = read_time(file.read())
     except UnreadableError as error:
         return None, (f'{file.path}: {error}',)
     # Name the file in the note, because a student may have written it.

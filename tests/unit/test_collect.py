@@ -30,14 +30,14 @@ from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.recognise import recognise_platform
-from autograder.collect.source.deliveries import opened
+from autograder.collect.source.deliveries import BOUNDS
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.ids import student_id
 from autograder.submission.inbox import discover, is_student_id
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.tree import opened, UnusableUploadError
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ class TestEveryKind:
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
         """The names in a source are enough to recognise its platform."""
-        with opened(how(tmp_path / 'source.zip', files)) as found:
+        with opened(how(tmp_path / 'source.zip', files), BOUNDS) as found:
             assert recognise_platform(found)[0] == kind
 
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(

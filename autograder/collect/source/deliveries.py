@@ -1,20 +1,17 @@
 """
-Open the source of a class; define entries and deliveries, the data types of all platforms.
+List the entries of a source; define entries and deliveries, the data types of all platforms.
 
 The platform chose the names of the entries at one :data:`Level` of a source.  Students chose all
 names below that level, so these names never show who handed in a file.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 from autograder.collect.table import Row
-from autograder.submission import tree as trees
 from autograder.submission.ids import student_id
 from autograder.submission.notebook import MAX_BYTES
 from autograder.submission.tree import Bounds, File, Parts, Tree
@@ -52,19 +49,12 @@ BOUNDS = Bounds(
     whole_bytes=2 << 30,  # a class hands in a few hundred megabytes
     name_chars=400,
 )
+"""
+Limits of a source.
 
-
-def opened(source: Path) -> AbstractContextManager[Tree]:
-    """
-    Return a context manager that opens a source for reading.
-
-    Files that programs generate next to the work are neither listed nor counted.  Otherwise the
-    built workspace of one student could exceed the limits for the whole class.
-
-    :raises UnusableUploadError: if the source is neither a folder nor a zip, or is damaged or
-        too large
-    """
-    return trees.opened(source, BOUNDS)
+Files that programs generate next to the work are neither listed nor counted.  Otherwise the built
+workspace of one student could exceed the limits for the whole class.
+"""
 
 
 class DeliveredFile(NamedTuple):
