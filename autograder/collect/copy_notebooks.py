@@ -28,7 +28,7 @@ from autograder.collect.duplicate_names import (
 )
 from autograder.collect.owners import check_owners
 from autograder.collect.platforms import EXCHANGE
-from autograder.collect.recognise import find_deliveries
+from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
 from autograder.collect.source import deliveries
 from autograder.collect.source.course import Course
@@ -67,22 +67,23 @@ def collect(
     course = Course(layout)
     extensions(layout)  # Report a wrong file before anything is copied.
     with opened(source, deliveries.BOUNDS) as tree:
-        there = find_deliveries(tree, course, kind, prefix)
-        if there.kind == EXCHANGE and not trust_names:
-            check_owners(there.deliveries, layout)
-        notebooks = {one: read_notebooks(one, course, assignment) for one in there.deliveries}
+        kind, found, left = find_deliveries(tree, course, kind, prefix)
+        if kind == EXCHANGE and not trust_names:
+            check_owners(found, layout)
+        notebooks = {one: read_notebooks(one, course, assignment) for one in found}
+        single = kind not in (FOLDER, EXCHANGE)  # Platforms export one assignment at a time.
         goal = assignment or (
-            most_common_assignment(notebooks.values(), course, tree.name) if there.single else ''
+            most_common_assignment(notebooks.values(), course, tree.name) if single else ''
         )
-        known = check_names(there.deliveries, read_namesakes(layout), goal)
-        chosen, others = choose(notebooks, course, goal, there.single)
+        known = check_names(found, read_namesakes(layout), goal)
+        chosen, others = choose(notebooks, course, goal, single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
-        rows = [*_refused(tree), *there.left, *others, *(row for _, row in done)]
+        rows = [*_refused(tree), *left, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        _save_records(layout, taken, there.kind, known, rows)
+        _save_records(layout, taken, kind, known, rows)
         if to.resolve() == layout.submitted.resolve():
             with _reported(layout.not_collected, 'list of missing work', rows):
                 save_not_collected(layout, _not_collected(rows, layout))

@@ -11,7 +11,7 @@ from typing import Any
 from nbgrader.exchange.default import ExchangeCollect, ExchangeReleaseAssignment
 from traitlets import Dict
 
-from autograder.collect.owners import OwnerRule
+from autograder.collect.owners import owner_doubt
 from environment.exchange import protect
 
 COPY_MODE = 0o755
@@ -43,11 +43,7 @@ class CollectFromOwners(ExchangeCollect):
 
     def _path_to_record(self, path: str) -> dict[str, Any]:
         record: dict[str, Any] = super()._path_to_record(path)
-        student, inside = record['username'], [Path(path), *Path(path).rglob('*')]
-        uids = {one.lstat().st_uid for one in inside}
-        doubt = OwnerRule(self.check_owner, self.owners).doubt(student, uids)
-        if self.check_owner and any(one.is_symlink() for one in inside):
-            doubt = f'handed in as {student!r}, but it contains a symbolic link'
+        doubt = self._doubt(Path(path), record['username']) if self.check_owner else ''
         record['doubt'] = doubt
         if doubt:
             self.log.error('%s: not collected: %s', record['filename'], doubt)
@@ -55,6 +51,12 @@ class CollectFromOwners(ExchangeCollect):
             # different user name, so that a later forgery cannot hide the student's work.
             record['username'] = f'not collected: {record["filename"]}'
         return record
+
+    def _doubt(self, folder: Path, student: str) -> str:
+        inside = [folder, *folder.rglob('*')]
+        if any(path.is_symlink() for path in inside):
+            return f'handed in as {student!r}, but it contains a symbolic link'
+        return owner_doubt(student, {path.lstat().st_uid for path in inside}, self.owners)
 
     def copy_files(self) -> None:
         """Copy the deliveries that were accepted."""

@@ -14,7 +14,6 @@ a cloned repository begins with an assignment, as in ``talk-ann``, that prefix i
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
 
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.collect.source.course import Course
@@ -32,33 +31,19 @@ FEW = 20
 """Maximum number of notebooks read to distinguish a class from the copies of one student."""
 
 
-class SourceContents(NamedTuple):
-    """
-    The contents of a source.
-
-    :param kind: the platform, or ``'folder'``
-    :param left: a row for each entry that belongs to no known student
-    :param single: whether all work is for one assignment, as in exports of learning platforms
-    """
-
-    kind: str
-    deliveries: tuple[Delivery, ...]
-    left: tuple[Row, ...]
-    single: bool
-
-
 def find_deliveries(
     tree: Tree, course: Course, kind: str = '', prefix: str = ''
-) -> SourceContents:
+) -> tuple[str, list[Delivery], list[Row]]:
     """
     Return all deliveries in a source.
 
     :param kind: a platform, ``'folder'``, or empty to recognise it
     :param prefix: prefix to remove from the names of folders
+    :returns: the platform or ``'folder'``, the deliveries, and a row for each other entry
     :raises UnusableUploadError: if ``kind`` or ``prefix`` does not fit the source, or the source
         is an exchange with several courses
     """
-    chosen, place = (kind, None) if kind else recognise_platform(tree)
+    chosen = kind or recognise_platform(tree)
     if system := SYSTEMS.get(chosen):
         if prefix:
             raise UnusableUploadError(
@@ -66,8 +51,8 @@ def find_deliveries(
                 f'from {chosen}.',
                 'Try: leave out --prefix',
             )
-        if place is None:
-            place = next(filter(system.claims, _levels(tree)), level(tree))
+        places = _levels(tree)
+        place = next(filter(system.claims, places), places[-1])
         found = [*system.read(place)] if system.claims(place) else []
     else:
         place = _level_of(tree, course)
@@ -79,7 +64,7 @@ def find_deliveries(
                 'Try: leave out --prefix, or give the text that the folder names begin with',
             )
         found = [*_students(place, course, prefix)]
-    deliveries = tuple(one for one in found if isinstance(one, Delivery))
+    deliveries = [one for one in found if isinstance(one, Delivery)]
     if kind and not deliveries:
         expected = system.expected if system else EXPECTED
         got = _shown(_levels(tree)[-1])
@@ -92,25 +77,25 @@ def find_deliveries(
     known |= {system.needs} if system else set()
     why = f'not named the way {chosen} names submissions'
     left += [unclaimed(name, why) for name in place if name not in known]
-    return SourceContents(chosen, deliveries, tuple(left), chosen not in (FOLDER, EXCHANGE))
+    return chosen, deliveries, left
 
 
-def recognise_platform(tree: Tree) -> tuple[str, Level | None]:
-    """Return the platform that most names fit, and the level with these names."""
+def recognise_platform(tree: Tree) -> str:
+    """Return the platform that most names fit, or ``'folder'``."""
     places = _levels(tree)
     for place in places:
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
         best = max(claims, key=lambda name: claims[name])
         if 0 < len(place) <= 2 * claims[best]:
-            return best, place
+            return best
     if any(map(_is_exchange, places)):  # The exchange has no deliveries yet.
-        return EXCHANGE, places[-1]
+        return EXCHANGE
     if places[0] and all(_is_exchange(level(tree, name)) for name in places[0]):
         raise UnusableUploadError(
             f'{tree.name}: this exchange has {len(places[0])} courses.',
             'Try: collect the folder of one course, or its inbound/',
         )
-    return FOLDER, None
+    return FOLDER
 
 
 def _levels(tree: Tree) -> list[Level]:

@@ -82,7 +82,7 @@ def table(rows) -> dict[tuple[str, str], str]:
 
 def kind(source: Path) -> str:
     with opened(source, deliveries.BOUNDS) as found:
-        return recognise_platform(found)[0]
+        return recognise_platform(found)
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:

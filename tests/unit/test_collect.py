@@ -58,7 +58,7 @@ class TestEveryKind:
     def test_it_is_recognised(self, files, kind, how, tmp_path):
         """The names in a source are enough to recognise its platform."""
         with opened(how(tmp_path / 'source.zip', files), BOUNDS) as found:
-            assert recognise_platform(found)[0] == kind
+            assert recognise_platform(found) == kind
 
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
         self, files, kind, how, tmp_path, layout
