@@ -72,11 +72,12 @@ def collect(
             check_owners(found, layout)
         notebooks = {one: read_notebooks(one, course, assignment) for one in found}
         single = kind not in (FOLDER, EXCHANGE)  # Platforms export one assignment at a time.
-        goal = assignment or (
-            most_common_assignment(notebooks.values(), course, tree.name) if single else ''
-        )
-        known = check_names(found, read_namesakes(layout), goal)
-        chosen, others = choose(notebooks, course, goal, single)
+        if single and not assignment:
+            assignment = most_common_assignment(notebooks.values(), course, tree.name)
+            for one in found:
+                one.assignment = assignment
+        known = check_names(found, read_namesakes(layout))
+        chosen, others = choose(notebooks, course, single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
         rows = [*_refused(tree), *left, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:

@@ -59,13 +59,8 @@ def read_namesakes(layout: Layout) -> Namesakes:
         ) from error
 
 
-def check_names(deliveries: Sequence[Delivery], known: Namesakes, assignment: str) -> Namesakes:
-    """
-    Refuse the deliveries whose owner is unclear.
-
-    :param assignment: the assignment of the source, empty if it is not known
-    :returns: the updated ids and numbers
-    """
+def check_names(deliveries: Sequence[Delivery], known: Namesakes) -> Namesakes:
+    """Refuse the deliveries whose owner is unclear; return the updated ids and numbers."""
     here: dict[str, set[str]] = {}
     for one in deliveries:
         if one.number and one.id:
@@ -73,14 +68,14 @@ def check_names(deliveries: Sequence[Delivery], known: Namesakes, assignment: st
     shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
     now = known._replace(shared=frozenset(shared))
     for one in deliveries:
-        one.refused = one.refused or _doubt(one, now, assignment)
+        one.refused = one.refused or _doubt(one, now)
     return now
 
 
-def _doubt(one: Delivery, known: Namesakes, assignment: str) -> str:
+def _doubt(one: Delivery, known: Namesakes) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
     name, number = one.student[:60], one.number
-    before = known.numbers.get(one.id, {}).get(assignment, number)
+    before = known.numbers.get(one.id, {}).get(one.assignment, number)
     if number and one.id in known.shared:
         return (
             f'two people are called {name!r}: unpack the zip, add the same id to all folders of '

@@ -75,6 +75,48 @@ class Chosen(NamedTuple):
     row: Row
 
 
+def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[NotebookInfo]:
+    """
+    Read the notebooks of a delivery within the limits, the most likely ones first.
+
+    :param wanted: the only assignment to collect; empty for all.  It is set in the delivery, and a
+        delivery that cannot be collected is refused without reading its files
+    """
+    delivery.refused = delivery.refused or _unusable(delivery, course, wanted)
+    delivery.assignment = wanted or delivery.assignment
+    if delivery.refused:
+        return []
+    files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
+    files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
+    files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
+    notebooks, left = [], MOST_BYTES_EACH
+    for count, delivered in enumerate(files):
+        one = NotebookInfo(delivery, delivered, named=course.named(delivered.file.parts))
+        try:
+            if count >= MOST_NOTEBOOKS or left <= 0:
+                raise UnreadableError(
+                    f'not read: only the first {count} notebooks of a delivery are read'
+                )
+            data = delivered.file.read()
+            left -= len(data)
+            notebooks.append(replace(one, shared=course.shared(data)))
+        except UnreadableError as error:
+            notebooks.append(replace(one, why=str(error)))
+    return notebooks
+
+
+def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
+    """Return why a delivery cannot be collected, empty if it can."""
+    name = delivery.assignment
+    if not delivery.id:
+        return 'no letter or digit in the name'
+    if name and wanted and name != wanted:
+        return f'handed in for {name}'
+    if name and name not in course.assignments:
+        return f'{name}: not an assignment of this course; name one with --assignment'
+    return '' if delivery.files else 'no file that can be read'
+
+
 def most_common_assignment(
     notebooks: Iterable[Sequence[NotebookInfo]], course: Course, name: str
 ) -> str:
@@ -102,16 +144,12 @@ def most_common_assignment(
 
 
 def choose(
-    deliveries: Mapping[Delivery, Sequence[NotebookInfo]],
-    course: Course,
-    wanted: str = '',
-    single: bool = False,
+    deliveries: Mapping[Delivery, Sequence[NotebookInfo]], course: Course, single: bool
 ) -> tuple[list[Chosen], list[Row]]:
     """
     Select the notebooks to collect, one per student and assignment.
 
     :param deliveries: the deliveries, each with its notebooks from :func:`read_notebooks`
-    :param wanted: the only assignment to collect; empty to recognise it from the source
     :param single: whether the source is for one assignment, so that notebooks of others are
         mistakes
     :returns: the selected notebooks, and a row for each entry that was not, or only partly,
@@ -119,8 +157,8 @@ def choose(
     """
     fitting: dict[tuple[str, str], list[NotebookInfo]] = {}
     for delivery, notebooks in deliveries.items():
-        goal = wanted or delivery.assignment
-        if not _unusable(delivery, course, wanted):
+        goal = delivery.assignment
+        if not delivery.refused:
             for name in [goal] if goal else sorted({one.about for one in notebooks} - {''}):
                 found = _fitting(notebooks, name, course, bool(goal))
                 fitting.setdefault((delivery.id, name), []).extend(found)
@@ -138,45 +176,8 @@ def choose(
     rows: list[Row] = []
     for delivery, notebooks in deliveries.items():
         mine = chosen.get(delivery.id, {})
-        rows += _others(delivery, notebooks, course, mine, reasons, wanted, single)
+        rows += _others(delivery, notebooks, mine, reasons, single)
     return [best for mine in chosen.values() for best in mine.values()], rows
-
-
-def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
-    """Return why a delivery cannot be collected, without reading its files; empty if it can."""
-    if not delivery.id:
-        return 'no letter or digit in the name'
-    if delivery.refused:
-        return delivery.refused
-    if wanted and delivery.assignment and delivery.assignment != wanted:
-        return f'handed in for {delivery.assignment}'
-    if delivery.assignment and delivery.assignment not in course.assignments:
-        name = delivery.assignment
-        return f'{name}: not an assignment of this course; name one with --assignment'
-    return '' if delivery.files else 'no file that can be read'
-
-
-def read_notebooks(delivery: Delivery, course: Course, wanted: str = '') -> list[NotebookInfo]:
-    """Read the notebooks of a delivery within the limits, the most likely ones first."""
-    if _unusable(delivery, course, wanted):
-        return []
-    files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
-    files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
-    files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
-    notebooks, left = [], MOST_BYTES_EACH
-    for count, delivered in enumerate(files):
-        one = NotebookInfo(delivery, delivered, named=course.named(delivered.file.parts))
-        try:
-            if count >= MOST_NOTEBOOKS or left <= 0:
-                raise UnreadableError(
-                    f'not read: only the first {count} notebooks of a delivery are read'
-                )
-            data = delivered.file.read()
-            left -= len(data)
-            notebooks.append(replace(one, shared=course.shared(data)))
-        except UnreadableError as error:
-            notebooks.append(replace(one, why=str(error)))
-    return notebooks
 
 
 def _fitting(
@@ -234,7 +235,7 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
         notes.append('it contains no cell of the assignment')
     if file.name != course.file_names[assignment]:
         notes.append(f'the file was called {file.name[:60]!r}')
-    when, about_time = _time(best.delivery, best.delivered, assignment)
+    when, about_time = _time(best, assignment)
     due = course.due.of(best.delivery.id, assignment) if when else None
     late = late_notes(best.delivery.late, when, due)
     place = best.delivered.place
@@ -256,15 +257,13 @@ def _why_another(one: NotebookInfo, best: NotebookInfo) -> str:
     return 'a different notebook was collected' if odd else 'a newer notebook was collected'
 
 
-def _time(
-    delivery: Delivery, delivered: DeliveredFile, assignment: str
-) -> tuple[datetime | None, tuple[str, ...]]:
+def _time(best: NotebookInfo, assignment: str) -> tuple[datetime | None, tuple[str, ...]]:
     """Return the time of delivery of a notebook, and notes about this time."""
-    if not delivery.stamped:
-        return delivery.when, ()
+    if not best.delivery.stamped:
+        return best.delivery.when, ()
     beside = (assignment, STAMP)  # nbgrader writes the file only here.
-    file = next((one.file for one in delivery.files if one.file.parts == beside), None)
-    if file is None or delivered.file.parts[:-1] != beside[:-1]:
+    file = next((one.file for one in best.delivery.files if one.file.parts == beside), None)
+    if file is None or best.delivered.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
         when, note = read_time(file.read())
@@ -277,10 +276,8 @@ def _time(
 def _others(
     delivery: Delivery,
     notebooks: Sequence[NotebookInfo],
-    course: Course,
     mine: Mapping[str, Chosen],
     reasons: Mapping[NotebookInfo, str],
-    wanted: str,
     single: bool,
 ) -> Iterator[Row]:
     """
@@ -289,7 +286,7 @@ def _others(
     :param mine: the selected notebooks of the student, by assignment
     :param reasons: known reasons why notebooks were not selected
     """
-    goal, why = wanted or delivery.assignment, _unusable(delivery, course, wanted)
+    goal = delivery.assignment
     taken = {one.row.place for one in mine.values() if one.notebook.delivery is delivery}
     for place in delivery.places:
         there = [one for one in notebooks if one.delivered.place == place]
@@ -298,7 +295,7 @@ def _others(
             for one in there
             if one.why
             or place not in taken
-            or (goal in ('', one.about) and one.about not in ('', *mine))
+            or (not goal and one.about not in ('', *mine))
             or (single and one.content not in ('', goal))
         ]
         about = goal or next((one.about for one in left), '')
@@ -306,9 +303,13 @@ def _others(
         if not there and place not in taken:
             names = [one.file.name for one in delivery.files if one.place == place]
             said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
-        if why or said:
+        if delivery.refused or said:
             late = late_notes(delivery.late, delivery.when, None)
-            notes = (why or first_of(said, NAMES_SHOWN, '; '), *late, *_said(delivery))
+            notes = (
+                delivery.refused or first_of(said, NAMES_SHOWN, '; '),
+                *late,
+                *_said(delivery),
+            )
             yield _row(delivery, about, place, LEFT, notes, delivery.when)
 
 
