@@ -78,21 +78,13 @@ def write_all_reports(
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
     """Write the page of a class and return its path."""
-    path = layout.reports / graded.assignment / 'class.html'
-    page = class_page(layout, graded, summary)
-    write_atomically(path, page.encode('utf-8', 'replace'))
-    return path
-
-
-def class_page(layout: Layout, graded: ClassResults, summary: str = '') -> str:
-    """Return the page of a class as HTML."""
     numbers = class_numbers(layout, graded)
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:
         by_exam.setdefault(check.exam, []).append(check)
     marks = numbers.marks
     page = _templates().get_template('class_report.html.j2')
-    return page.render(
+    text = page.render(
         numbers=numbers,
         picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
         bins=_labels(marks) if marks else [],
@@ -101,6 +93,9 @@ def class_page(layout: Layout, graded: ClassResults, summary: str = '') -> str:
         results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
         **_facts(layout, graded, summary),
     )
+    path = layout.reports / graded.assignment / 'class.html'
+    write_atomically(path, text.encode('utf-8', 'replace'))
+    return path
 
 
 def _facts(layout: Layout, graded: ClassResults, summary: str) -> dict[str, Any]:

@@ -65,11 +65,11 @@ def check_names(deliveries: Sequence[Delivery], known: Namesakes) -> Namesakes:
     for one in deliveries:
         if one.number and one.id:
             here.setdefault(one.id, set()).add(one.number)
-    shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
-    now = known._replace(shared=frozenset(shared))
+    shared = {student for student, numbers in here.items() if len(numbers) > 1}
+    known = known._replace(shared=known.shared | shared)
     for one in deliveries:
-        one.refused = one.refused or _doubt(one, now)
-    return now
+        one.refused = one.refused or _doubt(one, known)
+    return known
 
 
 def _doubt(one: Delivery, known: Namesakes) -> str:

@@ -10,7 +10,7 @@ from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, V
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.classroom.pages import class_page, write_all_reports, write_class_report
+from autograder.classroom.pages import write_all_reports, write_class_report
 from autograder.classroom.people import save_people
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
@@ -28,8 +28,10 @@ def numbers_of(*results, root='/nowhere'):
     return class_numbers(Layout(Path(root)), ClassResults(ASSIGNMENT, results))
 
 
-def page_of(*results, root='/nowhere', summary=''):
-    return class_page(Layout(Path(root)), ClassResults(ASSIGNMENT, results), summary)
+def page_of(root, *results, summary=''):
+    """Return the page of a class in a course."""
+    made = ClassResults(ASSIGNMENT, tuple(results))
+    return write_class_report(Layout(root), made, summary).read_text('utf-8')
 
 
 def timed(student, **timing):
@@ -153,13 +155,13 @@ class TestNumbers:
             'environment': f'{"b" * 12} and {"c" * 12}',
         }
         assert '  recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in stats_text(numbers)
-        page = read(page_of(*results, root=tmp_path)).text
+        page = read(page_of(tmp_path, *results)).text
         assert 'Recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in page
 
-    def test_no_recordings_no_versions(self):
+    def test_no_recordings_no_versions(self, tmp_path):
         """Without recordings, the versions of this machine are not shown."""
         assert numbers_of(FULL).versions == {}
-        assert 'ecorded with' not in page_of(FULL)
+        assert 'ecorded with' not in page_of(tmp_path, FULL)
 
     def test_the_slowest_come_first_and_the_recorded_are_counted(self):
         """A submission that was not run has no time."""
@@ -193,9 +195,9 @@ class TestNumbers:
 
 
 class TestPage:
-    def test_it_loads_nothing_and_runs_nothing(self):
+    def test_it_loads_nothing_and_runs_nothing(self, tmp_path):
         """The page loads nothing and has no scripts, whatever students wrote."""
-        page = page_of(*CLASS.results, summary=EVIL)
+        page = page_of(tmp_path, *CLASS.results, summary=EVIL)
         parts = read(page)
 
         assert not parts(['script', 'link', 'img', 'iframe', 'object', 'embed', 'form'])
@@ -208,8 +210,8 @@ class TestPage:
         assert '@import' not in page
         assert '\x1b' not in page
 
-    def test_for_review_comes_first_with_the_reason(self):
-        text = read(page_of(*CLASS.results)).text
+    def test_for_review_comes_first_with_the_reason(self, tmp_path):
+        text = read(page_of(tmp_path, *CLASS.results)).text
 
         assert text.index('The probe broke off') < text.index('Marks')
         assert text.rindex('eve') < text.rindex('ann')
@@ -219,7 +221,7 @@ class TestPage:
         cut = Problem('x.ipynb', 'a notebook', 'an empty file', 'submit again', ('talker',), True)
         results = [submission('ann', noticed=('odd cells',)), submission('zoe', problems=(cut,))]
         numbers = numbers_of(*results)
-        page = page_of(*results)
+        page = page_of(layout.root, *results)
         write_all_reports(layout, ASSIGNMENT, results)
         index = (layout.reports / ASSIGNMENT / 'index.html').read_text('utf-8')
 
@@ -238,9 +240,9 @@ class TestPage:
         for link in links:
             assert (path.parent / link).is_file(), link
 
-    def test_the_picture_is_also_a_table(self):
+    def test_the_picture_is_also_a_table(self, tmp_path):
         """The picture has a name and a description, and a table shows its numbers."""
-        page = page_of(*with_points(0, 5, 10, 10))
+        page = page_of(tmp_path, *with_points(0, 5, 10, 10))
         parts = read(page)
 
         (svg,) = parts('svg')
@@ -249,17 +251,17 @@ class TestPage:
         assert set(svg['aria-labelledby'].split()) <= identifiers
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
-    def test_checks_stand_in_the_order_of_the_exams(self):
+    def test_checks_stand_in_the_order_of_the_exams(self, tmp_path):
         """The checks are in the order that students see, each with its most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
-        text = read(page_of(both)).text
+        text = read(page_of(tmp_path, both)).text
 
         assert text.index('Z') < text.index('It runs.') < text.rindex('It runs.')
         assert '1 of 1: a typo' in text
 
-    def test_headings_do_not_skip_a_level(self):
-        page = page_of(*CLASS.results)
+    def test_headings_do_not_skip_a_level(self, tmp_path):
+        page = page_of(tmp_path, *CLASS.results)
         levels = [int(one.name[1]) for one in read(page)(['h1', 'h2', 'h3'])]
 
         assert levels[0] == 1
@@ -319,9 +321,9 @@ class TestVisibleChecksAlone:
         assert numbers.marks is None
         assert [check.passed for check in numbers.checks] == [1, 1]
 
-    def test_the_page_says_so(self):
+    def test_the_page_says_so(self, tmp_path):
         """The page shows a note instead of points."""
-        page = page_of(VISIBLE)
+        page = page_of(tmp_path, VISIBLE)
 
         assert '<span class="review">only visible checks</span>' in page
 
@@ -329,6 +331,6 @@ class TestVisibleChecksAlone:
 def test_names_are_with_their_ids(tmp_path):
     """Names are shown next to ids, for platforms whose ids are numbers."""
     save_people(Layout(tmp_path), {'eve': 'Eve Example'})
-    page = page_of(*CLASS.results, root=tmp_path)
+    page = page_of(tmp_path, *CLASS.results)
 
     assert page.count('eve (Eve Example)</a>') == page.count('>eve') > 1
