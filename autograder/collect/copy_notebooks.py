@@ -175,7 +175,7 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     wanted = f'{one.when:%Y-%m-%d %H:%M:%S} UTC\n'.encode() if one.when else None
     there, _ = read_file(notebook, file_name)
     time_there, _ = read_file(time, STAMP)
-    data = one.notebook.delivered.file.read()
+    data = one.notebook.file.read()
     same = there == data
     if same and wanted in (None, time_there):
         return UNCHANGED, ''

@@ -22,11 +22,11 @@ from statistics import multimode
 from typing import NamedTuple
 
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import DeliveredFile, Delivery
+from autograder.collect.source.deliveries import Delivery
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
-from autograder.submission.tree import UnreadableError, UnusableUploadError
+from autograder.submission.tree import File, UnreadableError, UnusableUploadError
 
 MOST_NOTEBOOKS = 50
 """Maximum number of notebooks read from one delivery; a clone of the course has about twelve."""
@@ -40,13 +40,16 @@ class NotebookInfo:
     Facts about a notebook, without its content: the notebooks of a class may not fit in memory.
 
     :param delivery: the delivery that contains the notebook
+    :param file: the file, with its place and turn in the delivery
     :param shared: number of grade ids in the notebook, by assignment
     :param named: the assignment that the name of the file or folder suggests
     :param why: why the notebook was not read, empty if it was
     """
 
     delivery: Delivery
-    delivered: DeliveredFile
+    file: File
+    place: str
+    turn: int
     shared: Mapping[str, int] = field(default_factory=dict)
     named: str = ''
     why: str = ''
@@ -91,7 +94,7 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
     notebooks, left = [], MOST_BYTES_EACH
     for count, delivered in enumerate(files):
-        one = NotebookInfo(delivery, delivered, named=course.named(delivered.file.parts))
+        one = NotebookInfo(delivery, *delivered, named=course.named(delivered.file.parts))
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
                 raise UnreadableError(
@@ -206,23 +209,23 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
     """Return the notebook to collect, with notes for the table."""
 
     def merit(one: NotebookInfo) -> tuple[bool, float, int, bool, bool, int, bool, int]:
-        file, cells, when = one.delivered.file, one.shared.get(assignment, 0), one.delivery.when
+        file, cells, when = one.file, one.shared.get(assignment, 0), one.delivery.when
         return (
             cells > 0,
             when.timestamp() if when else 0.0,
             cells,
             course.of_file(file.name) == assignment,
             assignment in file.parts,
-            one.delivered.turn,
+            one.turn,
             file.name == course.file_names[assignment],
             -len(file.parts),
         )
 
     # Of two files with the same name, consider only the newer one, regardless of its content.
-    by_turn = sorted(candidates, key=lambda one: one.delivered.turn)
-    newest = {(one.delivery.places, one.delivered.file.parts): one for one in by_turn}
+    by_turn = sorted(candidates, key=lambda one: one.turn)
+    newest = {(one.delivery.places, one.file.parts): one for one in by_turn}
     best = max(newest.values(), key=merit)
-    file = best.delivered.file
+    file = best.file
     beside = [one for one in newest.values() if one.delivery is best.delivery]
     older = [one for one in candidates if one is not best and _is_attempt(one, best)]
     notes = [f'the newest of {len(older) + 1} attempts'] if older else []
@@ -237,22 +240,19 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
         notes.append(f'the file was called {file.name[:60]!r}')
     when, about_time = _time(best, assignment)
     due = course.due.of(best.delivery.id, assignment) if when else None
-    late = late_notes(best.delivery.late, when, due)
-    place = best.delivered.place
-    row = _row(best.delivery, assignment, place, TAKEN, (*late, *notes, *about_time), when)
-    return Chosen(best, when, row)
+    said = (*late_notes(best.delivery.late, when, due), *notes, *about_time)
+    return Chosen(best, when, _row(best.delivery, assignment, best.place, TAKEN, said, when))
 
 
 def _is_attempt(one: NotebookInfo, best: NotebookInfo) -> bool:
     """Return whether a notebook is a different attempt, not another file of the same attempt."""
-    same_path = one.delivered.file.parts == best.delivered.file.parts
-    return one.delivery is not best.delivery or same_path
+    return one.delivery is not best.delivery or one.file.parts == best.file.parts
 
 
 def _why_another(one: NotebookInfo, best: NotebookInfo) -> str:
     """Return why a notebook for the same assignment was not selected."""
     if not _is_attempt(one, best):
-        return f'{one.delivered.file.path[:80]}: {best.delivered.file.path} was collected'
+        return f'{one.file.path[:80]}: {best.file.path} was collected'
     odd = best.shared and not one.shared
     return 'a different notebook was collected' if odd else 'a newer notebook was collected'
 
@@ -263,7 +263,7 @@ def _time(best: NotebookInfo, assignment: str) -> tuple[datetime | None, tuple[s
         return best.delivery.when, ()
     beside = (assignment, STAMP)  # nbgrader writes the file only here.
     file = next((one.file for one in best.delivery.files if one.file.parts == beside), None)
-    if file is None or best.delivered.file.parts[:-1] != beside[:-1]:
+    if file is None or best.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
         when, note = read_time(file.read())
@@ -289,7 +289,7 @@ def _others(
     goal = delivery.assignment
     taken = {one.row.place for one in mine.values() if one.notebook.delivery is delivery}
     for place in delivery.places:
-        there = [one for one in notebooks if one.delivered.place == place]
+        there = [one for one in notebooks if one.place == place]
         left = [
             one
             for one in there
@@ -304,12 +304,8 @@ def _others(
             names = [one.file.name for one in delivery.files if one.place == place]
             said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
         if delivery.refused or said:
-            late = late_notes(delivery.late, delivery.when, None)
-            notes = (
-                delivery.refused or first_of(said, NAMES_SHOWN, '; '),
-                *late,
-                *_said(delivery),
-            )
+            why = delivery.refused or first_of(said, NAMES_SHOWN, '; ')
+            notes = (why, *late_notes(delivery.late, delivery.when, None), *_said(delivery))
             yield _row(delivery, about, place, LEFT, notes, delivery.when)
 
 
@@ -319,17 +315,17 @@ def _why_not(one: NotebookInfo, chosen: bool, goal: str) -> str:
 
     :param chosen: whether another notebook of the student was selected
     """
-    path, about = one.delivered.file.path[:80], goal or one.named
+    path, about = one.file.path[:80], goal or one.named
     if one.why:
         return f'{path}: {one.why}'
     if one.content:
         return f'wrong assignment: {path} belongs to {one.content}'
     if not about and not chosen:
         return f'{path}: not an assignment of this course; name one with --assignment'
-    other = goal and one.named not in ('', goal)
-    named = f'named like {one.named}, but ' if other else ''
-    more = '' if other or (chosen and not one.named) else ', and it is not the only notebook'
-    return f'{path}: {named}it contains no cell of {about or "this course"}{more}'
+    if goal and one.named not in ('', goal):
+        return f'{path}: named like {one.named}, but it contains no cell of {goal}'
+    more = '' if chosen and not one.named else ', and it is not the only notebook'
+    return f'{path}: it contains no cell of {about or "this course"}{more}'
 
 
 def _said(delivery: Delivery) -> tuple[str, ...]:
