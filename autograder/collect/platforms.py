@@ -189,8 +189,7 @@ def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
 
     :raises UnusableUploadError: if the metadata cannot be read
     """
-    data = _metadata(level[METADATA].files[0])
-    described = {str(folder): facts for folder, facts in data.items()}
+    described = _metadata(level[METADATA].files[0])
     for folder, facts in described.items():
         when, note = read_time(_field(facts, 'created_at'))
         for student, person in _submitters(facts):
@@ -203,12 +202,12 @@ def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
                 notes=(note,) if note else (),
             )
     for name, entry in level.items():
-        if entry.folder and name not in described:
+        if _GRADESCOPE.fullmatch(entry.path) and name not in (METADATA, *described):
             yield unclaimed(name, f'not in {METADATA}, so its owner is unknown')
 
 
-def _metadata(file: File) -> Mapping[Any, Any]:
-    """Parse the metadata with the safe YAML loader, which cannot create arbitrary objects."""
+def _metadata(file: File) -> Mapping[str, Any]:
+    """Return facts about submissions by folder; the safe YAML loader creates no other objects."""
     try:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
@@ -216,7 +215,7 @@ def _metadata(file: File) -> Mapping[Any, Any]:
         raise UnusableUploadError(f'{METADATA}: this is not valid YAML: {what}.') from error
     if not isinstance(data, Mapping):
         raise UnusableUploadError(f'{METADATA}: this is not a table of submissions.')
-    return data
+    return {str(folder): facts for folder, facts in data.items()}
 
 
 def _submitters(submission: object) -> list[tuple[str, str]]:

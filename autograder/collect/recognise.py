@@ -53,7 +53,10 @@ def find_deliveries(
             )
         places = _levels(tree)
         place = next(filter(system.claims, places), places[-1])
-        found = [*system.read(place)] if system.claims(place) else []
+        claimed = system.claims(place)
+        found = [*system.read(place)] if claimed else []
+        why = f'not named the way {chosen} names submissions'
+        found += [unclaimed(name, why) for name in place if name not in claimed]
     else:
         place = _level_of(tree, course)
         if prefix and not any(name.startswith(prefix) for name in place):
@@ -72,12 +75,7 @@ def find_deliveries(
             f'{tree.name}: expected submissions of kind {kind} ({expected}), got: {got}.',
             'Try: leave out --kind, or collect the source as you downloaded it',
         )
-    left = [one for one in found if isinstance(one, Row)]
-    known = {name for one in deliveries for name in one.places} | {one.place for one in left}
-    known |= {system.needs} if system else set()
-    why = f'not named the way {chosen} names submissions'
-    left += [unclaimed(name, why) for name in place if name not in known]
-    return chosen, deliveries, left
+    return chosen, deliveries, [one for one in found if isinstance(one, Row)]
 
 
 def recognise_platform(tree: Tree) -> str:
@@ -85,8 +83,8 @@ def recognise_platform(tree: Tree) -> str:
     places = _levels(tree)
     for place in places:
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
-        best = max(claims, key=lambda name: claims[name])
-        if 0 < len(place) <= 2 * claims[best]:
+        best = max(claims, key=lambda name: len(claims[name]))
+        if 0 < len(place) <= 2 * len(claims[best]):
             return best
     if any(map(_is_exchange, places)):  # The exchange has no deliveries yet.
         return EXCHANGE

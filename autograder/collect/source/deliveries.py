@@ -155,8 +155,8 @@ class System(NamedTuple):
 
     :param expected: a description of the form
     :param matches: function that returns a true value if :attr:`Entry.path` has the form
-    :param read: function that yields the deliveries in a level, and a row for each entry without
-        a known student
+    :param read: function that yields the deliveries in a level, and a row for each entry that
+        has the form but no known student
     :param needs: name of a file that every export contains, empty if there is none
     """
 
@@ -165,10 +165,10 @@ class System(NamedTuple):
     read: Callable[[Level], Iterator[Delivery | Row]]
     needs: str = ''
 
-    def claims(self, place: Level) -> int:
-        """Return the number of names that have the form; 0 if the needed file is missing."""
-        found = [name for name, entry in place.items() if self.matches(entry.path)]
-        return len(found) if not self.needs or self.needs in found else 0
+    def claims(self, place: Level) -> set[str]:
+        """Return the names that have the form; none if the needed file is missing."""
+        found = {name for name, entry in place.items() if self.matches(entry.path)}
+        return found if not self.needs or self.needs in found else set()
 
 
 def level(tree: Tree, *base: str) -> Level:
