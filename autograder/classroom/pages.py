@@ -87,7 +87,6 @@ def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') 
     text = page.render(
         numbers=numbers,
         picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
-        bins=_labels(marks) if marks else [],
         exams=list(by_exam.items()),
         students={one.student for one in graded.results},
         results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
@@ -120,7 +119,7 @@ def _labels(marks: Marks) -> list[tuple[str, int]]:
 
 
 def histogram(marks: Marks) -> str:
-    """Return the histogram of the marks as SVG; a table on the page shows the same numbers."""
+    """Return the histogram of the marks as HTML, with a table of the same numbers."""
     most = max(marks.bins)
     step = WIDTH / BINS
     parts = [svg.line(0, BASE, WIDTH, BASE)]
@@ -133,9 +132,11 @@ def histogram(marks: Marks) -> str:
             parts.append(svg.text(middle, top - 6, str(count), anchor='middle', bold=True))
         parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
     parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
-    words = ', '.join(f'{label}: {count}' for label, count in _labels(marks) if count)
+    labels = _labels(marks)
+    words = ', '.join(f'{label}: {count}' for label, count in labels if count)
     title = f'Distribution of the points of {marks.count} submissions'
-    return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
+    said = f'Number of submissions by points. {words}.'
+    return svg.picture(WIDTH, HEIGHT, title, said, parts, [('Points', 'Submissions'), *labels])
 
 
 def with_name(student: str, people: Mapping[str, str]) -> str:

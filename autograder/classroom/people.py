@@ -53,19 +53,17 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
     if not layout.extensions.exists():
         return None
-    every: dict[tuple[str, str], timedelta] = {}
     found: dict[tuple[str, str], timedelta] = {}
-    for where, row in _rows(layout.extensions, ('student', 'assignment', 'hours')):
+    rows = _rows(layout.extensions, ('student', 'assignment', 'hours'))
+    # Rows for one assignment come last, because they replace those for all assignments.
+    for where, row in sorted(rows, key=lambda placed: bool(placed[1]['assignment'].strip())):
         student, name, hours = _student(where, row), row['assignment'].strip(), _hours(where, row)
-        if name:
-            try:
-                key = student, layout.assignment_named(name)
-            except GraderError as error:
-                raise GraderError(f'{where}: {error.what}', error.fix) from error
-            found[key] = hours
-        else:
-            every |= {(student, one): hours for one in layout.assignments()}
-    return {**every, **found}
+        try:
+            names = [layout.assignment_named(name)] if name else layout.assignments()
+        except GraderError as error:
+            raise GraderError(f'{where}: {error.what}', error.fix) from error
+        found |= {(student, one): hours for one in names}
+    return found
 
 
 def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str, str]]]:

@@ -11,14 +11,12 @@ Two people with the same name who never hand in the same assignment are not dete
 """
 
 from collections.abc import Iterable, Sequence
-import json
 import os
 from typing import NamedTuple
 
-from autograder.classroom.tables import save_json
+from autograder.classroom.tables import read_json, save_json
 from autograder.collect.source.deliveries import Delivery
 from autograder.layout import Layout
-from autograder.submission.reading import read_file
 from autograder.submission.tree import UnusableUploadError
 
 Numbers = dict[str, dict[str, str]]
@@ -43,18 +41,16 @@ def read_namesakes(layout: Layout) -> Namesakes:
 
     :raises UnusableUploadError: if the file is damaged, because two people could then share an id
     """
-    path = layout.namesakes
-    if not os.path.lexists(path):
+    if not os.path.lexists(layout.namesakes):
         return Namesakes(frozenset(), {})
-    data, problems = read_file(path, path.name)
+    found = read_json(layout.namesakes)
     try:
-        found = json.loads(data or b'')
         numbers = {student: dict(of_one) for student, of_one in found['numbers'].items()}
         return Namesakes(frozenset(found['shared']), numbers)
-    except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
-        got = problems[0].got if problems else 'something else'
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UnusableUploadError(
-            f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
+            f'{layout.namesakes}: expected JSON with the numbers of people in Moodle, got '
+            'something else.',
             'Try: delete the file, collect again, and look for equal names in the table',
         ) from error
 

@@ -13,7 +13,7 @@ a cloned repository begins with an assignment, as in ``talk-ann``, that prefix i
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.collect.source.course import Course
@@ -66,7 +66,7 @@ def find_deliveries(
                 f'(--prefix), got: {_shown(place)}.',
                 'Try: leave out --prefix, or give the text that the folder names begin with',
             )
-        found = [*_students(place, course, prefix)]
+        found = [_delivery(entry, course, prefix) for entry in place.values()]
     deliveries = [one for one in found if isinstance(one, Delivery)]
     if kind and not deliveries:
         expected = system.expected if system else EXPECTED
@@ -151,22 +151,19 @@ def _are_students(files: Sequence[Entry], course: Course) -> bool:
     return any(count > 1 for count in lessons.values())
 
 
-def _students(place: Level, course: Course, prefix: str) -> Iterator[Delivery | Row]:
-    """Yield the delivery of each student, and a row for each entry that is not a student's."""
-    for name, entry in place.items():
-        if not entry.folder and not name.lower().endswith(NOTEBOOK):
-            yield unclaimed(name, "neither a notebook nor a student's folder")
-        elif entry.folder and name in course.assignments:
-            yield unclaimed(
-                name, 'the name of an assignment, not of a student: collect the folder above'
-            )
-        else:
-            yield _delivery(entry, course, prefix)
+def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery | Row:
+    """
+    Return the delivery of a student, or a row if the entry is not a student's.
 
-
-def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery:
-    """Return a delivery, with a note if a prefix was removed from the name."""
-    name = entry.name if entry.folder else entry.name[: -len(NOTEBOOK)]
+    A note says which prefix was removed from the name.
+    """
+    name = entry.name
+    if not entry.folder and not name.lower().endswith(NOTEBOOK):
+        return unclaimed(name, "neither a notebook nor a student's folder")
+    if entry.folder and name in course.assignments:
+        why = 'the name of an assignment, not of a student: collect the folder above'
+        return unclaimed(name, why)
+    name = name if entry.folder else name[: -len(NOTEBOOK)]
     off = prefix if name.startswith(prefix) and name != prefix else ''
     if entry.repository:
         off = off or course.beginning(name)
