@@ -7,8 +7,7 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 import os
 from pathlib import Path
@@ -67,7 +66,7 @@ def collect(
     course = Course(layout)
     extensions(layout)  # Report a wrong file before anything is copied.
     with opened(source, deliveries.BOUNDS) as tree:
-        kind, found, left = find_deliveries(tree, course, kind, prefix)
+        kind, found, unknown = find_deliveries(tree, course, kind, prefix)
         if kind == EXCHANGE and not trust_names:
             check_owners(found, layout)
         notebooks = {one: read_notebooks(one, course, assignment) for one in found}
@@ -79,15 +78,17 @@ def collect(
         known = check_names(found, read_namesakes(layout))
         chosen, others = choose(notebooks, course, single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
-        rows = [*_refused(tree), *left, *others, *(row for _, row in done)]
+        rows = [*_refused(tree), *unknown, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        _save_records(layout, taken, kind, known, rows)
-        if to.resolve() == layout.submitted.resolve():
-            with _reported(layout.not_collected, 'list of missing work', rows):
-                save_not_collected(layout, _not_collected(rows, layout))
+        left = _not_collected(rows, layout) if to.resolve() == layout.submitted.resolve() else ()
+        try:
+            _save_records(layout, taken, kind, known, left)
+        except OSError as error:
+            why = f'files for later commands {_unwritable(error)}'
+            rows.append(unclaimed(str(layout.work), why))
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
@@ -96,27 +97,20 @@ def _save_records(
     taken: Sequence[tuple[Delivery, Row]],
     kind: str,
     known: Namesakes,
-    rows: list[Row],
+    left: Iterable[NotCollected],
 ) -> None:
-    """Write the files about collected work; add a row for each file that cannot be written."""
+    """
+    Write the files for later commands.
+
+    :param taken: collected deliveries, each with its row
+    :param left: work of known students that was not collected
+    :raises OSError: if a file cannot be written
+    """
+    save_namesakes(layout, known, [(one, row.assignment) for one, row in taken])
     places = {(row.assignment, row.student): Delivered(kind, row.place) for _, row in taken}
-    people = {row.student: row.person for _, row in taken if row.person}
-    numbers = [(one, row.assignment) for one, row in taken]
-    with _reported(layout.delivered, 'names of files', rows):
-        save_delivered(layout, places)
-    with _reported(layout.people, 'names', rows):
-        save_people(layout, people)
-    with _reported(layout.namesakes, 'student numbers from Moodle', rows):
-        save_namesakes(layout, known, numbers)
-
-
-@contextmanager
-def _reported(path: Path, what: str, rows: list[Row]) -> Iterator[None]:
-    """Add a row to the table if a file for later commands cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        rows.append(unclaimed(str(path), f'{what} {_unwritable(error)}'))
+    save_delivered(layout, places)
+    save_people(layout, {row.student: row.person for _, row in taken if row.person})
+    save_not_collected(layout, left)
 
 
 def _unwritable(error: OSError) -> str:
