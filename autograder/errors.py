@@ -12,7 +12,6 @@ Define the exceptions for faults of the grader.
     |- UsageError                the arguments of a command or a simulation are wrong
     |- UnusableUploadError           files cannot be read as a submission (submission/tree.py)
     |- ClusterUnavailable        a scheduler or a worker cannot be used (grading/cluster.py)
-    |- InUseError                another command is changing the course (classroom/course_lock.py)
     `- GradebookRefusedError     nbgrader's database failed (gradebook/database.py)
 
 A mistake in a *submission* never leaves this package as an exception: it is a

@@ -14,10 +14,6 @@ UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
 """Name of a file that :func:`autograder.files.write_atomically` has not finished writing."""
 
 
-class InUseError(GraderError):
-    """Another command is writing to the same course."""
-
-
 @contextmanager
 def lock_course(layout: Layout, what: str) -> Iterator[None]:
     """
@@ -27,7 +23,7 @@ def lock_course(layout: Layout, what: str) -> Iterator[None]:
     file only describes the process.
 
     :param what: name of the command, shown by a second process that needs the lock
-    :raises InUseError: if another process holds the lock; the error names that process
+    :raises GraderError: if another process holds the lock; the error names that process
     """
     layout.work.mkdir(parents=True, exist_ok=True)
     path = layout.work / 'lock'
@@ -36,7 +32,7 @@ def lock_course(layout: Layout, what: str) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise InUseError(
+            raise GraderError(
                 f'{path}: another command is writing to this course: '
                 f'{lock.read(200) or "name unknown"}.',
                 'Try: wait until it ends, or stop it with Ctrl-C in its terminal',

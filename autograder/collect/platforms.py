@@ -113,6 +113,7 @@ def _fitting(
     :param all_ways: the interpretations of each file name
     """
     names = {one.user: one.name for one in known}
+    anonymous = {one.user.startswith('anon_') for one in known}
     near = [one.attachment for one in known if one.attachment]
     least, most = min(near, default=0) / _SPREAD, max(near, default=math.inf) * _SPREAD
     numbers = Counter(number for found in all_ways for number in {one.attachment for one in found})
@@ -124,12 +125,8 @@ def _fitting(
             not one.attachment
             or (least <= one.attachment <= most and numbers[one.attachment] == 1)
         )
-        and all(_is_anonymous(one) == _is_anonymous(other) for other in known)
+        and anonymous <= {one.user.startswith('anon_')}
     ]
-
-
-def _is_anonymous(one: Reading) -> bool:
-    return not one.name and one.user.startswith('anon_')
 
 
 def _of_user(

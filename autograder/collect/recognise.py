@@ -14,6 +14,7 @@ a cloned repository begins with an assignment, as in ``talk-ann``, that prefix i
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.collect.source.course import Course
@@ -144,10 +145,8 @@ def _are_students(files: Sequence[Entry], course: Course) -> bool:
         return False
     lessons: Counter[str] = Counter()
     for one in files[:FEW]:
-        try:
+        with suppress(UnreadableError):
             lessons.update(set(course.shared(one.files[0].read())))
-        except UnreadableError:
-            continue
     return any(count > 1 for count in lessons.values())
 
 

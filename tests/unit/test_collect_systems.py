@@ -1,6 +1,7 @@
 """Each platform's file names, even rare ones: owners are found, and no file is lost."""
 
 from collect_sources import (
+    AT_ONE,
     CANVAS,
     collect,
     EXCHANGE,
@@ -244,8 +245,10 @@ class TestExchange:
 
     def test_each_folder_of_an_exchange_can_be_named(self, tmp_path, layout):
         source = laid(tmp_path / 'exchange', EXCHANGE)
+        (source / 'c' / 'inbound' / f'cy+{TALK}+{AT_ONE}').mkdir()
         first = collect(source, layout, layout.submitted)
 
+        assert notes(first)[f'cy+{TALK}+{AT_ONE}'] == ('no file that can be read',)
         for inside in (source / 'c', source / 'c' / 'inbound'):
             again = collect(inside, layout, layout.submitted)
             assert [(row.student, row.place) for row in again] == [

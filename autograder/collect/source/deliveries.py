@@ -185,7 +185,7 @@ def level(tree: Tree, *base: str) -> Level:
 
     files: dict[str, list[File]] = {}
     owners: dict[str, set[int]] = {}
-    folders = {name_in(parts) for parts in tree.empty} - {''}
+    folders = {name_in(parts) for parts in tree.folders} - {''}
     repositories = {parts[depth] for parts in tree.repositories if parts[:-1] == base}
     for file in tree.files:
         if name := name_in(file.parts):
