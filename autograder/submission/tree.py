@@ -117,7 +117,7 @@ class Tree(NamedTuple):
 
     :param files: sorted by path
     :param refused: path and reason of each skipped entry
-    :param folders: the folders that the source lists, and those of skipped entries
+    :param folders: the folders of all files, and folders without a file
     :param repositories: folders that contain ``.git``
     :param owners: uid of each file and folder; empty for a zip
     """
@@ -215,9 +215,9 @@ def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:
             owners[one.parts] = one.owner
         twice = 'a name that occurs twice' if one.parts in files else ''
         unsafe = bounds.trouble(one.parts)
+        folders |= set() if unsafe else {above}
         if trouble := unsafe or one.trouble or twice:
             refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
-            folders |= set() if unsafe else {above}
         elif one.read is _is_folder:
             folders.add(one.parts)
         else:

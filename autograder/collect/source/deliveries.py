@@ -191,7 +191,6 @@ def level(tree: Tree, *base: str) -> Level:
         if name := name_in(file.parts):
             below = file.parts[depth + 1 :]
             files.setdefault(name, []).append(File(below or (name,), file.read))
-            folders |= {name} if below else set()
             repositories |= {name} if below and below[0].startswith(REPOSITORY) else set()
     for parts, uid in tree.owners.items():
         owners.setdefault(name_in(parts), set()).add(uid)
