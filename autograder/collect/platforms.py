@@ -115,17 +115,16 @@ def _fitting(
     names = {one.user: one.name for one in known}
     anonymous = {one.user.startswith('anon_') for one in known}
     near = [one.attachment for one in known if one.attachment]
-    least, most = min(near, default=0) / _SPREAD, max(near, default=math.inf) * _SPREAD
+    least, most = min(near, default=0), max(near, default=math.inf)
     numbers = Counter(number for found in all_ways for number in {one.attachment for one in found})
     return [
         one
         for one in ways
         if names.get(one.user, one.name) == one.name
-        and (
-            not one.attachment
-            or (least <= one.attachment <= most and numbers[one.attachment] == 1)
-        )
         and anonymous <= {one.user.startswith('anon_')}
+        and (not one.attachment or numbers[one.attachment] == 1)
+        and (not one.attachment or least <= one.attachment * _SPREAD)
+        and one.attachment <= most * _SPREAD
     ]
 
 

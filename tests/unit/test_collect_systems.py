@@ -111,6 +111,7 @@ class TestCanvas:
             ('_1003_55003_talk.ipynb', '1003'),
             ('jane_1003_55003_07_talk.ipynb', '1003'),
             ('jane_1003_55003_7_talk.ipynb', '1003'),
+            (f'jane_1003_55003_{"9" * 320}_talk.ipynb', '1003'),
             ('jane_1003_55003_LATE_1001_55001_talk.ipynb', '1003'),
             ('jane_1003_55003_1001_55001_talk.ipynb', '1003'),
             ('jane_102_1003_55003_talk.ipynb', '1003'),
