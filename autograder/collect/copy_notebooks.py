@@ -88,7 +88,7 @@ def collect(
             _save_records(layout, taken, kind, known, left)
         except OSError as error:
             why = f'files for later commands {_unwritable(error)}'
-            rows.append(unclaimed(str(layout.work), why))
+            rows.append(unclaimed(str(error.filename2 or layout.work), why))
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
