@@ -11,8 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
 from autograder.classroom.people import class_list
-from autograder.classroom.tables import read_json
-from autograder.files import json_bytes, write_atomically
+from autograder.classroom.tables import read_json, save_json
 from autograder.layout import Layout
 from autograder.submission.ids import student_id
 
@@ -58,37 +57,36 @@ class NotCollected:
         return f'Not collected: {self.why}{when}.'
 
 
-Deliveries = Mapping[tuple[str, str], Delivered]
-"""Collected notebooks by assignment and student id."""
-
-
 def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
-    """Return the saved deliveries; empty if their file is missing or damaged."""
+    """
+    Return the saved deliveries; empty if their file is missing or damaged.
+
+    :returns: collected notebooks by assignment and student id
+    """
     try:
         return {
-            (str(assignment), str(student)): Delivered(str(one['kind']), str(one['place']))
+            (assignment, student): Delivered(**one)
             for assignment, students in (read_json(layout.delivered) or {}).items()
             for student, one in students.items()
         }
-    except (KeyError, TypeError, AttributeError):
+    except (TypeError, AttributeError):
         return {}
 
 
-def save_delivered(layout: Layout, found: Deliveries, without: str = '') -> None:
+def save_delivered(
+    layout: Layout, found: Mapping[tuple[str, str], Delivered], without: str = ''
+) -> None:
     """
     Save deliveries; a student's new delivery replaces the old one.
 
     :param without: a student whose deliveries are removed
     :raises OSError: if the file cannot be written
     """
-    known = read_delivered(layout)
-    kept = {key: one for key, one in {**known, **found}.items() if key[1] != without}
-    if kept == known:
-        return
     data: dict[str, dict[str, dict[str, str]]] = {}
-    for (assignment, student), one in sorted(kept.items()):
-        data.setdefault(assignment, {})[student] = asdict(one)
-    write_atomically(layout.delivered, json_bytes(data))
+    for (assignment, student), one in sorted({**read_delivered(layout), **found}.items()):
+        if student != without:
+            data.setdefault(assignment, {})[student] = asdict(one)
+    save_json(layout.delivered, data)
 
 
 def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
@@ -112,8 +110,7 @@ def save_not_collected(layout: Layout, found: Iterable[NotCollected], without: s
         if not _has_submission(layout, one):
             known[one.student, one.assignment] = one
     kept = [asdict(known[key]) for key in sorted(known) if key[0] != without]
-    if kept or layout.not_collected.exists():
-        write_atomically(layout.not_collected, json_bytes(kept))
+    save_json(layout.not_collected, kept)
 
 
 def not_collected(

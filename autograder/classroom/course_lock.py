@@ -14,10 +14,6 @@ UNFINISHED = re.compile(r'\..+\.[0-9a-f]{32}')
 """Name of a file that :func:`autograder.files.write_atomically` has not finished writing."""
 
 
-class InUseError(GraderError):
-    """Another command is writing to the same course."""
-
-
 @contextmanager
 def lock_course(layout: Layout, what: str) -> Iterator[None]:
     """
@@ -27,30 +23,28 @@ def lock_course(layout: Layout, what: str) -> Iterator[None]:
     file only describes the process.
 
     :param what: name of the command, shown by a second process that needs the lock
-    :raises InUseError: if another process holds the lock; the error names that process
+    :raises GraderError: if another process holds the lock; the error names that process
     """
     layout.work.mkdir(parents=True, exist_ok=True)
     path = layout.work / 'lock'
-    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-    try:
+    path.touch(0o600)
+    with path.open('r+', encoding='utf-8', errors='replace') as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            holder = os.pread(lock, 200, 0).decode(errors='replace') or 'name unknown'
-            raise InUseError(
-                f'{path}: another command is writing to this course: {holder}.',
+            raise GraderError(
+                f'{path}: another command is writing to this course: '
+                f'{lock.read(200) or "name unknown"}.',
                 'Try: wait until it ends, or stop it with Ctrl-C in its terminal',
             ) from error
-        if os.fstat(lock).st_size:  # The previous command was killed.
+        if lock.read():  # The previous command was killed.
             _remove_stale_files(layout)
-        os.ftruncate(lock, 0)
-        os.pwrite(
-            lock, f'{what} since {time.strftime("%H:%M")}, process {os.getpid()}'.encode(), 0
-        )
+        lock.truncate(0)
+        lock.seek(0)
+        lock.write(f'{what} since {time.strftime("%H:%M")}, process {os.getpid()}')
+        lock.flush()
         yield
-        os.ftruncate(lock, 0)
-    finally:
-        os.close(lock)
+        lock.truncate(0)
 
 
 def _remove_stale_files(layout: Layout) -> None:

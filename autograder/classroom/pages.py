@@ -26,7 +26,7 @@ from autograder.classroom.results_of_class import (
     missing_protections,
     modes,
 )
-from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, ClassNumbers, Marks
+from autograder.classroom.statistics import BINS, CheckNumbers, class_numbers, Marks
 from autograder.explaining.feedback import headline, number, printable
 from autograder.explaining.feedback_html import checks_html, with_unique_ids
 from autograder.files import safe_name, write_atomically
@@ -35,7 +35,6 @@ from autograder.results import shortened, SubmissionResult
 from drawing import svg
 
 WHY_CHARS = 160
-NOBODY: Mapping[str, str] = {}
 WIDTH, HEIGHT = 640, 200
 BASE, TOP, GAP = 160, 28, 8
 """Bottom of the bars, top of the highest bar, and gap between two bars [px]."""
@@ -47,103 +46,66 @@ def write_all_reports(
     """
     Replace the results of a class and all its pages.
 
-    :param results: the results of all students
-    :param summary: one sentence about the grading
-    :returns: path of the index page
-    """
-    missing = not_collected(layout, assignment, {one.student for one in results})
-    index = write_reports(
-        layout.reports, assignment, results, summary, read_people(layout), missing
-    )
-    write_class_report(layout, ClassResults(assignment, tuple(results)), summary)
-    return index
-
-
-def write_reports(
-    folder: Path,
-    assignment: str,
-    results: Sequence[SubmissionResult],
-    summary: str = '',
-    people: Mapping[str, str] = NOBODY,
-    missing: Sequence[NotCollected] = (),
-) -> Path:
-    """
-    Replace the results of a class, the students' pages and the index.
-
     The results are written first, atomically: all other commands read them, and the pages can be
     generated again.
 
-    :param folder: folder that receives ``<assignment>/index.html`` and ``<assignment>/students/``
-    :param people: names by student id, for the index; a student's own page shows no name
-    :param missing: the students without a submission to grade
+    :param results: the results of all students
+    :param summary: one sentence about the grading
     :returns: path of the index page
+    :raises GraderError: if the class list is wrong; then nothing is written
     """
-    pages = folder / assignment
+    graded = ClassResults(assignment, tuple(results))
+    facts = _facts(layout, graded, summary)
+    pages = layout.reports / assignment
     data = json.dumps([result.to_json() for result in results], indent=1)
     write_atomically(pages / 'results.json', f'{data}\n'.encode())
     (pages / 'students').mkdir(exist_ok=True)
     templates = _templates()
     student = templates.get_template('student.html.j2')
-    for result in results:
+    for result in results:  # A student's own page shows no name.
         page = with_unique_ids(student.render(result=result))
         write_atomically(pages / page_name(result.student), page.encode(), lasting=False)
     index = templates.get_template('index.html.j2')
-    facts = _common(results, summary, people, missing)
     page = index.render(assignment=assignment, results=results, **facts)
     write_atomically(pages / 'index.html', page.encode(), lasting=False)
     written = {page_name(result.student) for result in results}
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
+    write_class_report(layout, graded, summary)
     return pages / 'index.html'
 
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
     """Write the page of a class and return its path."""
-    path = layout.reports / graded.assignment / 'class.html'
-    missing = not_collected(layout, graded.assignment, {one.student for one in graded.results})
     numbers = class_numbers(layout, graded)
-    page = class_page(graded, numbers, summary, read_people(layout), missing)
-    write_atomically(path, page.encode('utf-8', 'replace'))
-    return path
-
-
-def class_page(
-    graded: ClassResults,
-    numbers: ClassNumbers,
-    summary: str = '',
-    people: Mapping[str, str] = NOBODY,
-    missing: Sequence[NotCollected] = (),
-) -> str:
-    """Return the page of a class as HTML; ``people`` maps student ids to names."""
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:
         by_exam.setdefault(check.exam, []).append(check)
     marks = numbers.marks
     page = _templates().get_template('class_report.html.j2')
-    return page.render(
+    text = page.render(
         numbers=numbers,
         picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
-        bins=_labels(marks) if marks else [],
         exams=list(by_exam.items()),
         students={one.student for one in graded.results},
         results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
-        **_common(graded.results, summary, people, missing),
+        **_facts(layout, graded, summary),
     )
+    path = layout.reports / graded.assignment / 'class.html'
+    write_atomically(path, text.encode('utf-8', 'replace'))
+    return path
 
 
-def _common(
-    results: Sequence[SubmissionResult],
-    summary: str,
-    people: Mapping[str, str],
-    missing: Sequence[NotCollected],
-) -> dict[str, Any]:
+def _facts(layout: Layout, graded: ClassResults, summary: str) -> dict[str, Any]:
     """Return the data that both pages of a class show, with unreadable submissions first."""
+    results = graded.results
+    missing = not_collected(layout, graded.assignment, {one.student for one in results})
     unusable = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
     return {
         'flagged': [*unusable, *((one.student, one.flags) for one in results if one.flags)],
         'summary': summary,
-        'people': people,
+        'people': read_people(layout),
         'missing': missing,
         'names': names_for_email(missing),
     }
@@ -157,7 +119,7 @@ def _labels(marks: Marks) -> list[tuple[str, int]]:
 
 
 def histogram(marks: Marks) -> str:
-    """Return the histogram of the marks as SVG; a table on the page shows the same numbers."""
+    """Return the histogram of the marks as HTML, with a table of the same numbers."""
     most = max(marks.bins)
     step = WIDTH / BINS
     parts = [svg.line(0, BASE, WIDTH, BASE)]
@@ -170,9 +132,11 @@ def histogram(marks: Marks) -> str:
             parts.append(svg.text(middle, top - 6, str(count), anchor='middle', bold=True))
         parts.append(svg.text(middle, BASE + 16, f'{low}–{high}', anchor='middle', size=11))
     parts.append(svg.text(WIDTH / 2, BASE + 34, 'points', anchor='middle', faint=True))
-    words = ', '.join(f'{label}: {count}' for label, count in _labels(marks) if count)
+    labels = _labels(marks)
+    words = ', '.join(f'{label}: {count}' for label, count in labels if count)
     title = f'Distribution of the points of {marks.count} submissions'
-    return svg.picture(WIDTH, HEIGHT, title, f'Number of submissions by points. {words}.', parts)
+    said = f'Number of submissions by points. {words}.'
+    return svg.picture(WIDTH, HEIGHT, title, said, parts, [('Points', 'Submissions'), *labels])
 
 
 def with_name(student: str, people: Mapping[str, str]) -> str:
@@ -212,8 +176,8 @@ def print_table(
     console: Console,
     assignment: str,
     results: Sequence[SubmissionResult],
-    people: Mapping[str, str] = NOBODY,
-    missing: Sequence[NotCollected] = (),
+    people: Mapping[str, str],
+    missing: Sequence[NotCollected],
 ) -> None:
     """Print students, points and first causes as a table, then the flags for the instructor."""
     exams = [exam for one in results for exam in one.exams]
@@ -223,19 +187,17 @@ def print_table(
     table.add_column('Student', overflow='fold')
     table.add_column('Points', justify='right', no_wrap=True)
     table.add_column('First cause', overflow='fold')
+    rows = []
     for result in results:
         points = f'{number(result.points)} of {number(result.max_points)}'
-        why = shortened(headline(result).replace('\n', ' '), WHY_CHARS)
+        given = Text('for review', style='bold red') if result.review else Text(points)
+        rows.append((result.student, given, headline(result)))
+    rows += [(one.student, Text('nothing'), one.reason) for one in missing]
+    people = {**people, **{one.student: one.person for one in missing if one.person}}
+    for student, given, why in rows:
         # Use Text objects: rich must not interpret square brackets from students as markup.
-        table.add_row(
-            Text(printable(with_name(result.student, people))),
-            Text('for review', style='bold red') if result.review else Text(points),
-            Text(why),
-        )
-    for one in missing:
-        why = shortened(one.reason.replace('\n', ' '), WHY_CHARS)
-        row = f'{one.student} ({one.person})' if one.person else one.student, 'nothing', why
-        table.add_row(*(Text(printable(cell)) for cell in row))
+        cause = Text(printable(shortened(why.replace('\n', ' '), WHY_CHARS)))
+        table.add_row(Text(printable(with_name(student, people))), given, cause)
     console.print(table)
     if missing:
         text = f'Nothing to grade yet from: {names_for_email(missing)}'

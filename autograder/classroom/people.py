@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import Any
 import unicodedata
 
-from autograder.classroom.tables import parse_table, read_bytes, read_json
+from autograder.classroom.tables import parse_table, read_bytes, read_json, save_json
 from autograder.errors import GraderError
-from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
 from autograder.submission.ids import named_id
 
@@ -54,19 +53,17 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
     if not layout.extensions.exists():
         return None
-    every: dict[tuple[str, str], timedelta] = {}
     found: dict[tuple[str, str], timedelta] = {}
-    for where, row in _rows(layout.extensions, ('student', 'assignment', 'hours')):
+    rows = _rows(layout.extensions, ('student', 'assignment', 'hours'))
+    # Rows for one assignment come last, because they replace those for all assignments.
+    for where, row in sorted(rows, key=lambda placed: bool(placed[1]['assignment'].strip())):
         student, name, hours = _student(where, row), row['assignment'].strip(), _hours(where, row)
-        if name:
-            try:
-                key = student, layout.assignment_named(name)
-            except GraderError as error:
-                raise GraderError(f'{where}: {error.what}', error.fix) from error
-            found[key] = hours
-        else:
-            every |= {(student, one): hours for one in layout.assignments()}
-    return {**every, **found}
+        try:
+            names = [layout.assignment_named(name)] if name else layout.assignments()
+        except GraderError as error:
+            raise GraderError(f'{where}: {error.what}', error.fix) from error
+        found |= {(student, one): hours for one in names}
+    return found
 
 
 def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str, str]]]:
@@ -163,10 +160,8 @@ def save_people(layout: Layout, names: Mapping[str, str]) -> None:
     :param names: names by student id, as written in a source
     :raises OSError: if the file cannot be written
     """
-    known = saved_people(layout)
-    merged = dict(sorted({**known, **_clean(names)}.items()))
-    if merged != known:
-        write_atomically(layout.people, json_bytes(merged))
+    merged = {**saved_people(layout), **_clean(names)}
+    save_json(layout.people, dict(sorted(merged.items())))
 
 
 def _clean(names: Mapping[str, Any]) -> dict[str, str]:

@@ -30,11 +30,13 @@ def results_file(layout: Layout, assignment: str) -> Path:
 
 def last_results(layout: Layout, assignment: str) -> tuple[SubmissionResult, ...]:
     """
-    Return the last results of an assignment.
+    Return the last results of an assignment; none if it was not graded.
 
     :raises GraderError: if the file with the results is damaged
     """
     path = results_file(layout, assignment)
+    if not path.is_file():
+        return ()
     try:
         data = json.loads(path.read_text(encoding='utf-8'))
         return tuple(SubmissionResult.from_json(one) for one in data)
@@ -52,8 +54,6 @@ def results_of_others(
 
     :raises GraderError: if the file with the results is damaged
     """
-    if not results_file(layout, assignment).is_file():
-        return ()
     last = last_results(layout, assignment)
     return tuple(one for one in last if one.student not in students)
 

@@ -121,13 +121,11 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     :param assignment: full name of the assignment
     :param submitted: the folder of the class
     :param at_least: minimum score of a listed pair, 0 to 1
-    :raises GraderError: if there is no submission, or the folder cannot be read
+    :raises GraderError: if there is no submission
+    :raises OSError: if the folder cannot be read
     """
     lesson = load_lesson(layout, assignment)
-    try:
-        there = discover(submitted, assignment, lesson.notebook, layout.assignments())
-    except OSError as error:
-        raise GraderError(f'{submitted}: the folder cannot be read: {error.strerror}.') from error
+    there = discover(submitted, assignment, lesson.notebook, layout.assignments())
     if not there:
         raise GraderError(f'{submitted}: there are no submissions for {assignment}.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
@@ -250,8 +248,9 @@ def compare(
         ]
         for student, files in {**answers, **references}.items()
     }
-    lengths = {who: sum(len(line.tokens) for line in found) for who, found in own.items()}
-    short = tuple(who for who, length in lengths.items() if length < SHORTEST)
+    short = tuple(
+        who for who, found in own.items() if sum(len(one.tokens) for one in found) < SHORTEST
+    )
     groups: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for student, found in own.items():
         if student not in short:
@@ -302,13 +301,13 @@ def _pair(
     from rapidfuzz.distance import LCSseq
 
     common, same, renamed = [], 0, 0
-    for block in LCSseq.opcodes([line.tokens for line in one], [line.tokens for line in two]):
-        if block.tag == 'equal':
-            left = one[block.src_start : block.src_end]
-            right = two[block.dest_start : block.dest_end]
-            same += len(left)
-            renamed += sum(line.raw != theirs.raw for line, theirs in zip(left, right))
-            mine, other = (tuple(line.text for line in lines) for lines in (left, right))
-            common.append(Common(left[0].path, mine, other, left[0].number, right[0].number))
+    found = LCSseq.opcodes([line.tokens for line in one], [line.tokens for line in two])
+    *blocks, _ = found.as_matching_blocks()  # The last block is empty.
+    for begin, begin_of_other, size in blocks:
+        left, right = one[begin : begin + size], two[begin_of_other : begin_of_other + size]
+        same += size
+        renamed += sum(line.raw != theirs.raw for line, theirs in zip(left, right))
+        mine, other = (tuple(line.text for line in lines) for lines in (left, right))
+        common.append(Common(left[0].path, mine, other, left[0].number, right[0].number))
     common.sort(key=lambda found: -len(found.first))
     return Pair(tuple(first), tuple(second), score, renamed / max(1, same), tuple(common))

@@ -1,4 +1,4 @@
-"""Read CSV files from people and learning platforms, and the grader's own JSON files."""
+"""Read CSV files from people and learning platforms; read and write the grader's JSON files."""
 
 import csv
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from autograder.errors import GraderError
+from autograder.files import json_bytes, write_atomically
 from autograder.submission.reading import read_file
 
 BOM = '\N{ZERO WIDTH NO-BREAK SPACE}'
@@ -86,3 +87,14 @@ def read_json(path: Path) -> Any:
         return json.loads(data or b'null')
     except (ValueError, RecursionError):
         return None
+
+
+def save_json(path: Path, data: Any) -> None:
+    """
+    Write a JSON file, unless it would not change or would be new and empty.
+
+    :raises OSError: if the file cannot be written
+    """
+    new, (there, _) = json_bytes(data), read_file(path, path.name)
+    if new != there and (data or there is not None):
+        write_atomically(path, new)

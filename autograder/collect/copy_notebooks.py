@@ -7,9 +7,8 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 import os
 from pathlib import Path
 
@@ -26,18 +25,19 @@ from autograder.collect.duplicate_names import (
     read_namesakes,
     save_namesakes,
 )
-from autograder.collect.owners import check_owners, owner_rule
+from autograder.collect.owners import check_owners
 from autograder.collect.platforms import EXCHANGE
-from autograder.collect.recognise import find_deliveries
+from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
+from autograder.collect.source import deliveries
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Delivery, opened
+from autograder.collect.source.deliveries import Delivery
 from autograder.collect.source.times import read_time, STAMP
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.files import write_atomically
 from autograder.layout import Layout
 from autograder.submission.reading import read_file
-from autograder.submission.tree import Tree, UnreadableError
+from autograder.submission.tree import opened, Tree, UnreadableError
 
 
 def collect(
@@ -65,59 +65,52 @@ def collect(
     """
     course = Course(layout)
     extensions(layout)  # Report a wrong file before anything is copied.
-    with opened(source) as tree:
-        there = find_deliveries(tree, course, kind, prefix)
-        if there.kind == EXCHANGE:
-            check_owners(there.deliveries, owner_rule(layout, trust_names))
-        notebooks = {one: read_notebooks(one, course, assignment) for one in there.deliveries}
-        goal = assignment or (
-            most_common_assignment(notebooks.values(), course, tree.name) if there.single else ''
-        )
-        known = check_names(there.deliveries, read_namesakes(layout), goal)
-        chosen, others = choose(notebooks, course, goal, there.single)
+    with opened(source, deliveries.BOUNDS) as tree:
+        kind, found, unknown = find_deliveries(tree, course, kind, prefix)
+        if kind == EXCHANGE and not trust_names:
+            check_owners(found, layout)
+        notebooks = {one: read_notebooks(one, course, assignment) for one in found}
+        single = kind not in (FOLDER, EXCHANGE)  # Platforms export one assignment at a time.
+        if single and not assignment:
+            assignment = most_common_assignment(notebooks.values(), course, tree.name)
+            for one in found:
+                one.assignment = assignment
+        known = check_names(found, read_namesakes(layout))
+        chosen, others = choose(notebooks, course, single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
-        rows = [*_refused(tree), *there.left, *others, *(row for _, row in done)]
+        rows = [*_refused(tree), *unknown, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        kept = _records_to_save(taken, there.kind, known, rows, layout)
-        rows += _saved(kept if to.resolve() == layout.submitted.resolve() else kept[:-1])
+        left = _not_collected(rows, layout) if to.resolve() == layout.submitted.resolve() else ()
+        try:
+            _save_records(layout, taken, kind, known, left)
+        except OSError as error:
+            why = f'files for later commands {_unwritable(error)}'
+            rows.append(unclaimed(str(error.filename2 or layout.work), why))
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
-Kept = tuple[Path, str, Callable[[], None]]
-"""A file for later commands, what it contains, and the function that writes it."""
-
-
-def _records_to_save(
+def _save_records(
+    layout: Layout,
     taken: Sequence[tuple[Delivery, Row]],
     kind: str,
     known: Namesakes,
-    rows: Sequence[Row],
-    layout: Layout,
-) -> list[Kept]:
-    """Return the files that a collection writes for later commands."""
+    left: Iterable[NotCollected],
+) -> None:
+    """
+    Write the files for later commands.
+
+    :param taken: collected deliveries, each with its row
+    :param left: work of known students that was not collected
+    :raises OSError: if a file cannot be written
+    """
+    save_namesakes(layout, known, [(one, row.assignment) for one, row in taken])
     places = {(row.assignment, row.student): Delivered(kind, row.place) for _, row in taken}
-    people = {row.student: row.person for _, row in taken if row.person}
-    numbers = [(one, row.assignment) for one, row in taken]
-    left = list(_not_collected(rows, layout))
-    numbers_of_moodle = partial(save_namesakes, layout, known, numbers)
-    return [
-        (layout.delivered, 'names of files', partial(save_delivered, layout, places)),
-        (layout.people, 'names', partial(save_people, layout, people)),
-        (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
-        (layout.not_collected, 'list of missing work', partial(save_not_collected, layout, left)),
-    ]
-
-
-def _saved(kept: Iterable[Kept]) -> Iterator[Row]:
-    """Write files for later commands; yield a row for each file that cannot be written."""
-    for path, what, save in kept:
-        try:
-            save()
-        except OSError as error:
-            yield unclaimed(str(path), f'{what} {_unwritable(error)}')
+    save_delivered(layout, places)
+    save_people(layout, {row.student: row.person for _, row in taken if row.person})
+    save_not_collected(layout, left)
 
 
 def _unwritable(error: OSError) -> str:
@@ -176,12 +169,11 @@ def write_copy(one: Chosen, file_name: str, to: Path, write: bool) -> tuple[str,
     wanted = f'{one.when:%Y-%m-%d %H:%M:%S} UTC\n'.encode() if one.when else None
     there, _ = read_file(notebook, file_name)
     time_there, _ = read_file(time, STAMP)
-    data = one.notebook.delivered.file.read()
+    data = one.notebook.file.read()
     same = there == data
     if same and wanted in (None, time_there):
         return UNCHANGED, ''
-    texts = ((stamp or b'')[:100].decode('utf-8', 'replace') for stamp in (wanted, time_there))
-    new, old = (read_time(text)[0] for text in texts)
+    new, old = read_time(wanted)[0], read_time(time_there)[0]
     if there is not None and new and old and new < old:
         said = f'older than the collected one from {old:%Y-%m-%d %H:%M}'
         return (UNCHANGED, 'handed in again later') if same else (LEFT, said)

@@ -11,13 +11,12 @@ Two people with the same name who never hand in the same assignment are not dete
 """
 
 from collections.abc import Iterable, Sequence
-import json
+import os
 from typing import NamedTuple
 
+from autograder.classroom.tables import read_json, save_json
 from autograder.collect.source.deliveries import Delivery
-from autograder.files import json_bytes, write_atomically
 from autograder.layout import Layout
-from autograder.submission.reading import read_file
 from autograder.submission.tree import UnusableUploadError
 
 Numbers = dict[str, dict[str, str]]
@@ -42,47 +41,37 @@ def read_namesakes(layout: Layout) -> Namesakes:
 
     :raises UnusableUploadError: if the file is damaged, because two people could then share an id
     """
-    path = layout.namesakes
-    data, problems = read_file(path, path.name)
-    if data is None and not path.is_symlink() and not path.exists():
+    if not os.path.lexists(layout.namesakes):
         return Namesakes(frozenset(), {})
+    found = read_json(layout.namesakes)
     try:
-        found = json.loads(data or b'')
-        numbers = {
-            str(student): {str(name): str(number) for name, number in of_one.items()}
-            for student, of_one in found['numbers'].items()
-        }
-        return Namesakes(frozenset(map(str, found['shared'])), numbers)
-    except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
-        got = problems[0].got if problems else 'something else'
+        numbers = {student: dict(of_one) for student, of_one in found['numbers'].items()}
+        return Namesakes(frozenset(found['shared']), numbers)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UnusableUploadError(
-            f'{path}: expected JSON with the numbers of people in Moodle, got {got}.',
+            f'{layout.namesakes}: expected JSON with the numbers of people in Moodle, got '
+            'something else.',
             'Try: delete the file, collect again, and look for equal names in the table',
         ) from error
 
 
-def check_names(deliveries: Sequence[Delivery], known: Namesakes, assignment: str) -> Namesakes:
-    """
-    Set ``doubt`` in the deliveries whose owner is unclear.
-
-    :param assignment: the assignment of the source, empty if it is not known
-    :returns: the updated ids and numbers
-    """
+def check_names(deliveries: Sequence[Delivery], known: Namesakes) -> Namesakes:
+    """Refuse the deliveries whose owner is unclear; return the updated ids and numbers."""
     here: dict[str, set[str]] = {}
     for one in deliveries:
         if one.number and one.id:
             here.setdefault(one.id, set()).add(one.number)
-    shared = known.shared | {student for student, numbers in here.items() if len(numbers) > 1}
-    now = known._replace(shared=frozenset(shared))
+    shared = {student for student, numbers in here.items() if len(numbers) > 1}
+    known = known._replace(shared=known.shared | shared)
     for one in deliveries:
-        one.doubt = one.doubt or _doubt(one, now, assignment)
-    return now
+        one.refused = one.refused or _doubt(one, known)
+    return known
 
 
-def _doubt(one: Delivery, known: Namesakes, assignment: str) -> str:
+def _doubt(one: Delivery, known: Namesakes) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
     name, number = one.student[:60], one.number
-    before = known.numbers.get(one.id, {}).get(assignment, number)
+    before = known.numbers.get(one.id, {}).get(one.assignment, number)
     if number and one.id in known.shared:
         return (
             f'two people are called {name!r}: unpack the zip, add the same id to all folders of '
@@ -111,9 +100,6 @@ def save_namesakes(
     for one, assignment in taken:
         if one.number:
             numbers.setdefault(one.id, {})[assignment] = one.number
-    if not known.shared and not numbers and not layout.namesakes.exists():
-        return
-    ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
-    data = json_bytes({'numbers': ordered, 'shared': sorted(known.shared)})
-    if data != read_file(layout.namesakes, '')[0]:
-        write_atomically(layout.namesakes, data)
+    if known.shared or numbers or layout.namesakes.exists():
+        ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
+        save_json(layout.namesakes, {'numbers': ordered, 'shared': sorted(known.shared)})

@@ -11,7 +11,7 @@ from typing import Any
 from nbgrader.exchange.default import ExchangeCollect, ExchangeReleaseAssignment
 from traitlets import Dict
 
-from autograder.collect.owners import OwnerRule
+from autograder.collect.owners import owner_doubt
 from environment.exchange import protect
 
 COPY_MODE = 0o755
@@ -43,7 +43,8 @@ class CollectFromOwners(ExchangeCollect):
 
     def _path_to_record(self, path: str) -> dict[str, Any]:
         record: dict[str, Any] = super()._path_to_record(path)
-        record['doubt'] = doubt = self._doubt(Path(path), record['username'])
+        doubt = self._doubt(Path(path), record['username']) if self.check_owner else ''
+        record['doubt'] = doubt
         if doubt:
             self.log.error('%s: not collected: %s', record['filename'], doubt)
             # nbgrader collects the newest delivery of each user.  Give a refused delivery a
@@ -53,10 +54,9 @@ class CollectFromOwners(ExchangeCollect):
 
     def _doubt(self, folder: Path, student: str) -> str:
         inside = [folder, *folder.rglob('*')]
-        if self.check_owner and any(path.is_symlink() for path in inside):
+        if any(path.is_symlink() for path in inside):
             return f'handed in as {student!r}, but it contains a symbolic link'
-        uids = {path.lstat().st_uid for path in inside}
-        return OwnerRule(self.check_owner, self.owners).doubt(student, uids)
+        return owner_doubt(student, {path.lstat().st_uid for path in inside}, self.owners)
 
     def copy_files(self) -> None:
         """Copy the deliveries that were accepted."""

@@ -11,8 +11,6 @@ owner.  The owner must be the student: the user of the same name, or the user th
 from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 import pwd
-from types import MappingProxyType
-from typing import NamedTuple
 
 from autograder.collect.source.deliveries import Delivery
 from autograder.errors import GraderError
@@ -22,32 +20,20 @@ from autograder.layout import Layout
 ADVICE = 'if you copied it there yourself, use --trust-names (docs/exchange.md)'
 
 
-class OwnerRule(NamedTuple):
+def owner_doubt(student: str, uids: Collection[int], owners: Mapping[str, str]) -> str:
     """
-    Rule about the system user who must own a student's work.
+    Return why a delivery may not be the student's, or an empty string.
 
-    :param check: False to trust the names of the folders
+    :param student: the student named by the folder
+    :param uids: owners of the folder and all files in it; empty if they are not known
     :param owners: name of the system user by student id, where the two differ
     """
-
-    check: bool = True
-    owners: Mapping[str, str] = MappingProxyType({})
-
-    def doubt(self, student: str, uids: Collection[int]) -> str:
-        """
-        Return why a delivery may not be the student's, or an empty string.
-
-        :param student: the student named by the folder
-        :param uids: owners of the folder and all files in it; empty if they are not known
-        """
-        if not self.check:
-            return ''
-        if not uids:
-            return f'handed in as {student!r}, but a zip does not record the owner'
-        others = sorted({user_name(uid) for uid in uids} - {self.owners.get(student, student)})
-        if not others:
-            return ''
-        return f'handed in as {student!r}, but owned by {", ".join(map(repr, others[:3]))}'
+    if not uids:
+        return f'handed in as {student!r}, but a zip does not record the owner'
+    others = sorted({user_name(uid) for uid in uids} - {owners.get(student, student)})
+    if not others:
+        return ''
+    return f'handed in as {student!r}, but owned by {", ".join(map(repr, others[:3]))}'
 
 
 @cache
@@ -59,29 +45,23 @@ def user_name(uid: int) -> str:
         return f'uid {uid}'
 
 
-def owner_rule(layout: Layout, trust_names: bool = False) -> OwnerRule:
+def check_owners(deliveries: Iterable[Delivery], layout: Layout) -> None:
     """
-    Return the owner rule of a course, from its nbgrader settings.
+    Refuse the deliveries of an exchange that another user owns, as nbgrader's settings require.
 
-    :param trust_names: True to accept every owner
     :raises GraderError: if the settings cannot be used
     """
-    if trust_names:
-        return OwnerRule(check=False)
-    if not (layout.root / 'nbgrader_config.py').is_file():
-        return OwnerRule()
-    settings = load_config(layout).ExchangeCollect
-    owners = settings.get('owners', {})
-    if not isinstance(owners, Mapping):
-        raise GraderError(
-            'nbgrader_config.py: c.ExchangeCollect.owners is not a dictionary.',
-            "Try: c.ExchangeCollect.owners = {'STUDENT': 'USER'}",
-        )
-    return OwnerRule(bool(settings.get('check_owner', True)), owners)
-
-
-def check_owners(deliveries: Iterable[Delivery], rule: OwnerRule) -> None:
-    """Set ``doubt`` in the deliveries of an exchange that another user owns."""
+    owners: Mapping[str, str] = {}
+    if (layout.root / 'nbgrader_config.py').is_file():
+        settings = load_config(layout).ExchangeCollect
+        if not settings.get('check_owner', True):
+            return
+        owners = settings.get('owners', {})
+        if not isinstance(owners, Mapping):
+            raise GraderError(
+                'nbgrader_config.py: c.ExchangeCollect.owners is not a dictionary.',
+                "Try: c.ExchangeCollect.owners = {'STUDENT': 'USER'}",
+            )
     for one in deliveries:
-        if doubt := rule.doubt(one.student, one.owners):
-            one.doubt = f'{doubt}; {ADVICE}'
+        if doubt := owner_doubt(one.student, one.owners, owners):
+            one.refused = f'{doubt}; {ADVICE}'

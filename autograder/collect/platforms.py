@@ -27,7 +27,8 @@ Source: nbgrader 0.9, nbgrader/exchange/default/submit.py.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+import math
 import re
 from typing import Any, NamedTuple
 
@@ -40,18 +41,9 @@ from autograder.submission.tree import File, UnreadableError, UnusableUploadErro
 
 _AGAIN = re.compile(r'-\d+(?=\.[^.]+$)')
 _NUMBER = re.compile(r'[1-9][0-9]*')
-_NAMED = re.compile(
-    r'_(?P<user>[1-9][0-9]*)_'
-    r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
-)
-_ANONYMOUS = re.compile(
-    r'(?P<late>LATE_)?(?P<user>anon_[0-9A-Za-z]+)_(?P<later>LATE_)?'
-    r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
-)
-_TYPED_INTO_CANVAS = {
-    'text': 'the student submitted text instead of a file',
-    'link': 'the student submitted a link instead of a file',
-}
+_END = r'(?:(?P<typed>text|link)\.html|(?P<attachment>[1-9][0-9]*)_(?P<file>.+))'
+_NAMED = re.compile(rf'_(?P<user>[1-9][0-9]*)_{_END}')
+_ANONYMOUS = re.compile(rf'(?P<late>LATE_)?(?P<user>anon_[0-9A-Za-z]+)_(?P<later>LATE_)?{_END}')
 _SPREAD = 10
 """Maximum ratio of attachment numbers in one assignment; Canvas numbers attachments in order."""
 
@@ -60,15 +52,16 @@ class Reading(NamedTuple):
     """
     One interpretation of a file name.
 
-    :param attachment: number of the attachment as text, empty for text or a link
+    :param name: name of the student; empty with anonymous grading
+    :param attachment: number of the attachment; 0 for text or a link
     :param file: file name that the student chose; ``text`` or ``link`` if there is no file
     """
 
     name: str
     user: str
-    attachment: str
-    file: str
     late: bool
+    attachment: int
+    file: str
 
 
 def readings(name: str) -> tuple[Reading, ...]:
@@ -77,9 +70,7 @@ def readings(name: str) -> tuple[Reading, ...]:
         return ()  # a folder
     found = []
     if match := _ANONYMOUS.fullmatch(name):
-        late = bool(match['late'] or match['later'])
-        file = match['file'] or match['typed']
-        found.append(Reading('', match['user'], match['attachment'] or '', file, late))
+        found.append(('', bool(match['late'] or match['later']), match))
     for mark in re.finditer('_', name):
         if match := _NAMED.fullmatch(name, mark.start()):
             person = name[: mark.start()].split('_')
@@ -87,9 +78,11 @@ def readings(name: str) -> tuple[Reading, ...]:
                 person.pop()
             # Canvas never writes a name with LATE, or with a number between underscores.
             if 'LATE' not in person and not any(map(_NUMBER.fullmatch, person[1:-1])):
-                attachment, file = match['attachment'] or '', match['file'] or match['typed']
-                found.append(Reading('_'.join(person), match['user'], attachment, file, late))
-    return tuple(found)
+                found.append(('_'.join(person), late, match))
+    return tuple(
+        Reading(who, at['user'], late, int(at['attachment'] or 0), at['file'] or at['typed'])
+        for who, late, at in found
+    )
 
 
 def _read_canvas(level: Level) -> Iterator[Delivery | Row]:
@@ -98,64 +91,64 @@ def _read_canvas(level: Level) -> Iterator[Delivery | Row]:
     settled = {name: found[0] for name, found in ways.items() if len(found) == 1}
     users: dict[str, dict[str, Reading]] = {}
     for name, found in ways.items():
-        fitting = [settled[name]] if name in settled else _fitting(found, settled, ways)
+        fitting = found if name in settled else _fitting(found, settled.values(), ways.values())
         if len(fitting) == 1:
             users.setdefault(fitting[0].user, {})[name] = fitting[0]
         else:
             whose = ' or '.join(sorted({f'user {one.user}' for one in found}))
             yield unclaimed(name, f'the owner is unclear: {whose}; rename the file')
     for user, entries in users.items():
-        notes = (f'user {user}, according to the other files',)
-        yield from _of_user(
-            level, user, entries, () if entries.keys() <= settled.keys() else notes
-        )
+        yield from _of_user(level, user, entries, entries.keys() <= settled.keys())
 
 
 def _fitting(
     ways: Sequence[Reading],
-    settled: Mapping[str, Reading],
-    all_ways: Mapping[str, Sequence[Reading]],
+    known: Collection[Reading],
+    all_ways: Iterable[Sequence[Reading]],
 ) -> list[Reading]:
-    """Return the interpretations of a file name that are consistent with the other files."""
-    known = settled.values()
+    """
+    Return the interpretations of a file name that are consistent with the other files.
+
+    :param known: interpretations of all file names that are not ambiguous
+    :param all_ways: the interpretations of each file name
+    """
     names = {one.user: one.name for one in known}
-    near = [int(one.attachment) for one in known if one.attachment]
-    numbers = Counter(
-        number for found in all_ways.values() for number in {one.attachment for one in found}
-    )
-
-    def is_attachment(number: str) -> bool:
-        found = int(number)
-        among = not near or (min(near) <= found * _SPREAD and found <= max(near) * _SPREAD)
-        return among and numbers[number] == 1
-
-    def is_anonymous(one: Reading) -> bool:
-        return not one.name and one.user.startswith('anon_')
-
+    anonymous = {one.user.startswith('anon_') for one in known}
+    near = [one.attachment for one in known if one.attachment]
+    least, most = min(near, default=0), max(near, default=math.inf)
+    numbers = Counter(number for found in all_ways for number in {one.attachment for one in found})
     return [
         one
         for one in ways
         if names.get(one.user, one.name) == one.name
-        and (not one.attachment or is_attachment(one.attachment))
-        and all(is_anonymous(one) == is_anonymous(other) for other in known)
+        and anonymous <= {one.user.startswith('anon_')}
+        and (not one.attachment or numbers[one.attachment] == 1)
+        and (not one.attachment or least <= one.attachment * _SPREAD)
+        and one.attachment <= most * _SPREAD
     ]
 
 
 def _of_user(
-    level: Level, user: str, entries: Mapping[str, Reading], notes: tuple[str, ...]
+    level: Level, user: str, entries: Mapping[str, Reading], certain: bool
 ) -> Iterator[Delivery]:
-    """Yield each typed answer of a user, and all files as one delivery, newest first."""
+    """
+    Yield each typed answer of a user, and all files as one delivery, newest first.
+
+    :param certain: whether the file names alone show that the files belong to the user
+    """
     late = 'Canvas' if any(one.late for one in entries.values()) else ''
-    person = max(entries.values(), key=lambda one: int(one.attachment or 0)).name
+    newest_first = sorted(entries.items(), key=lambda named: named[1].attachment, reverse=True)
+    notes = () if certain else (f'user {user}, according to the other files',)
+    person = newest_first[0][1].name
     files: list[DeliveredFile] = []
-    for name, one in entries.items():
+    for name, one in newest_first:
         if one.attachment:
-            files += level[name].delivered_files(_AGAIN.sub('', one.file), int(one.attachment))
+            files += level[name].delivered_files(_AGAIN.sub('', one.file), one.attachment)
         else:
-            what = _TYPED_INTO_CANVAS[one.file]
-            yield Delivery(user, (), name, person, late=late, instead=what, notes=notes)
+            what = 'a link' if one.file == 'link' else 'text'
+            why = f'the student submitted {what} instead of a file'
+            yield Delivery(user, (), name, person, late=late, refused=why, notes=notes)
     if files:
-        files.sort(key=lambda one: one.turn, reverse=True)
         yield Delivery(user, tuple(files), '', person, late=late, notes=notes)
 
 
@@ -177,9 +170,9 @@ def _read_moodle(level: Level) -> Iterator[Delivery]:
                 entry.delivered_files(match['file'] or '')
             )
     for (name, number, kind), (place, found) in deliveries.items():
-        what = _TYPED_INTO_MOODLE.get(kind, f'Moodle type {kind}, not a file')
-        files = () if what else tuple(found)
-        yield Delivery(name, files, place, name, instead=what, number=number)
+        why = _TYPED_INTO_MOODLE.get(kind, f'Moodle type {kind}, not a file')
+        files = () if why else tuple(found)
+        yield Delivery(name, files, place, name, refused=why, number=number)
 
 
 METADATA = 'submission_metadata.yml'
@@ -192,8 +185,7 @@ def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
 
     :raises UnusableUploadError: if the metadata cannot be read
     """
-    data = _metadata(level[METADATA].files[0])
-    described = {str(folder): facts for folder, facts in data.items()}
+    described = _metadata(level[METADATA].files[0])
     for folder, facts in described.items():
         when, note = read_time(_field(facts, 'created_at'))
         for student, person in _submitters(facts):
@@ -206,12 +198,12 @@ def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
                 notes=(note,) if note else (),
             )
     for name, entry in level.items():
-        if entry.folder and name not in described:
+        if _GRADESCOPE.fullmatch(entry.path) and name not in (METADATA, *described):
             yield unclaimed(name, f'not in {METADATA}, so its owner is unknown')
 
 
-def _metadata(file: File) -> Mapping[Any, Any]:
-    """Parse the metadata with the safe YAML loader, which cannot create arbitrary objects."""
+def _metadata(file: File) -> Mapping[str, Any]:
+    """Return facts about submissions by folder; the safe YAML loader creates no other objects."""
     try:
         data = yaml.safe_load(file.read())
     except (yaml.YAMLError, UnreadableError, RecursionError, ValueError) as error:
@@ -219,27 +211,23 @@ def _metadata(file: File) -> Mapping[Any, Any]:
         raise UnusableUploadError(f'{METADATA}: this is not valid YAML: {what}.') from error
     if not isinstance(data, Mapping):
         raise UnusableUploadError(f'{METADATA}: this is not a table of submissions.')
-    return data
+    return {str(folder): facts for folder, facts in data.items()}
 
 
-def _submitters(facts: object) -> list[tuple[str, str]]:
+def _submitters(submission: object) -> list[tuple[str, str]]:
     """Return the id and the name of every student of a submission."""
-    people = _field(facts, 'submitters')
-    found = [
-        [_field(person, name) for name in ('sid', 'email', 'name')]
-        for person in (people if isinstance(people, list) else [])
-    ]
-    texts = [
-        [str(one).strip() if isinstance(one, (str, int)) else '' for one in of] for of in found
-    ]
-    return [(sid or email, name) for sid, email, name in texts] or [('', '')]
+    people = _field(submission, 'submitters')
+    found = []
+    for person in people if isinstance(people, list) else ():
+        facts = [_field(person, name) for name in ('sid', 'email', 'name')]
+        texts = [str(one).strip() if isinstance(one, (str, int)) else '' for one in facts]
+        found.append((texts[0] or texts[1], texts[2]))
+    return found or [('', '')]
 
 
 def _field(facts: object, name: str) -> Any:
     """Return a field; Gradescope writes field names as Ruby symbols, such as ``:email``."""
-    if not isinstance(facts, Mapping):
-        return None
-    return facts.get(f':{name}', facts.get(name))
+    return facts.get(f':{name}', facts.get(name)) if isinstance(facts, Mapping) else None
 
 
 INBOUND = 'inbound'

@@ -13,8 +13,8 @@ a cloned repository begins with an assignment, as in ``talk-ann``, that prefix i
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 
 from autograder.collect.platforms import EXCHANGE, FOLDERS, INBOUND, SYSTEMS
 from autograder.collect.source.course import Course
@@ -32,33 +32,19 @@ FEW = 20
 """Maximum number of notebooks read to distinguish a class from the copies of one student."""
 
 
-class SourceContents(NamedTuple):
-    """
-    The contents of a source.
-
-    :param kind: the platform, or ``'folder'``
-    :param left: a row for each entry that belongs to no known student
-    :param single: whether all work is for one assignment, as in exports of learning platforms
-    """
-
-    kind: str
-    deliveries: tuple[Delivery, ...]
-    left: tuple[Row, ...]
-    single: bool
-
-
 def find_deliveries(
     tree: Tree, course: Course, kind: str = '', prefix: str = ''
-) -> SourceContents:
+) -> tuple[str, list[Delivery], list[Row]]:
     """
     Return all deliveries in a source.
 
     :param kind: a platform, ``'folder'``, or empty to recognise it
     :param prefix: prefix to remove from the names of folders
+    :returns: the platform or ``'folder'``, the deliveries, and a row for each other entry
     :raises UnusableUploadError: if ``kind`` or ``prefix`` does not fit the source, or the source
         is an exchange with several courses
     """
-    chosen, place = (kind, None) if kind else recognise_platform(tree)
+    chosen = kind or recognise_platform(tree)
     if system := SYSTEMS.get(chosen):
         if prefix:
             raise UnusableUploadError(
@@ -66,9 +52,12 @@ def find_deliveries(
                 f'from {chosen}.',
                 'Try: leave out --prefix',
             )
-        if place is None:
-            place = next(filter(system.claims, _levels(tree)), level(tree))
-        found = [*system.read(place)] if system.claims(place) else []
+        places = _levels(tree)
+        place = next(filter(system.claims, places), places[-1])
+        claimed = system.claims(place)
+        found = [*system.read(place)] if claimed else []
+        why = f'not named the way {chosen} names submissions'
+        found += [unclaimed(name, why) for name in place if name not in claimed]
     else:
         place = _level_of(tree, course)
         if prefix and not any(name.startswith(prefix) for name in place):
@@ -78,8 +67,8 @@ def find_deliveries(
                 f'(--prefix), got: {_shown(place)}.',
                 'Try: leave out --prefix, or give the text that the folder names begin with',
             )
-        found = [*_students(place, course, prefix)]
-    deliveries = tuple(one for one in found if isinstance(one, Delivery))
+        found = [_delivery(entry, course, prefix) for entry in place.values()]
+    deliveries = [one for one in found if isinstance(one, Delivery)]
     if kind and not deliveries:
         expected = system.expected if system else EXPECTED
         got = _shown(_levels(tree)[-1])
@@ -87,30 +76,25 @@ def find_deliveries(
             f'{tree.name}: expected submissions of kind {kind} ({expected}), got: {got}.',
             'Try: leave out --kind, or collect the source as you downloaded it',
         )
-    left = [one for one in found if isinstance(one, Row)]
-    known = {name for one in deliveries for name in one.places} | {one.place for one in left}
-    known |= {system.needs} if system else set()
-    why = f'not named the way {chosen} names submissions'
-    left += [unclaimed(name, why) for name in place if name not in known]
-    return SourceContents(chosen, deliveries, tuple(left), chosen not in (FOLDER, EXCHANGE))
+    return chosen, deliveries, [one for one in found if isinstance(one, Row)]
 
 
-def recognise_platform(tree: Tree) -> tuple[str, Level | None]:
-    """Return the platform that most names fit, and the level with these names."""
+def recognise_platform(tree: Tree) -> str:
+    """Return the platform that most names fit, or ``'folder'``."""
     places = _levels(tree)
     for place in places:
         claims = {name: system.claims(place) for name, system in SYSTEMS.items()}
-        best = max(claims, key=lambda name: claims[name])
-        if 0 < len(place) <= 2 * claims[best]:
-            return best, place
+        best = max(claims, key=lambda name: len(claims[name]))
+        if 0 < len(place) <= 2 * len(claims[best]):
+            return best
     if any(map(_is_exchange, places)):  # The exchange has no deliveries yet.
-        return EXCHANGE, places[-1]
+        return EXCHANGE
     if places[0] and all(_is_exchange(level(tree, name)) for name in places[0]):
         raise UnusableUploadError(
             f'{tree.name}: this exchange has {len(places[0])} courses.',
             'Try: collect the folder of one course, or its inbound/',
         )
-    return FOLDER, None
+    return FOLDER
 
 
 def _levels(tree: Tree) -> list[Level]:
@@ -161,29 +145,24 @@ def _are_students(files: Sequence[Entry], course: Course) -> bool:
         return False
     lessons: Counter[str] = Counter()
     for one in files[:FEW]:
-        try:
+        with suppress(UnreadableError):
             lessons.update(set(course.shared(one.files[0].read())))
-        except UnreadableError:
-            continue
     return any(count > 1 for count in lessons.values())
 
 
-def _students(place: Level, course: Course, prefix: str) -> Iterator[Delivery | Row]:
-    """Yield the delivery of each student, and a row for each entry that is not a student's."""
-    for name, entry in place.items():
-        if not entry.folder and not name.lower().endswith(NOTEBOOK):
-            yield unclaimed(name, "neither a notebook nor a student's folder")
-        elif entry.folder and name in course.assignments:
-            yield unclaimed(
-                name, 'the name of an assignment, not of a student: collect the folder above'
-            )
-        else:
-            yield _delivery(entry, course, prefix)
+def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery | Row:
+    """
+    Return the delivery of a student, or a row if the entry is not a student's.
 
-
-def _delivery(entry: Entry, course: Course, prefix: str) -> Delivery:
-    """Return a delivery, with a note if a prefix was removed from the name."""
-    name = entry.name if entry.folder else entry.name[: -len(NOTEBOOK)]
+    A note says which prefix was removed from the name.
+    """
+    name = entry.name
+    if not entry.folder and not name.lower().endswith(NOTEBOOK):
+        return unclaimed(name, "neither a notebook nor a student's folder")
+    if entry.folder and name in course.assignments:
+        why = 'the name of an assignment, not of a student: collect the folder above'
+        return unclaimed(name, why)
+    name = name if entry.folder else name[: -len(NOTEBOOK)]
     off = prefix if name.startswith(prefix) and name != prefix else ''
     if entry.repository:
         off = off or course.beginning(name)

@@ -22,11 +22,11 @@ from statistics import multimode
 from typing import NamedTuple
 
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import DeliveredFile, Delivery
+from autograder.collect.source.deliveries import Delivery
 from autograder.collect.source.times import late_notes, read_time, STAMP
 from autograder.collect.table import LEFT, Row, TAKEN
 from autograder.results import first_of
-from autograder.submission.tree import UnreadableError, UnusableUploadError
+from autograder.submission.tree import File, UnreadableError, UnusableUploadError
 
 MOST_NOTEBOOKS = 50
 """Maximum number of notebooks read from one delivery; a clone of the course has about twelve."""
@@ -40,13 +40,16 @@ class NotebookInfo:
     Facts about a notebook, without its content: the notebooks of a class may not fit in memory.
 
     :param delivery: the delivery that contains the notebook
+    :param file: the file, with its place and turn in the delivery
     :param shared: number of grade ids in the notebook, by assignment
     :param named: the assignment that the name of the file or folder suggests
     :param why: why the notebook was not read, empty if it was
     """
 
     delivery: Delivery
-    delivered: DeliveredFile
+    file: File
+    place: str
+    turn: int
     shared: Mapping[str, int] = field(default_factory=dict)
     named: str = ''
     why: str = ''
@@ -73,6 +76,48 @@ class Chosen(NamedTuple):
     notebook: NotebookInfo
     when: datetime | None
     row: Row
+
+
+def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[NotebookInfo]:
+    """
+    Read the notebooks of a delivery within the limits, the most likely ones first.
+
+    :param wanted: the only assignment to collect; empty for all.  It is set in the delivery, and a
+        delivery that cannot be collected is refused without reading its files
+    """
+    delivery.refused = delivery.refused or _unusable(delivery, course, wanted)
+    delivery.assignment = wanted or delivery.assignment
+    if delivery.refused:
+        return []
+    files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
+    files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
+    files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
+    notebooks, left = [], MOST_BYTES_EACH
+    for count, delivered in enumerate(files):
+        one = NotebookInfo(delivery, *delivered, named=course.named(delivered.file.parts))
+        try:
+            if count >= MOST_NOTEBOOKS or left <= 0:
+                raise UnreadableError(
+                    f'not read: only the first {count} notebooks of a delivery are read'
+                )
+            data = delivered.file.read()
+            left -= len(data)
+            notebooks.append(replace(one, shared=course.shared(data)))
+        except UnreadableError as error:
+            notebooks.append(replace(one, why=str(error)))
+    return notebooks
+
+
+def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
+    """Return why a delivery cannot be collected, empty if it can."""
+    name = delivery.assignment
+    if not delivery.id:
+        return 'no letter or digit in the name'
+    if name and wanted and name != wanted:
+        return f'handed in for {name}'
+    if name and name not in course.assignments:
+        return f'{name}: not an assignment of this course; name one with --assignment'
+    return '' if delivery.files else 'no file that can be read'
 
 
 def most_common_assignment(
@@ -102,16 +147,12 @@ def most_common_assignment(
 
 
 def choose(
-    deliveries: Mapping[Delivery, Sequence[NotebookInfo]],
-    course: Course,
-    wanted: str = '',
-    single: bool = False,
+    deliveries: Mapping[Delivery, Sequence[NotebookInfo]], course: Course, single: bool
 ) -> tuple[list[Chosen], list[Row]]:
     """
     Select the notebooks to collect, one per student and assignment.
 
     :param deliveries: the deliveries, each with its notebooks from :func:`read_notebooks`
-    :param wanted: the only assignment to collect; empty to recognise it from the source
     :param single: whether the source is for one assignment, so that notebooks of others are
         mistakes
     :returns: the selected notebooks, and a row for each entry that was not, or only partly,
@@ -119,8 +160,8 @@ def choose(
     """
     fitting: dict[tuple[str, str], list[NotebookInfo]] = {}
     for delivery, notebooks in deliveries.items():
-        goal = wanted or delivery.assignment
-        if not _unusable(delivery, course, wanted):
+        goal = delivery.assignment
+        if not delivery.refused:
             for name in [goal] if goal else sorted({one.about for one in notebooks} - {''}):
                 found = _fitting(notebooks, name, course, bool(goal))
                 fitting.setdefault((delivery.id, name), []).extend(found)
@@ -138,45 +179,8 @@ def choose(
     rows: list[Row] = []
     for delivery, notebooks in deliveries.items():
         mine = chosen.get(delivery.id, {})
-        rows += _others(delivery, notebooks, course, mine, reasons, wanted, single)
+        rows += _others(delivery, notebooks, mine, reasons, single)
     return [best for mine in chosen.values() for best in mine.values()], rows
-
-
-def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
-    """Return why a delivery cannot be collected, without reading its files; empty if it can."""
-    if not delivery.id:
-        return 'no letter or digit in the name'
-    if why := delivery.doubt or delivery.instead:
-        return why
-    if wanted and delivery.assignment and delivery.assignment != wanted:
-        return f'handed in for {delivery.assignment}'
-    if delivery.assignment and delivery.assignment not in course.assignments:
-        name = delivery.assignment
-        return f'{name}: not an assignment of this course; name one with --assignment'
-    return '' if delivery.files else 'no file that can be read'
-
-
-def read_notebooks(delivery: Delivery, course: Course, wanted: str = '') -> list[NotebookInfo]:
-    """Read the notebooks of a delivery within the limits, the most likely ones first."""
-    if _unusable(delivery, course, wanted):
-        return []
-    files = [one for one in delivery.files if one.file.name.lower().endswith('.ipynb')]
-    files.sort(key=lambda one: (len(one.file.parts), one.file.parts))
-    files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
-    notebooks, left = [], MOST_BYTES_EACH
-    for count, delivered in enumerate(files):
-        one = NotebookInfo(delivery, delivered, named=course.named(delivered.file.parts))
-        try:
-            if count >= MOST_NOTEBOOKS or left <= 0:
-                raise UnreadableError(
-                    f'not read: only the first {count} notebooks of a delivery are read'
-                )
-            data = delivered.file.read()
-            left -= len(data)
-            notebooks.append(replace(one, shared=course.shared(data)))
-        except UnreadableError as error:
-            notebooks.append(replace(one, why=str(error)))
-    return notebooks
 
 
 def _fitting(
@@ -205,23 +209,23 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
     """Return the notebook to collect, with notes for the table."""
 
     def merit(one: NotebookInfo) -> tuple[bool, float, int, bool, bool, int, bool, int]:
-        file, cells, when = one.delivered.file, one.shared.get(assignment, 0), one.delivery.when
+        file, cells, when = one.file, one.shared.get(assignment, 0), one.delivery.when
         return (
             cells > 0,
             when.timestamp() if when else 0.0,
             cells,
             course.of_file(file.name) == assignment,
             assignment in file.parts,
-            one.delivered.turn,
+            one.turn,
             file.name == course.file_names[assignment],
             -len(file.parts),
         )
 
     # Of two files with the same name, consider only the newer one, regardless of its content.
-    by_turn = sorted(candidates, key=lambda one: one.delivered.turn)
-    newest = {(one.delivery.places, one.delivered.file.parts): one for one in by_turn}
+    by_turn = sorted(candidates, key=lambda one: one.turn)
+    newest = {(one.delivery.places, one.file.parts): one for one in by_turn}
     best = max(newest.values(), key=merit)
-    file = best.delivered.file
+    file = best.file
     beside = [one for one in newest.values() if one.delivery is best.delivery]
     older = [one for one in candidates if one is not best and _is_attempt(one, best)]
     notes = [f'the newest of {len(older) + 1} attempts'] if older else []
@@ -234,40 +238,35 @@ def _best(candidates: Sequence[NotebookInfo], assignment: str, course: Course) -
         notes.append('it contains no cell of the assignment')
     if file.name != course.file_names[assignment]:
         notes.append(f'the file was called {file.name[:60]!r}')
-    when, about_time = _time(best.delivery, best.delivered, assignment)
+    when, about_time = _time(best, assignment)
     due = course.due.of(best.delivery.id, assignment) if when else None
-    late = late_notes(best.delivery.late, when, due)
-    place = best.delivered.place
-    row = _row(best.delivery, assignment, place, TAKEN, (*late, *notes, *about_time), when)
-    return Chosen(best, when, row)
+    said = (*late_notes(best.delivery.late, when, due), *notes, *about_time)
+    return Chosen(best, when, _row(best.delivery, assignment, best.place, TAKEN, said, when))
 
 
 def _is_attempt(one: NotebookInfo, best: NotebookInfo) -> bool:
     """Return whether a notebook is a different attempt, not another file of the same attempt."""
-    same_path = one.delivered.file.parts == best.delivered.file.parts
-    return one.delivery is not best.delivery or same_path
+    return one.delivery is not best.delivery or one.file.parts == best.file.parts
 
 
 def _why_another(one: NotebookInfo, best: NotebookInfo) -> str:
     """Return why a notebook for the same assignment was not selected."""
     if not _is_attempt(one, best):
-        return f'{one.delivered.file.path[:80]}: {best.delivered.file.path} was collected'
+        return f'{one.file.path[:80]}: {best.file.path} was collected'
     odd = best.shared and not one.shared
     return 'a different notebook was collected' if odd else 'a newer notebook was collected'
 
 
-def _time(
-    delivery: Delivery, delivered: DeliveredFile, assignment: str
-) -> tuple[datetime | None, tuple[str, ...]]:
+def _time(best: NotebookInfo, assignment: str) -> tuple[datetime | None, tuple[str, ...]]:
     """Return the time of delivery of a notebook, and notes about this time."""
-    if not delivery.stamped:
-        return delivery.when, ()
+    if not best.delivery.stamped:
+        return best.delivery.when, ()
     beside = (assignment, STAMP)  # nbgrader writes the file only here.
-    file = next((one.file for one in delivery.files if one.file.parts == beside), None)
-    if file is None or delivered.file.parts[:-1] != beside[:-1]:
+    file = next((one.file for one in best.delivery.files if one.file.parts == beside), None)
+    if file is None or best.file.parts[:-1] != beside[:-1]:
         return None, ()
     try:
-        when, note = read_time(file.read()[:100].decode('utf-8', 'replace'))
+        when, note = read_time(file.read())
     except UnreadableError as error:
         return None, (f'{file.path}: {error}',)
     # Name the file in the note, because a student may have written it.
@@ -277,10 +276,8 @@ def _time(
 def _others(
     delivery: Delivery,
     notebooks: Sequence[NotebookInfo],
-    course: Course,
     mine: Mapping[str, Chosen],
     reasons: Mapping[NotebookInfo, str],
-    wanted: str,
     single: bool,
 ) -> Iterator[Row]:
     """
@@ -289,16 +286,16 @@ def _others(
     :param mine: the selected notebooks of the student, by assignment
     :param reasons: known reasons why notebooks were not selected
     """
-    goal, why = wanted or delivery.assignment, _unusable(delivery, course, wanted)
+    goal = delivery.assignment
     taken = {one.row.place for one in mine.values() if one.notebook.delivery is delivery}
     for place in delivery.places:
-        there = [one for one in notebooks if one.delivered.place == place]
+        there = [one for one in notebooks if one.place == place]
         left = [
             one
             for one in there
             if one.why
             or place not in taken
-            or (goal in ('', one.about) and one.about not in ('', *mine))
+            or (not goal and one.about not in ('', *mine))
             or (single and one.content not in ('', goal))
         ]
         about = goal or next((one.about for one in left), '')
@@ -306,9 +303,9 @@ def _others(
         if not there and place not in taken:
             names = [one.file.name for one in delivery.files if one.place == place]
             said = [f'no notebook, only {first_of(names, NAMES_SHOWN)}'[:160]]
-        if why or said:
-            late = late_notes(delivery.late, delivery.when, None)
-            notes = (why or first_of(said, NAMES_SHOWN, '; '), *late, *_said(delivery))
+        if delivery.refused or said:
+            why = delivery.refused or first_of(said, NAMES_SHOWN, '; ')
+            notes = (why, *late_notes(delivery.late, delivery.when, None), *_said(delivery))
             yield _row(delivery, about, place, LEFT, notes, delivery.when)
 
 
@@ -318,17 +315,17 @@ def _why_not(one: NotebookInfo, chosen: bool, goal: str) -> str:
 
     :param chosen: whether another notebook of the student was selected
     """
-    path, about = one.delivered.file.path[:80], goal or one.named
+    path, about = one.file.path[:80], goal or one.named
     if one.why:
         return f'{path}: {one.why}'
     if one.content:
         return f'wrong assignment: {path} belongs to {one.content}'
     if not about and not chosen:
         return f'{path}: not an assignment of this course; name one with --assignment'
-    other = goal and one.named not in ('', goal)
-    named = f'named like {one.named}, but ' if other else ''
-    more = '' if other or (chosen and not one.named) else ', and it is not the only notebook'
-    return f'{path}: {named}it contains no cell of {about or "this course"}{more}'
+    if goal and one.named not in ('', goal):
+        return f'{path}: named like {one.named}, but it contains no cell of {goal}'
+    more = '' if chosen and not one.named else ', and it is not the only notebook'
+    return f'{path}: it contains no cell of {about or "this course"}{more}'
 
 
 def _said(delivery: Delivery) -> tuple[str, ...]:

@@ -117,7 +117,7 @@ class Tree(NamedTuple):
 
     :param files: sorted by path
     :param refused: path and reason of each skipped entry
-    :param empty: folders in the top two levels without readable files
+    :param folders: the folders of all files, and folders without a file
     :param repositories: folders that contain ``.git``
     :param owners: uid of each file and folder; empty for a zip
     """
@@ -125,7 +125,7 @@ class Tree(NamedTuple):
     name: str
     files: tuple[File, ...]
     refused: list[tuple[str, str]]
-    empty: list[Parts]
+    folders: set[Parts]
     repositories: set[Parts]
     owners: Mapping[Parts, int]
 
@@ -215,17 +215,15 @@ def _tree(name: str, names: Iterable[File], meter: _Meter) -> Tree:
             owners[one.parts] = one.owner
         twice = 'a name that occurs twice' if one.parts in files else ''
         unsafe = bounds.trouble(one.parts)
+        folders |= set() if unsafe else {above}
         if trouble := unsafe or one.trouble or twice:
             refused.append(('/'.join(one.parts)[: bounds.name_chars], trouble))
-            folders |= set() if unsafe else {above}
         elif one.read is _is_folder:
             folders.add(one.parts)
         else:
             files[one.parts] = one
-    used = {parts[:depth] for parts in files for depth in (1, 2)}
-    empty = sorted({parts[:2] for parts in folders} - {(), *used})
     ordered = tuple(files[parts] for parts in sorted(files))
-    return Tree(name, ordered, refused, empty, repositories, owners)
+    return Tree(name, ordered, refused, folders, repositories, owners)
 
 
 def _in_folder(folder: Path, above: Parts, meter: _Meter) -> Iterator[File]:

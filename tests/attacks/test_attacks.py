@@ -13,8 +13,9 @@ import time
 
 import pytest
 
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.errors import GraderError
+from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.sandboxes.choose import strongest
 from tests.attacks.corpus import Attack, CANARY, early_limits, grade, Outcome, programs
@@ -122,7 +123,7 @@ def test_report_of_all_attacks_is_harmless(graded, tmp_path):
         for attack in ATTACKS
         if (outcome := graded[attack]).result
     ]
-    write_reports(tmp_path, '07_temperature_monitor', results)
+    write_all_reports(Layout(tmp_path), '07_temperature_monitor', results)
     pages = ''.join(file.read_text(encoding='utf-8') for file in tmp_path.rglob('*.html'))
 
     assert '&lt;script&gt;' in pages

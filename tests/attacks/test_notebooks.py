@@ -17,7 +17,7 @@ import sys
 
 import pytest
 
-from autograder.classroom.pages import page_name, write_reports
+from autograder.classroom.pages import page_name, write_all_reports
 from autograder.gradebook.record import enter_assignment, record
 from autograder.grading.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
 from autograder.layout import Layout
@@ -97,7 +97,7 @@ def graded(course) -> ClassRun:
     found = discover(course.submitted, ASSIGNMENT, release.name, (ASSIGNMENT,))
     results = grade_class(found, lesson, engine(course), jobs=2)
     record(course, lesson, results)
-    write_reports(course.reports, ASSIGNMENT, [one.result for one in results])
+    write_all_reports(course, ASSIGNMENT, [one.result for one in results])
     names = {str(one.submission.folder): one.result.student for one in results}
     students = {name: _student(folder, names) for name, folder in folders.items()}
     return ClassRun(course, lesson, {one.result.student: one for one in results}, students)

@@ -6,8 +6,7 @@ from typing import Any
 from accessibility import violations
 import pytest
 
-from autograder.classroom.pages import write_class_report, write_reports
-from autograder.classroom.results_of_class import graded
+from autograder.classroom.pages import write_all_reports
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 
@@ -56,8 +55,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pictures = {'rate': TIMELINE, 'stamp': TIMELINE}
     exam = ExamResult('publisher', (check('rate'), check('stamp')), pictures=pictures)
     results = [SubmissionResult(name, ASSIGNMENT, (exam,)) for name in NAMES]
-    write_reports(layout.reports, ASSIGNMENT, results)
-    return write_class_report(layout, graded(layout, ASSIGNMENT)[0]).parent
+    return write_all_reports(layout, ASSIGNMENT, results).parent
 
 
 @pytest.mark.parametrize('width', [400, 1400])

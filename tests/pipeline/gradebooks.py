@@ -8,7 +8,7 @@ from nbgrader.api import Gradebook
 import pytest
 
 from autograder.authoring.sample_class import remove_sample_class
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.people import read_people, save_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.source.times import due_dates
@@ -318,7 +318,7 @@ def lets_the_sample_students_go(course: Layout) -> None:
     hand_in(course, 'ann')
     grade(course)
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('ann', 'pass__sample')]
-    write_reports(course.reports, ASSIGNMENT, there)
+    write_all_reports(course, ASSIGNMENT, there)
 
     assert remove_sample_class(course) == 1
     assert not (course.submitted / 'pass__sample').exists()
@@ -331,7 +331,7 @@ def lets_the_sample_students_go(course: Layout) -> None:
     assert remove_sample_class(course) == 0
 
     (course.submitted / 'pass__sample').mkdir()
-    write_reports(course.reports, ASSIGNMENT, there[1:])
+    write_all_reports(course, ASSIGNMENT, there[1:])
     assert remove_sample_class(course) == 1
     assert not results_file(course, ASSIGNMENT).exists()
 
@@ -362,7 +362,7 @@ def forgets_a_student(course: Layout) -> None:
     grade(course)
     by_hand(course, '1001', 4)
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('1001', '1002')]
-    write_reports(course.reports, ASSIGNMENT, there)
+    write_all_reports(course, ASSIGNMENT, there)
 
     found = traces(course, '1001')
     assert found.lines[:4] == (

@@ -18,7 +18,7 @@ import pytest
 from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
 from autograder.classroom.collected import Delivered, save_delivered
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import graded as last
 from autograder.commands import FOR_REVIEW, OK
 from autograder.exports.gradescope import autograder_zip
@@ -60,7 +60,7 @@ def grade(course: Layout) -> None:
         discover(course.submitted, ASSIGNMENT, NOTEBOOK), lesson, FakeEngine(), jobs=2
     )
     record(course, lesson, done)
-    write_reports(course.reports, ASSIGNMENT, [one.result for one in done])
+    write_all_reports(course, ASSIGNMENT, [one.result for one in done])
 
 
 @pytest.fixture
@@ -242,7 +242,7 @@ class TestCommands:
         [
             (['export', 'csv', 'temprature'], 'Did you mean'),
             (['stats', 'nonsense_xyz'], 'no such assignment'),
-            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'the folder cannot be read'),
+            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'cannot be read or written'),
             (
                 ['export', 'canvas', ASSIGNMENT, '--gradebook', '/nowhere', '--column', 'x'],
                 'the gradebook from Canvas cannot be read',

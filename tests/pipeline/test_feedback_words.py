@@ -13,7 +13,7 @@ from test_sample_class import EXAMINED
 from autograder import __main__ as command
 from autograder.authoring import sample_class
 from autograder.authoring.exam_mistakes import lesson_headings, no_section, read_mistakes
-from autograder.classroom.pages import page_name, write_reports
+from autograder.classroom.pages import page_name, write_all_reports
 from autograder.commands import OK
 from autograder.exam import catalog
 from autograder.explaining.feedback import causes_once, check_lines, feedback_items
@@ -63,7 +63,7 @@ def result(course):
     done = grade_class([Submission(SAMPLE, folder, data)], lesson, engine, jobs=2)
     record(course, lesson, done)
     nbgrader(course, 'generate_feedback', ASSIGNMENT)
-    write_reports(course.reports, ASSIGNMENT, [done[0].result])
+    write_all_reports(course, ASSIGNMENT, [done[0].result])
     return done[0].result
 
 

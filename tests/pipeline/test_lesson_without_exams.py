@@ -7,7 +7,7 @@ import shutil
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 import pytest
 
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.gradebook import converters
 from autograder.gradebook.record import enter_assignment, record
 from autograder.grading.pipeline import grade_class, load_lesson
@@ -48,7 +48,7 @@ def test_lesson_without_exams_is_released_graded_and_reported(tmp_path):
     enter_assignment(layout, ASSIGNMENT)
     (graded,) = grade_class(submissions, lesson, NoExams(), jobs=1)
     record(layout, lesson, [graded])
-    index = write_reports(layout.reports, ASSIGNMENT, [graded.result], 'one submission')
+    index = write_all_reports(layout, ASSIGNMENT, [graded.result], 'one submission')
 
     assert (graded.result.points, graded.result.max_points, graded.result.fault) == (0, 0, '')
     assert 'ann' in index.read_text(encoding='utf-8')

@@ -11,7 +11,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring import sample_class
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.people import save_people
 from autograder.classroom.results_of_class import graded as results_of
 from autograder.classroom.results_of_class import last_results, ran_s
@@ -76,7 +76,7 @@ def graded(released, tmp_path_factory):
         lesson = load_lesson(layout, ASSIGNMENT, engine)
         class_ = discover(layout.submitted, ASSIGNMENT, lesson.notebook)
         results = [one.result for one in grade_class(class_, lesson, engine, jobs=2)]
-    write_reports(layout.reports, ASSIGNMENT, results)
+    write_all_reports(layout, ASSIGNMENT, results)
     return layout
 
 

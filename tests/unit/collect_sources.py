@@ -10,8 +10,8 @@ import pytest
 from autograder.collect import copy_notebooks as collecting
 from autograder.collect.recognise import recognise_platform
 from autograder.collect.source import deliveries
-from autograder.collect.source.deliveries import opened
 from autograder.layout import Layout
+from autograder.submission.tree import opened
 
 collect = partial(collecting.collect, trust_names=True)
 """All deliveries in these exchanges belong to the user who runs the tests."""
@@ -81,8 +81,8 @@ def table(rows) -> dict[tuple[str, str], str]:
 
 
 def kind(source: Path) -> str:
-    with opened(source) as found:
-        return recognise_platform(found)[0]
+    with opened(source, deliveries.BOUNDS) as found:
+        return recognise_platform(found)
 
 
 def notes(rows) -> dict[str, tuple[str, ...]]:

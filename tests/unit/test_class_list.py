@@ -15,7 +15,7 @@ import pytest
 from rich.console import Console
 
 from autograder.classroom.collected import not_collected, not_listed
-from autograder.classroom.pages import print_table, write_class_report, write_reports
+from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import (
     class_list,
     extensions,
@@ -89,9 +89,8 @@ def test_reports_and_statistics_name_who_is_missing(listed):
     """The table, both pages and the statistics name missing students."""
     missing = not_collected(listed, TALK, {'ann'})
     console = Console(record=True, width=120, file=None)
-    print_table(console, TALK, [submission('ann')], missing=missing)
-    write_reports(listed.reports, TALK, [submission('ann')], missing=missing)
-    write_class_report(listed, graded(listed, TALK)[0])
+    print_table(console, TALK, [submission('ann')], {}, missing)
+    write_all_reports(listed, TALK, [submission('ann')])
 
     assert 'Nothing handed in.' in console.export_text()
     for page in ('index.html', 'class.html'):

@@ -10,7 +10,8 @@ from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, V
 from hypothesis import given, settings, strategies
 import pytest
 
-from autograder.classroom.pages import class_page, write_class_report, write_reports
+from autograder.classroom.pages import write_all_reports, write_class_report
+from autograder.classroom.people import save_people
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands.explain import verdicts_text
@@ -27,6 +28,12 @@ def numbers_of(*results, root='/nowhere'):
     return class_numbers(Layout(Path(root)), ClassResults(ASSIGNMENT, results))
 
 
+def page_of(root, *results, summary=''):
+    """Return the page of a class in a course."""
+    made = ClassResults(ASSIGNMENT, tuple(results))
+    return write_class_report(Layout(root), made, summary).read_text('utf-8')
+
+
 def timed(student, **timing):
     """Return a submission with one exam and this timing."""
     one = submission(student)
@@ -34,7 +41,7 @@ def timed(student, **timing):
 
 
 def with_headers(root, *headers):
-    """Return the statistics of a class whose recordings have these headers."""
+    """Return the results of a class whose recordings have these headers."""
     place = Layout(root).recordings / 'talker'
     place.mkdir(parents=True)
     results = []
@@ -43,7 +50,7 @@ def with_headers(root, *headers):
         (place / name).write_text(f'{json.dumps(header)}\nnonsense', encoding='utf-8')
         one = submission(f's{number}')
         results.append(replace(one, exams=(replace(one.exams[0], recording=name),)))
-    return numbers_of(*results, root=root)
+    return results
 
 
 def with_points(*points):
@@ -60,7 +67,7 @@ def layout(tmp_path):
     (tmp_path / 'notebooks' / ASSIGNMENT).mkdir(parents=True)
     (tmp_path / 'notebooks' / ASSIGNMENT / 'talker.ipynb').write_text('{}', encoding='utf-8')
     made = Layout(tmp_path)
-    write_reports(made.reports, ASSIGNMENT, CLASS.results[:3])
+    write_all_reports(made, ASSIGNMENT, CLASS.results[:3])
     return made
 
 
@@ -127,18 +134,20 @@ class TestNumbers:
         }
 
     def test_damaged_digests_are_no_error(self, tmp_path):
-        numbers = with_headers(tmp_path, {'made_with': 'nonsense'}, {'made_with': {'python': 3}})
+        headers = {'made_with': 'nonsense'}, {'made_with': {'python': 3}}
+        numbers = numbers_of(*with_headers(tmp_path, *headers), root=tmp_path)
 
         assert numbers.versions == {'python': '3'}
 
     def test_versions_are_those_of_the_recordings(self, tmp_path):
         """All versions are listed; older recordings name only an environment."""
-        numbers = with_headers(
+        results = with_headers(
             tmp_path,
             {'environment': 'b' * 32, 'made_with': {'grader': '79c8bf8', 'python': '3.9.1'}},
             {'environment': 'b' * 32, 'made_with': {'grader': '523d5a5', 'python': '3.9.1'}},
             {'environment': 'c' * 32},
         )
+        numbers = numbers_of(*results, root=tmp_path)
 
         assert numbers.versions == {
             'grader': '79c8bf8 and 523d5a5',
@@ -146,13 +155,13 @@ class TestNumbers:
             'environment': f'{"b" * 12} and {"c" * 12}',
         }
         assert '  recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in stats_text(numbers)
-        page = read(class_page(CLASS, numbers)).text
+        page = read(page_of(tmp_path, *results)).text
         assert 'Recorded with grader 79c8bf8 and 523d5a5, python 3.9.1' in page
 
-    def test_no_recordings_no_versions(self):
+    def test_no_recordings_no_versions(self, tmp_path):
         """Without recordings, the versions of this machine are not shown."""
         assert numbers_of(FULL).versions == {}
-        assert 'ecorded with' not in class_page(CLASS, numbers_of(FULL))
+        assert 'ecorded with' not in page_of(tmp_path, FULL)
 
     def test_the_slowest_come_first_and_the_recorded_are_counted(self):
         """A submission that was not run has no time."""
@@ -186,9 +195,9 @@ class TestNumbers:
 
 
 class TestPage:
-    def test_it_loads_nothing_and_runs_nothing(self):
+    def test_it_loads_nothing_and_runs_nothing(self, tmp_path):
         """The page loads nothing and has no scripts, whatever students wrote."""
-        page = class_page(CLASS, numbers_of(*CLASS.results), EVIL)
+        page = page_of(tmp_path, *CLASS.results, summary=EVIL)
         parts = read(page)
 
         assert not parts(['script', 'link', 'img', 'iframe', 'object', 'embed', 'form'])
@@ -201,8 +210,8 @@ class TestPage:
         assert '@import' not in page
         assert '\x1b' not in page
 
-    def test_for_review_comes_first_with_the_reason(self):
-        text = read(class_page(CLASS, numbers_of(*CLASS.results))).text
+    def test_for_review_comes_first_with_the_reason(self, tmp_path):
+        text = read(page_of(tmp_path, *CLASS.results)).text
 
         assert text.index('The probe broke off') < text.index('Marks')
         assert text.rindex('eve') < text.rindex('ann')
@@ -212,8 +221,8 @@ class TestPage:
         cut = Problem('x.ipynb', 'a notebook', 'an empty file', 'submit again', ('talker',), True)
         results = [submission('ann', noticed=('odd cells',)), submission('zoe', problems=(cut,))]
         numbers = numbers_of(*results)
-        page = class_page(ClassResults(ASSIGNMENT, tuple(results)), numbers)
-        write_reports(layout.reports, ASSIGNMENT, results)
+        page = page_of(layout.root, *results)
+        write_all_reports(layout, ASSIGNMENT, results)
         index = (layout.reports / ASSIGNMENT / 'index.html').read_text('utf-8')
 
         assert numbers.review == (('zoe', cut.line()),)
@@ -231,9 +240,9 @@ class TestPage:
         for link in links:
             assert (path.parent / link).is_file(), link
 
-    def test_the_picture_is_also_a_table(self):
+    def test_the_picture_is_also_a_table(self, tmp_path):
         """The picture has a name and a description, and a table shows its numbers."""
-        page = class_page(CLASS, numbers_of(*with_points(0, 5, 10, 10)))
+        page = page_of(tmp_path, *with_points(0, 5, 10, 10))
         parts = read(page)
 
         (svg,) = parts('svg')
@@ -242,17 +251,17 @@ class TestPage:
         assert set(svg['aria-labelledby'].split()) <= identifiers
         assert '0 to below 1: 1, 5 to below 6: 1, 9 to 10: 2.' in parts.text
 
-    def test_checks_stand_in_the_order_of_the_exams(self):
+    def test_checks_stand_in_the_order_of_the_exams(self, tmp_path):
         """The checks are in the order that students see, each with its most frequent cause."""
         first, second = submission(exam='z'), submission(exam='a')
         both = type(first)('ann', ASSIGNMENT, (*first.exams, *second.exams))
-        text = read(class_page(CLASS, numbers_of(both))).text
+        text = read(page_of(tmp_path, both)).text
 
         assert text.index('Z') < text.index('It runs.') < text.rindex('It runs.')
         assert '1 of 1: a typo' in text
 
-    def test_headings_do_not_skip_a_level(self):
-        page = class_page(CLASS, numbers_of(*CLASS.results))
+    def test_headings_do_not_skip_a_level(self, tmp_path):
+        page = page_of(tmp_path, *CLASS.results)
         levels = [int(one.name[1]) for one in read(page)(['h1', 'h2', 'h3'])]
 
         assert levels[0] == 1
@@ -312,15 +321,16 @@ class TestVisibleChecksAlone:
         assert numbers.marks is None
         assert [check.passed for check in numbers.checks] == [1, 1]
 
-    def test_the_page_says_so(self):
+    def test_the_page_says_so(self, tmp_path):
         """The page shows a note instead of points."""
-        page = class_page(ClassResults(ASSIGNMENT, (VISIBLE,)), numbers_of(VISIBLE))
+        page = page_of(tmp_path, VISIBLE)
 
         assert '<span class="review">only visible checks</span>' in page
 
 
-def test_names_are_with_their_ids():
+def test_names_are_with_their_ids(tmp_path):
     """Names are shown next to ids, for platforms whose ids are numbers."""
-    page = class_page(CLASS, numbers_of(*CLASS.results), people={'eve': 'Eve Example'})
+    save_people(Layout(tmp_path), {'eve': 'Eve Example'})
+    page = page_of(tmp_path, *CLASS.results)
 
     assert page.count('eve (Eve Example)</a>') == page.count('>eve') > 1

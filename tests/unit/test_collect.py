@@ -27,17 +27,17 @@ import pytest
 from autograder import __main__ as command
 from autograder.classroom.collected import read_not_collected
 from autograder.classroom.course_lock import lock_course
-from autograder.classroom.pages import write_reports
+from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.recognise import recognise_platform
-from autograder.collect.source.deliveries import opened
+from autograder.collect.source.deliveries import BOUNDS
 from autograder.collect.table import LEFT, REPLACED, TAKEN, UNCHANGED
 from autograder.commands import FOR_REVIEW, OK
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.ids import student_id
 from autograder.submission.inbox import discover, is_student_id
-from autograder.submission.tree import UnusableUploadError
+from autograder.submission.tree import opened, UnusableUploadError
 
 
 @pytest.mark.parametrize(
@@ -57,8 +57,8 @@ class TestEveryKind:
 
     def test_it_is_recognised(self, files, kind, how, tmp_path):
         """The names in a source are enough to recognise its platform."""
-        with opened(how(tmp_path / 'source.zip', files)) as found:
-            assert recognise_platform(found)[0] == kind
+        with opened(how(tmp_path / 'source.zip', files), BOUNDS) as found:
+            assert recognise_platform(found) == kind
 
     def test_the_source_stays_as_it_is_and_a_second_time_changes_nothing(
         self, files, kind, how, tmp_path, layout
@@ -323,8 +323,8 @@ class TestCommand:
         laid(layout.sample_class, {f'{TALK}/pass__example/expected.json': b'{}'})
         example = laid(layout.submitted, {f'pass__example/{TALK}/talk.ipynb': GOOD})
         everybody = [SubmissionResult(one, TALK) for one in ('ann', 'pass__example')]
-        write_reports(layout.reports, TALK, everybody)
-        write_reports(layout.reports, LISTEN, everybody[1:])
+        write_all_reports(layout, TALK, everybody)
+        write_all_reports(layout, LISTEN, everybody[1:])
         empty = laid(tmp_path / 'empty', {'ann/x.txt': b''})
         settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
         (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')

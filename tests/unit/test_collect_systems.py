@@ -1,6 +1,7 @@
 """Each platform's file names, even rare ones: owners are found, and no file is lost."""
 
 from collect_sources import (
+    AT_ONE,
     CANVAS,
     collect,
     EXCHANGE,
@@ -110,6 +111,7 @@ class TestCanvas:
             ('_1003_55003_talk.ipynb', '1003'),
             ('jane_1003_55003_07_talk.ipynb', '1003'),
             ('jane_1003_55003_7_talk.ipynb', '1003'),
+            (f'jane_1003_55003_{"9" * 320}_talk.ipynb', '1003'),
             ('jane_1003_55003_LATE_1001_55001_talk.ipynb', '1003'),
             ('jane_1003_55003_1001_55001_talk.ipynb', '1003'),
             ('jane_102_1003_55003_talk.ipynb', '1003'),
@@ -244,8 +246,10 @@ class TestExchange:
 
     def test_each_folder_of_an_exchange_can_be_named(self, tmp_path, layout):
         source = laid(tmp_path / 'exchange', EXCHANGE)
+        (source / 'c' / 'inbound' / f'cy+{TALK}+{AT_ONE}').mkdir()
         first = collect(source, layout, layout.submitted)
 
+        assert notes(first)[f'cy+{TALK}+{AT_ONE}'] == ('no file that can be read',)
         for inside in (source / 'c', source / 'c' / 'inbound'):
             again = collect(inside, layout, layout.submitted)
             assert [(row.student, row.place) for row in again] == [

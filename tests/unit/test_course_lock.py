@@ -7,7 +7,8 @@ import sys
 
 import pytest
 
-from autograder.classroom.course_lock import InUseError, lock_course
+from autograder.classroom.course_lock import lock_course
+from autograder.errors import GraderError
 from autograder.files import write_atomically
 from autograder.layout import Layout
 
@@ -45,7 +46,7 @@ def test_a_second_grading_names_the_first_one(tmp_path):
     """A second run is refused and names the first; it can start once the first has ended."""
     layout = Layout(tmp_path)
     with held(tmp_path) as first:
-        with pytest.raises(InUseError, match=f'a grading since .*, process {first.pid}'):
+        with pytest.raises(GraderError, match=f'a grading since .*, process {first.pid}'):
             with lock_course(layout, 'rejudge --write'):
                 pass
         first.communicate()

@@ -8,11 +8,12 @@ from types import SimpleNamespace
 import pytest
 from rich.console import Console
 
-from autograder.classroom.pages import print_table, write_reports
+from autograder.classroom.pages import print_table, write_all_reports
 from autograder.clock import virtual_clock
 from autograder.commands.grade import warn_if_weak
 from autograder.errors import SandboxUnavailable
 from autograder.explaining.feedback import exam_text
+from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 from autograder.sandboxes import choose, isolation, landlock, sandbox
 from autograder.sandboxes.confinement import ConfinedProgram, Program
@@ -189,12 +190,12 @@ def weak_result() -> SubmissionResult:
 
 def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
     result = weak_result()
-    write_reports(tmp_path, '03_topics', [result])
+    write_all_reports(Layout(tmp_path), '03_topics', [result])
     pages = [path.read_text(encoding='utf-8') for path in tmp_path.rglob('*.*')]
     console = Console(file=io.StringIO(), width=200)
-    print_table(console, '03_topics', [result])
+    print_table(console, '03_topics', [result], {}, ())
 
-    assert len(pages) == 3
+    assert len(pages) == 4
     assert all('the network is shared' in page for page in pages)
     assert 'WEAK ISOLATION: landlock' in ' '.join(console.file.getvalue().split())
     assert 'weak isolation (landlock)' in exam_text(result.exams[0])

@@ -22,8 +22,7 @@ from autograder.classroom.collected import (
     read_not_collected,
     save_not_collected,
 )
-from autograder.classroom.pages import print_table, write_class_report, write_reports
-from autograder.classroom.results_of_class import graded
+from autograder.classroom.pages import print_table, write_all_reports
 from autograder.collect.copy_notebooks import collect
 from autograder.commands import OK
 from autograder.commands.forget import traces
@@ -113,8 +112,7 @@ class TestShown:
 
     def test_pages_have_reasons_and_names(self, missing, layout):
         """The names are in one place, so that they can be copied into an e-mail."""
-        write_reports(layout.reports, TALK, [submission('cho')], missing=missing)
-        write_class_report(layout, graded(layout, TALK)[0])
+        write_all_reports(layout, TALK, [submission('cho')])
 
         for page in ('index.html', 'class.html'):
             text = (layout.reports / TALK / page).read_text('utf-8')
@@ -124,7 +122,7 @@ class TestShown:
     def test_table_has_a_row_for_each(self, missing):
         """The rows of missing students follow those with points."""
         console = Console(record=True, width=120, file=None)
-        print_table(console, TALK, [submission('cho')], missing=missing)
+        print_table(console, TALK, [submission('cho')], {}, missing)
         text = console.export_text()
 
         assert '1001 (Ann <b>)' in text

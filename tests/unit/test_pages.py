@@ -10,9 +10,11 @@ import pytest
 from rich.console import Console
 
 from autograder.classroom import pages as report
-from autograder.classroom.pages import page_name, print_table, write_reports
+from autograder.classroom.pages import page_name, print_table, write_all_reports
+from autograder.classroom.people import save_people
 from autograder.explaining.feedback import exam_text, headline, printable
 from autograder.explaining.feedback_html import with_unique_ids
+from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, Problem, SubmissionResult, Verdict
 
 EVIL = '<script>alert(1)</script>&"\'\x1b[31m[bold]'
@@ -39,6 +41,11 @@ def submission(student='ann', checks=None, **more):
     return SubmissionResult(student, '01_talker', (exam,), **more)
 
 
+def written(folder, results, summary=''):
+    """Write all pages of a class and return the path of the index."""
+    return write_all_reports(Layout(folder), '01_talker', results, summary)
+
+
 def read(path):
     """Return a parsed page."""
     return BeautifulSoup(path.read_text(encoding='utf-8'), 'html.parser')
@@ -52,26 +59,26 @@ def links_of(path):
 class TestPages:
     def test_a_failed_check_says_all_five_things(self, tmp_path):
         """The page shows expected and observed values, cause, advice and the section to read."""
-        write_reports(tmp_path, '01_talker', [submission()])
+        index = written(tmp_path, [submission()])
 
-        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        text = read(index.parent / page_name('ann')).text
         for part in ('It warns.', 'one warning', 'none', 'a typo', 'look again', 'Part 2'):
             assert part in text
 
     def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
         """A check that was not run names the check for which it waits."""
-        write_reports(tmp_path, '01_talker', [submission()])
+        index = written(tmp_path, [submission()])
 
-        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        text = read(index.parent / page_name('ann')).text
         assert 'Passed:' in text
         assert 'Failed:' in text
         assert 'Not checked:' in text
         assert 'waits forIt warns.' in text
 
     def test_mode_timing_and_flags_stand_apart(self, tmp_path):
-        write_reports(tmp_path, '01_talker', [submission()])
+        index = written(tmp_path, [submission()])
 
-        text = read(tmp_path / '01_talker' / page_name('ann')).text
+        text = read(index.parent / page_name('ann')).text
         about = text.partition('About the grading')[2]
         assert 'bwrap-user' in about
         assert 'run for 0.5 s' in about
@@ -90,7 +97,7 @@ class TestPages:
             exam = ExamResult('talker', (PASSED,), EVIL, EVIL, (EVIL,))
             result = SubmissionResult('ann', '01_talker', (exam,))
 
-        index = write_reports(tmp_path, '01_talker', [result], EVIL)
+        index = written(tmp_path, [result], EVIL)
 
         for path in index.parent.rglob('*.html'):
             assert not read(path)('script')
@@ -98,18 +105,17 @@ class TestPages:
 
     def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
         """The pages can therefore be sent by e-mail."""
-        index = write_reports(tmp_path, '01_talker', [submission(), submission('../b c')])
+        index = written(tmp_path, [submission(), submission('../b c')])
 
         links = links_of(index)
-        links.remove('class.html')  # the page of statistics, which a different function writes
-        assert len(links) == 2
+        assert len(links) == 3
         for link in links:
             assert (index.parent / link).is_file()
-        assert links_of(index.parent / links[0]) == []
+        assert links_of(index.parent / links[1]) == []
 
     def test_a_fault_of_ours_is_no_zero(self, tmp_path):
         """Neither the index nor the student's page shows points."""
-        index = write_reports(tmp_path, '01_talker', [submission(fault='probe broke')])
+        index = written(tmp_path, [submission(fault='probe broke')])
 
         assert 'for review' in read(index).text
         assert '2 of 6' not in read(index).text
@@ -118,15 +124,15 @@ class TestPages:
         assert '2 of 6' not in page
 
     def test_a_new_report_replaces_the_old_one(self, tmp_path):
-        write_reports(tmp_path, '01_talker', [submission('old')])
-        index = write_reports(tmp_path, '01_talker', [submission('new')])
+        written(tmp_path, [submission('old')])
+        index = written(tmp_path, [submission('new')])
 
         assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
 
     def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
         """Learning platforms may use numbers as ids."""
-        people = {'ann': 'Ann <b>Example'}
-        index = write_reports(tmp_path, '01_talker', [submission()], people=people)
+        save_people(Layout(tmp_path), {'ann': 'Ann <b>Example'})
+        index = written(tmp_path, [submission()])
 
         assert 'ann (Ann <b>Example)' in read(index).text
         assert 'Example' not in read(index.parent / page_name('ann')).text
@@ -137,17 +143,17 @@ class TestPages:
         def stop(*_):
             raise KeyboardInterrupt
 
-        write_reports(tmp_path, '01_talker', [submission('old')])
+        index = written(tmp_path, [submission('old')])
         monkeypatch.setattr(report, '_templates', stop)
         with pytest.raises(KeyboardInterrupt):
-            write_reports(tmp_path, '01_talker', [submission('new')])
+            written(tmp_path, [submission('new')])
 
-        data = json.loads((tmp_path / '01_talker' / 'results.json').read_text(encoding='utf-8'))
+        data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
         assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
         """Other programs can read the results file."""
-        index = write_reports(tmp_path, '01_talker', [submission()])
+        index = written(tmp_path, [submission()])
 
         data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
         assert SubmissionResult.from_json(data[0]) == submission()
@@ -161,7 +167,7 @@ class TestPages:
         )
         result = SubmissionResult('ann', '01_talker', (exam,))
 
-        index = write_reports(tmp_path, '01_talker', [result])
+        index = written(tmp_path, [result])
 
         page = (index.parent / 'students' / 'ann.html').read_text(encoding='utf-8')
         ids = re.findall(r'\sid="([^"]+)"', page)
@@ -170,12 +176,12 @@ class TestPages:
 
     def test_pages_are_well_formed_for_readers(self, tmp_path):
         """Pages have a language, a title, one main heading, and tables with headers."""
-        index = write_reports(tmp_path, '01_talker', [submission()])
+        index = written(tmp_path, [submission()])
 
         for path in index.parent.rglob('*.html'):
             page = read(path)
             assert '<html lang="en">' in path.read_text(encoding='utf-8')
-            assert len(page('h1')) == len(page('main')) == len(page('title')) == 1
+            assert len(page('h1')) == len(page('main')) == len(page.head('title')) == 1
         assert read(index)('caption')
         assert '<th scope="col">' in index.read_text(encoding='utf-8')
 
@@ -184,7 +190,7 @@ class TestPages:
     )
     def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
         """No name leads to a path outside the folder."""
-        index = write_reports(tmp_path, '01_talker', [submission(name), submission('other')])
+        index = written(tmp_path, [submission(name), submission('other')])
 
         assert len(list((index.parent / 'students').iterdir())) == 2
 
@@ -192,7 +198,7 @@ class TestPages:
 class TestTable:
     def printed(self, *results):
         console = Console(file=io.StringIO(), width=150)
-        print_table(console, '01_talker', results)
+        print_table(console, '01_talker', results, {}, ())
         return console.file.getvalue()
 
     def test_it_shows_student_points_and_first_cause(self):

@@ -1,20 +1,17 @@
 """
-Open the source of a class; define entries and deliveries, the data types of all platforms.
+List the entries of a source; define entries and deliveries, the data types of all platforms.
 
 The platform chose the names of the entries at one :data:`Level` of a source.  Students chose all
 names below that level, so these names never show who handed in a file.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 from autograder.collect.table import Row
-from autograder.submission import tree as trees
 from autograder.submission.ids import student_id
 from autograder.submission.notebook import MAX_BYTES
 from autograder.submission.tree import Bounds, File, Parts, Tree
@@ -52,19 +49,12 @@ BOUNDS = Bounds(
     whole_bytes=2 << 30,  # a class hands in a few hundred megabytes
     name_chars=400,
 )
+"""
+Limits of a source.
 
-
-def opened(source: Path) -> AbstractContextManager[Tree]:
-    """
-    Return a context manager that opens a source for reading.
-
-    Files that programs generate next to the work are neither listed nor counted.  Otherwise the
-    built workspace of one student could exceed the limits for the whole class.
-
-    :raises UnusableUploadError: if the source is neither a folder nor a zip, or is damaged or
-        too large
-    """
-    return trees.opened(source, BOUNDS)
+Files that programs generate next to the work are neither listed nor counted.  Otherwise the built
+workspace of one student could exceed the limits for the whole class.
+"""
 
 
 class DeliveredFile(NamedTuple):
@@ -97,8 +87,8 @@ class Delivery:
     :param stamped: whether a ``timestamp.txt`` next to a notebook contains the time
     :param late: name of the platform that marks the delivery as late, else empty
     :param assignment: the assignment, if the source names it, else empty
-    :param instead: description of a delivery without files, such as typed text
-    :param doubt: why the owner of the delivery is unclear, empty if the owner is clear
+    :param refused: why the delivery is not collected: its owner is unclear, or it has no files,
+        only typed text; else empty
     :param owners: ids of the system users who own the folder and its contents, if known
     :param notes: notes for the table
     """
@@ -111,8 +101,7 @@ class Delivery:
     stamped: bool = False
     late: str = ''
     assignment: str = ''
-    instead: str = ''
-    doubt: str = ''
+    refused: str = ''
     notes: tuple[str, ...] = ()
     called: str = ''
     number: str = ''
@@ -166,8 +155,8 @@ class System(NamedTuple):
 
     :param expected: a description of the form
     :param matches: function that returns a true value if :attr:`Entry.path` has the form
-    :param read: function that yields the deliveries in a level, and a row for each entry without
-        a known student
+    :param read: function that yields the deliveries in a level, and a row for each entry that
+        has the form but no known student
     :param needs: name of a file that every export contains, empty if there is none
     """
 
@@ -176,10 +165,10 @@ class System(NamedTuple):
     read: Callable[[Level], Iterator[Delivery | Row]]
     needs: str = ''
 
-    def claims(self, place: Level) -> int:
-        """Return the number of names that have the form; 0 if the needed file is missing."""
-        found = [name for name, entry in place.items() if self.matches(entry.path)]
-        return len(found) if not self.needs or self.needs in found else 0
+    def claims(self, place: Level) -> set[str]:
+        """Return the names that have the form; none if the needed file is missing."""
+        found = {name for name, entry in place.items() if self.matches(entry.path)}
+        return found if not self.needs or self.needs in found else set()
 
 
 def level(tree: Tree, *base: str) -> Level:
@@ -196,13 +185,12 @@ def level(tree: Tree, *base: str) -> Level:
 
     files: dict[str, list[File]] = {}
     owners: dict[str, set[int]] = {}
-    folders = {name_in(parts) for parts in tree.empty} - {''}
+    folders = {name_in(parts) for parts in tree.folders} - {''}
     repositories = {parts[depth] for parts in tree.repositories if parts[:-1] == base}
     for file in tree.files:
         if name := name_in(file.parts):
             below = file.parts[depth + 1 :]
             files.setdefault(name, []).append(File(below or (name,), file.read))
-            folders |= {name} if below else set()
             repositories |= {name} if below and below[0].startswith(REPOSITORY) else set()
     for parts, uid in tree.owners.items():
         owners.setdefault(name_in(parts), set()).add(uid)

@@ -24,13 +24,16 @@ def read_time(value: object) -> tuple[datetime | None, str]:
 
     Offsets and UTC are accepted, but no other names of time zones: CST alone has four meanings.
 
-    :param value: a string, a datetime from YAML, or None; without a time zone it is in UTC
+    :param value: a string, the content of a file, a datetime from YAML, or None; without a time
+        zone it is in UTC
     :returns: the time in UTC or None, and a note if the value was not understood
     """
     try:
         if isinstance(value, datetime):
             found = value if value.tzinfo else value.replace(tzinfo=timezone.utc)
             return found.astimezone(timezone.utc), ''
+        if isinstance(value, bytes):
+            value = value[:100].decode('utf-8', 'replace')
         text = value.strip() if isinstance(value, str) else ''
         match = _TIME.fullmatch(text)
         if match is None:
