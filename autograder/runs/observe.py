@@ -189,7 +189,7 @@ class _RunLoop:
     def _loop(self) -> None:
         # Give the probe's node a random name, which no program can predict.
         order = {**self.scenario, 'name': f'n{secrets.token_hex(6)}'}
-        self._tell_probe(json.dumps(order).encode() + b'\n')
+        self.probe.tell(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
             pipes.register(self.probe.stdout, selectors.EVENT_READ, 'probe')
             ended = os.pidfd_open(self.student.process.pid)
@@ -263,7 +263,7 @@ class _RunLoop:
                 together = self.probe.pid, self.clock.driver.pid, *family(*self.student.pids)
                 keep_on(self.processors, together)
                 self.student.release()
-                self._tell_probe(b'g')
+                self.probe.tell(b'g')
                 continue
             self._keep_event(event)
             self.done = self.done or event['event'] == 'end'
@@ -284,13 +284,6 @@ class _RunLoop:
             said = self.output['stderr'].decode(errors='replace').strip() or 'no error message'
             what = f'The sandbox ended with code {self.exit} before the program began'
             raise ProbeFailed(f'{what}: {said}.')
-
-    def _tell_probe(self, line: bytes) -> None:
-        try:
-            self.probe.stdin.write(line)
-            self.probe.stdin.flush()
-        except BrokenPipeError:
-            pass  # the probe has already ended
 
     def _raise_if_ended_externally(self) -> None:
         """Raise if the machine or another program ended the student's program."""
