@@ -70,7 +70,7 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
     """Return what the system lacks for a sandbox, and the fix; both empty if it lacks nothing."""
     if not landlock.filter_file().is_file():
         return landlock.NO_FILTER
-    if sandbox.isolated:
+    if sandbox.facts.namespaces:
         found = shutil.which('bwrap') is not None
         return ('', '') if found else ('bubblewrap is not installed.', isolation.FIX_MISSING)
     needed = (*sandbox.ros.read_only, str(HERE / 'inside'))

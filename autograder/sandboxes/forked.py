@@ -48,7 +48,7 @@ def start_program(
     """
     compile_code()
     place = clock.places[STUDENT].fileno()
-    if sandbox.isolated and not builds:
+    if sandbox.facts.namespaces and not builds:
         return _start_fork(sandbox, program, limits, home, place)
     # Packages are built in real time. After the build, run_package.py and build_package.py load
     # the virtual clock's library into the program that replaces them.
