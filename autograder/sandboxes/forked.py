@@ -12,11 +12,10 @@ from pathlib import Path
 from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.inside.confine import family
-from autograder.sandboxes import landlock
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
 from autograder.sandboxes.fork_server import Fork, free_servers, Loaded
 from autograder.sandboxes.probes import compile_code, loaded_probe
-from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
+from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox
 
 LAUNCHER = ('sh', '-c', f'read code; exit "${{code:-{KILLED[1]}}}"')
 """A command that waits for the program's exit code, and exits with the same code."""
@@ -74,10 +73,7 @@ def _start_fork(
                 'variables': {**program.variables, 'PWD': FOLDER},
                 # Add 1 for the fork's parent, which has the same uid.
                 'limits': limits.of_process(1 + sandbox.processes()),
-                'rules': {
-                    'uid': throw_away_uid() if sandbox.facts.root else 0,
-                    'filter': str(landlock.filter_file()),
-                },
+                'rules': sandbox.rules(),
             }
             _attach_fork(confined, server.fork(order, others))
     except OSError as error:  # the sandbox has ended, and its namespaces with it

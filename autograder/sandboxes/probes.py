@@ -17,7 +17,6 @@ import signal
 from typing import Any
 
 from autograder.sandboxes import landlock
-from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
 from autograder.sandboxes.fork_server import Fork, free_servers, Loaded
 from autograder.sandboxes.processes import first_port
@@ -111,10 +110,9 @@ def _order(sandbox: Sandbox, loaded: Loaded, student: ConfinedProgram) -> dict[s
 def _rules(sandbox: Sandbox, loaded: Loaded) -> dict[str, Any] | None:
     """Return the rules for :func:`confine.give_up`; None if a probe keeps its rights."""
     if loaded.boxed:
-        return {'uid': sandboxes.throw_away_uid(), 'filter': FILTER}
+        return {**sandbox.rules(), 'filter': FILTER}
     if not sandbox.keeps_secrets:
         return None
-    rules = sandbox.landlock_rules(loaded.program)
-    if landlock.refusal(root=os.geteuid() == 0)[0]:
-        rules = {name: rules[name] for name in ('uid', 'filter')}
-    return rules
+    if landlock.refusal(sandbox.facts.root)[0]:
+        return sandbox.rules()
+    return sandbox.landlock_rules(loaded.program)

@@ -254,19 +254,23 @@ class Sandbox:
         """Return how many processes and threads the uid of a run already has."""
         return 0 if self.facts.root else landlock.threads_of_user()
 
+    def rules(self) -> dict[str, Any]:
+        """Return the rules without Landlock for ``inside/confine.py``, which describes both."""
+        uid = throw_away_uid() if self.facts.root else 0
+        return {'uid': uid, 'filter': str(landlock.filter_file())}
+
     def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
         """
-        Return the rules for ``inside/confine.py``, which describes their format.
+        Return the rules with Landlock.
 
         :param write: paths that the program may write to, in addition to devices
         """
         read, names = landlock.readable(self.ros, program.course_messages)
         return {
-            'uid': throw_away_uid() if self.facts.root else 0,
+            **self.rules(),
             'read': [*read, *program.binds, str(HERE / 'fastdds.xml')],
             'list': names,
             'write': [*write, *landlock.DEVICES],
-            'filter': str(landlock.filter_file()),
         }
 
 
