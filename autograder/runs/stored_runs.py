@@ -8,7 +8,6 @@ nothing, and an edited check is judged in milliseconds.
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
 from autograder.runs.task import parse_outcome, Place, task_of
-from autograder.runs.version import environment_digest, made_with
+from autograder.runs.version import digest, environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
 
 Outcome = tuple[Recording, dict[str, float]]
@@ -68,7 +67,7 @@ def load_or_record(
     if recordings is None:
         return run(), ''
     parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
-    path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
+    path = recordings / exam.name / f'{digest(chr(0).join(parts).encode(), 32)}.jsonl'
     return _load_or_run(path, fresh, run), path.name
 
 
@@ -83,8 +82,4 @@ def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
 
 def files_digest(files: Mapping[str, str]) -> str:
     """Return the digest of a student's files, as stored in a recording's header."""
-    return _digest(json.dumps(sorted(files.items())))
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
+    return digest(json.dumps(sorted(files.items())).encode(), 32)
