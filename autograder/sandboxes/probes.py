@@ -26,7 +26,6 @@ CODE = {str(HERE / name): f'/grader/{name}' for name in ('probe', 'inside')}
 """Folders of the grader that the fork server can read; students' sandboxes have ``inside`` too."""
 START = '/grader/probe/probe.py'
 FILTER = '/grader/filter.bpf'
-LIMITS = Limits()
 
 
 @cache
@@ -102,7 +101,7 @@ def _order(sandbox: Sandbox, loaded: Loaded, student: ConfinedProgram) -> dict[s
             'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe' / 'probe.xml'),
             'UNICAST_PORT': str(first_port(domain)),
         },
-        'limits': LIMITS.of_process(sandbox.processes()),
+        'limits': Limits().of_process(sandbox.processes()),
         'rules': _rules(sandbox, loaded),
     }
 
