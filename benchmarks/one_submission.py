@@ -33,8 +33,8 @@ Marks = dict[str, float]
 
 STEPS = (
     # mark at the end of the step, description of the step
-    ('sandbox', 'lay out the files, start the sandbox'),
-    ('probe ready', 'start the probe, and Python for the student'),
+    ('sandbox', 'lay out the files, start the sandbox, fork the program and the probe'),
+    ('probe ready', 'set up the probe'),
     ('@python', "let the student's program go"),
     ('@imported', "the student's imports"),
     ('@node', "rclpy.init and the student's node"),

@@ -76,7 +76,8 @@ def _run_of(task: Task) -> Callable[[int], tuple[str, float]]:
 
     def once(_: int) -> tuple[str, float]:
         began = time.monotonic()
-        events = _events(load_or_record(task.exam, dict(task.files), strongest()).recording)
+        outcome, _name = load_or_record(task.exam, dict(task.files), strongest())
+        events = _events(outcome[0])
         return events, time.monotonic() - began
 
     return once

@@ -7,7 +7,7 @@ The library that ``LD_PRELOAD`` loads connects the process to the driver.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, ExitStack
 from dataclasses import dataclass
 import mmap
 import os
@@ -100,23 +100,27 @@ def clock_programs() -> tuple[str, str]:
     return str(folder / 'driver'), str(folder / 'clock.so')
 
 
-def refusal() -> tuple[str, str]:
+def check_clock() -> None:
     """
-    Return why a program of this system cannot load the library, and the fix; both empty if it can.
+    Check that a program of this system can load the library.
 
-    :raises SandboxUnavailable: if the set-up has not built the clock
+    :raises SandboxUnavailable: if it cannot, or the set-up has not built the clock
     """
     _, library = clock_programs()
     # The loader prints an error, but some errors do not end the program.
     tried = subprocess.run(['true'], env={'LD_PRELOAD': library}, capture_output=True, check=False)
     if not tried.stderr:
-        return '', ''
+        return
     if os.statvfs(library).f_flag & os.ST_NOEXEC:
-        what = f'{library}: the file system is mounted noexec, so programs cannot load the clock.'
-        return what, 'Try: make VENV=... with a folder on a different file system'
+        raise SandboxUnavailable(
+            f'{library}: the file system is mounted noexec, so programs cannot load the clock.',
+            'Try: make VENV=... with a folder on a different file system',
+        )
     said = tried.stderr.decode(errors='replace').strip().splitlines()[-1]
-    what = f'Programs cannot load the virtual clock: {said.rstrip(".")}.'
-    return what, 'Try: make clean, then make prepare, which builds the clock for this system'
+    raise SandboxUnavailable(
+        f'Programs cannot load the virtual clock: {said.rstrip(".")}.',
+        'Try: make clean, then make prepare, which builds the clock for this system',
+    )
 
 
 @contextmanager
@@ -128,36 +132,27 @@ def virtual_clock(places: int) -> Iterator[VirtualClock]:
     :raises SandboxUnavailable: if the set-up has not built the clock
     """
     driver_file, library = clock_programs()
-    pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(places)]
-    for _, theirs in pairs:
-        # Set this before a process sends its first message: the driver reads the process id from
-        # the credentials of that message.
-        theirs.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
-    page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-    try:
+    with ExitStack() as ours, ExitStack() as of_driver:
+        sockets, given = [], []
+        for _ in range(places):
+            one, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            sockets.append(ours.enter_context(one))
+            given.append(of_driver.enter_context(other).fileno())
+            # Set this before a process sends its first message: the driver reads the process id
+            # from the credentials of that message.
+            other.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
+        page_fd = os.memfd_create('time', os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        of_driver.callback(os.close, page_fd)
         os.ftruncate(page_fd, _PAGE.size)
-        page = mmap.mmap(page_fd, _PAGE.size, prot=mmap.PROT_READ)
-        ends = [theirs.fileno() for _, theirs in pairs]
+        page = ours.enter_context(mmap.mmap(page_fd, _PAGE.size, prot=mmap.PROT_READ))
         driver = subprocess.Popen(
-            [driver_file, *map(str, (SYSTEM_TIME_NS, page_fd, *ends))],
-            pass_fds=(page_fd, *ends),
+            [driver_file, *map(str, (SYSTEM_TIME_NS, page_fd, *given))],
+            pass_fds=(page_fd, *given),
             env={},
             # Leave the terminal's process group, because Ctrl-C must not end the driver.
             start_new_session=True,
         )
-    except BaseException:
-        for ours, _ in pairs:
-            ours.close()
-        raise
-    finally:
-        os.close(page_fd)
-        for _, theirs in pairs:
-            theirs.close()
-    clock = VirtualClock(driver, tuple(ours for ours, _ in pairs), library, page)
-    try:
-        yield clock
-    finally:
-        clock.begin()
-        driver.kill()
-        driver.wait()
-        page.close()
+        ours.callback(driver.wait)
+        ours.callback(driver.kill)
+        of_driver.close()
+        yield VirtualClock(driver, tuple(sockets), library, page)

@@ -46,12 +46,10 @@ def examine(
         )
     if result := without_recording(exam, files, sandbox.mode):
         return result
-    stored = load_or_record(
+    outcome, name = load_or_record(
         exam, files, sandbox, recordings, fresh=fresh, on_event=on_event, place=place
     )
-    return replace(
-        judge_recording(exam, files, stored.recording, stored.timing), recording=stored.name
-    )
+    return replace(judge_recording(exam, files, *outcome), recording=name)
 
 
 def judge_again(

@@ -263,7 +263,7 @@ def _end_sandboxes() -> None:
         with suppress(psutil.Error):
             if process.name() == 'bwrap' and process.ppid() == os.getpid():
                 continue
-            probing = any(word.endswith('fork_server.py') for word in process.cmdline())
+            probing = any(word.endswith('probe/probe.py') for word in process.cmdline())
             (probes if probing else others).append(process)
     for process in (*probes, *others):
         with suppress(psutil.Error):

@@ -27,7 +27,7 @@ import signal
 import stat
 import struct
 import sys
-from typing import Any, NoReturn
+from typing import Any
 
 # From linux/prctl.h and linux/seccomp.h.
 PR_SET_PDEATHSIG, PR_SET_SECCOMP, SECCOMP_MODE_FILTER = 1, 22, 2
@@ -49,19 +49,21 @@ TCP, SCOPE = 0b11, 0b11  # TCP: bind and connect; scope: abstract sockets and si
 LTTNG = ('/dev/shm/lttng-ust-wait-6', '/dev/shm/lttng-ust-wait-8')
 """Files of LTTng, which rclpy loads: for the wheels from PyPI, and for Ubuntu 24.04."""
 
-_libc = ctypes.CDLL(None, use_errno=True)
-_libc.syscall.restype = ctypes.c_long
+libc = ctypes.CDLL(None, use_errno=True)
+libc.syscall.restype = ctypes.c_long
 
 
-def system_call(number: int, *arguments: Any) -> int:
+def call(name: str, *arguments: Any) -> int:
     """
-    Make a system call for which the C library has no function, and return its result.
+    Call a function of the C library that returns a negative number on failure.
 
+    :param arguments: each integer is passed as an unsigned long
     :raises OSError: if the call fails
     """
-    result = int(_libc.syscall(number, *arguments))
+    values = [ctypes.c_ulong(value) if isinstance(value, int) else value for value in arguments]
+    result = int(getattr(libc, name)(*values))
     if result < 0:
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+        raise OSError(ctypes.get_errno(), f'{name}: {os.strerror(ctypes.get_errno())}')
     return result
 
 
@@ -71,9 +73,7 @@ def prctl(option: int, *arguments: Any) -> None:
 
     :raises OSError: if the call fails
     """
-    values = [ctypes.c_ulong(value) if isinstance(value, int) else value for value in arguments]
-    if _libc.prctl(option, *values, *[ctypes.c_ulong(0)] * (4 - len(values))) != 0:
-        raise OSError(ctypes.get_errno(), f'prctl: {os.strerror(ctypes.get_errno())}')
+    call('prctl', option, *arguments, *[0] * (4 - len(arguments)))
 
 
 def landlock_version() -> int:
@@ -82,7 +82,7 @@ def landlock_version() -> int:
 
     :raises OSError: ENOSYS if the kernel has no Landlock, EOPNOTSUPP if Landlock is disabled
     """
-    return system_call(CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint(ASK_VERSION))
+    return call('syscall', CREATE_RULESET, None, 0, ASK_VERSION)
 
 
 def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
@@ -99,7 +99,7 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
     attributes += [TCP] if known >= TCP_FROM else []
     attributes += [SCOPE] if known >= SCOPE_FROM else []
     packed = struct.pack(f'={len(attributes)}Q', *attributes)
-    ruleset = system_call(CREATE_RULESET, packed, ctypes.c_size_t(len(packed)), ctypes.c_uint(0))
+    ruleset = call('syscall', CREATE_RULESET, packed, len(packed), 0)
     reading = EXECUTE | READ_FILE | READ_DIR
     for name, rights in (('read', reading), ('list', READ_DIR), ('write', everything & ~EXECUTE)):
         for path in rules[name]:
@@ -108,9 +108,8 @@ def restrict(rules: dict[str, Any], descriptors: dict[str, int]) -> None:
             folder = stat.S_ISDIR(os.fstat(descriptors[path]).st_mode)
             wanted = rights & everything & (everything if folder else OF_FILES)
             rule = struct.pack('=Qi', wanted, descriptors[path])
-            where = ctypes.c_int(ruleset), ctypes.c_int(PATH_BENEATH)
-            system_call(ADD_RULE, *where, rule, ctypes.c_uint(0))
-    system_call(RESTRICT_SELF, ctypes.c_int(ruleset), ctypes.c_uint(0))
+            call('syscall', ADD_RULE, ruleset, PATH_BENEATH, rule, 0)
+    call('syscall', RESTRICT_SELF, ruleset, 0)
 
 
 def filter_of(rules: dict[str, Any]) -> bytes:
@@ -141,9 +140,8 @@ def give_up(rules: dict[str, Any], code: bytes) -> None:
         os.setgroups([])
         os.setresgid(rules['uid'], rules['uid'], rules['uid'])
         os.setresuid(rules['uid'], rules['uid'], rules['uid'])
-    if _libc.capset(struct.pack('=Ii', CAPABILITY_VERSION, 0), bytes(24)) != 0:
-        raise OSError(ctypes.get_errno(), 'capset failed')
-    prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
+    call('capset', struct.pack('=Ii', CAPABILITY_VERSION, 0), bytes(24))
+    prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     prctl(PR_SET_NO_NEW_PRIVS, 1)
     if 'read' in rules:
         restrict(rules, descriptors)
@@ -151,13 +149,6 @@ def give_up(rules: dict[str, Any], code: bytes) -> None:
     kept = [2, *sorted(rules['inherited']), 1024]
     for below, above in pairwise(kept):
         os.closerange(below + 1, above)
-
-
-def confine_and_execute(rules: dict[str, Any], command: list[str]) -> NoReturn:
-    """Confine this process and replace it with the program."""
-    os.setsid()
-    give_up(rules, filter_of(rules))
-    os.execvp(command[0], command)
 
 
 def tracing_files(uid: int) -> Iterator[str]:
@@ -237,7 +228,7 @@ def main() -> None:
     traced = list(tracing_files(uid))
     rules['read'] += traced
     prctl(PR_SET_CHILD_SUBREAPER, 1)
-    prctl(PR_SET_PDEATHSIG, int(signal.SIGTERM))
+    prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
     wanted = {signal.SIGTERM, signal.SIGCHLD}
     before = signal.pthread_sigmask(signal.SIG_BLOCK, wanted)
     if os.getppid() != grader:
@@ -246,7 +237,9 @@ def main() -> None:
     if child == 0:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         try:
-            confine_and_execute(rules, command)
+            os.setsid()
+            give_up(rules, filter_of(rules))
+            os.execvp(command[0], command)
         except OSError as error:
             sys.exit(f'confine: {error}')
     nothing = os.open(os.devnull, os.O_RDWR)

@@ -14,7 +14,6 @@ grader.
 """
 
 from contextlib import suppress
-import ctypes
 import json
 import os
 import resource
@@ -28,7 +27,6 @@ import confine  # type: ignore[import-not-found]  # next to this file
 READY, BORN = b'ready', b'born'
 ORDER_BYTES = 1 << 16
 MOST_FILES = 16  # standard input, output and error; sockets of clock and launcher; namespaces
-libc = ctypes.CDLL(None, use_errno=True)  # includes the clock's library, which is preloaded
 
 
 def serve() -> list[str]:
@@ -74,7 +72,7 @@ def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int])
         rules = order['rules']
         code = confine.filter_of(rules) if rules else b''  # the next lines can hide the file
         for namespace in namespaces:
-            _enter(namespace)
+            confine.call('setns', namespace, 0)
         os.environ.update(order['variables'])
         for name, value in order['limits'].items():
             resource.setrlimit(getattr(resource, f'RLIMIT_{name.upper()}'), (value, value))
@@ -86,22 +84,12 @@ def _set_up_fork(order: dict[str, Any], grader: socket.socket, files: list[int])
         grader.detach()
         os.dup2(given, 0)
         os.close(given)
-        libc.join_virtual_clock(kept[1])
+        confine.libc.join_virtual_clock(kept[1])  # in the clock's library, which is preloaded
         os.environ['VIRTUAL_CLOCK'] = str(kept[1])  # as if started with this place
     except BaseException as error:  # noqa: BLE001 - a fork must never return to the server's loop
         os.write(2, f'{type(error).__name__}: {error}\n'.encode(errors='replace'))
         os._exit(1)
     return list(order['argv'])
-
-
-def _enter(namespace: int) -> None:
-    """
-    Enter the namespace to which a descriptor refers.
-
-    :raises OSError: if the kernel refuses
-    """
-    if libc.setns(namespace, 0) != 0:
-        raise OSError(ctypes.get_errno(), f'setns: {os.strerror(ctypes.get_errno())}')
 
 
 def _begin_session(folder: str, kept: list[int]) -> None:
@@ -119,7 +107,7 @@ def _begin_session(folder: str, kept: list[int]) -> None:
         with suppress(OSError):  # the launcher has been killed
             os.write(launcher, b'%d\n' % (code if code >= 0 else 128 - code))
         os._exit(0)
-    confine.prctl(confine.PR_SET_PDEATHSIG, int(signal.SIGKILL))
+    confine.prctl(confine.PR_SET_PDEATHSIG, signal.SIGKILL)
     # Do what execve(2) does: otherwise, a program whose uid has changed cannot read /proc/self.
     confine.prctl(confine.PR_SET_DUMPABLE, 1)
     os.close(launcher)

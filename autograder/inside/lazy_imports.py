@@ -7,19 +7,12 @@ classes takes 0.08 s for a parser that only a build needs.  YAML, for parameter 
 0.015 s.  So numpy and YAML are loaded on first use, and the generator is hidden, which its package
 tolerates.  Both the probe and the student's program start faster.
 
-rclpy loads a hundred libraries at once, and the dynamic linker then searches them one by one for
-each of 18 000 symbols.  This module loads the middleware first, so the linker searches fewer
-libraries for its symbols.  That saves a tenth of the processor time of importing rclpy.  All
-symbols of the middleware are looked up now, because otherwise each fork would look them up.
-
 The probe and the launcher of the student's program share this file.
 """
 
-from contextlib import suppress
 import importlib
 from importlib.machinery import ModuleSpec
 import importlib.util
-import os
 import sys
 import threading
 import types
@@ -27,7 +20,6 @@ from typing import Any
 
 GENERATOR = 'rosidl_generator_py.generate_py_impl'
 LAZY_MODULES = ('numpy', 'yaml')
-MIDDLEWARE = 'librmw_fastrtps_cpp.so'
 
 
 def use_lazy_imports() -> None:
@@ -38,10 +30,6 @@ def use_lazy_imports() -> None:
         spec = importlib.util.find_spec(name) if name not in sys.modules else None
         if spec is not None:
             sys.modules[name] = _LazyModule(spec)
-    with suppress(ImportError, OSError):  # if this fails, rclpy loads the middleware itself
-        from _ctypes import dlopen
-
-        dlopen(MIDDLEWARE, os.RTLD_NOW)
 
 
 class _LazyModule(types.ModuleType):

@@ -29,7 +29,7 @@ from lazy_imports import use_lazy_imports  # type: ignore[import-not-found]  # n
 
 def patch_rclpy() -> None:
     """Patch rclpy when the program imports it; an import here could hide a missing import."""
-    sys.meta_path.insert(0, _PatchFinder())
+    sys.meta_path.insert(0, _PatchFinder)
 
 
 class _PatchFinder:
@@ -39,26 +39,22 @@ class _PatchFinder:
     The class does not inherit from ``importlib.abc.MetaPathFinder``, whose import takes 20 ms.
     """
 
-    def __init__(self) -> None:
-        self.begun: set[str] = set()
-
+    @staticmethod
     def find_spec(
-        self, name: str, path: Sequence[str] | None, target: types.ModuleType | None = None
+        name: str, path: Sequence[str] | None, target: types.ModuleType | None = None
     ) -> ModuleSpec | None:
-        patch = PATCHES.get(name)
-        if patch is None or name in self.begun:
+        patch = PATCHES.pop(name, None)
+        if patch is None:
             return None
-        self.begun.add(name)
-        spec = importlib.util.find_spec(name)
-        if spec is None or spec.loader is None:
-            return None
-        load = spec.loader.exec_module
+        spec = importlib.util.find_spec(name)  # asks the other finders
+        if spec and spec.loader:
+            load = spec.loader.exec_module
 
-        def load_and_patch(module: types.ModuleType) -> None:
-            load(module)
-            patch(module)
+            def load_and_patch(module: types.ModuleType) -> None:
+                load(module)
+                patch(module)
 
-        spec.loader.exec_module = load_and_patch  # type: ignore[method-assign]
+            spec.loader.exec_module = load_and_patch  # type: ignore[method-assign]
         return spec
 
 
@@ -69,9 +65,7 @@ def skip_destroyed_events(module: Any) -> None:
     :param module: ``rclpy.event_handler``, changed in place
     """
     handler = module.EventHandler
-    from rclpy.impl.implementation_singleton import rclpy_implementation
-
-    destroyed = rclpy_implementation.InvalidHandle
+    destroyed = module._rclpy.InvalidHandle
     add_to_wait_set, take_data = handler.add_to_wait_set, handler.take_data
 
     def add_unless_destroyed(self: Any, wait_set: Any) -> None:

@@ -95,7 +95,7 @@ def arguments_of_fork() -> list[str]:
     arguments: list[str] = forks.serve()
     # The student's modules may have the same names as the grader's.
     sys.path[0] = str(INSIDE)
-    for module in [one for one in sys.modules if one in ('forks', 'confine')]:
+    for module in ('forks', 'confine'):
         del sys.modules[module]
     return arguments
 

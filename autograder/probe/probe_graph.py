@@ -74,9 +74,11 @@ class Graph:
         """Return all nodes, and all endpoints of other participants, with type and QoS."""
         endpoints = []
         for topic, _ in self.node.get_topic_names_and_types():
-            endpoints += self._endpoints(topic, 'publisher')
+            found = self.node.get_publishers_info_by_topic(topic)
+            endpoints += self._described(topic, 'publisher', found)
             if topic not in HIDDEN_TOPICS:
-                endpoints += self._endpoints(topic, 'subscription')
+                found = self.node.get_subscriptions_info_by_topic(topic)
+                endpoints += self._described(topic, 'subscription', found)
         endpoints.sort(key=lambda e: (e['topic'], e['kind'], e['node'], e['type']))
         for end in endpoints:  # replace process ids, which vary between runs, with stable numbers
             end['process'] = self.processes.setdefault(end['process'], len(self.processes))
@@ -87,11 +89,7 @@ class Graph:
             'count': len(endpoints),
         }
 
-    def _endpoints(self, topic: str, kind: str) -> list[dict[str, Any]]:
-        ask = {
-            'publisher': self.node.get_publishers_info_by_topic,
-            'subscription': self.node.get_subscriptions_info_by_topic,
-        }[kind]
+    def _described(self, topic: str, kind: str, found: Any) -> list[dict[str, Any]]:
         return [
             {
                 'topic': topic[:LONGEST_NAME],
@@ -102,6 +100,6 @@ class Graph:
                 'process': bytes(info.endpoint_gid[:PROCESS_BYTES]),
                 'qos': qos_json(info.qos_profile),
             }
-            for info in ask(topic)
+            for info in found
             if bytes(info.endpoint_gid[:12]) != self.own_prefix
         ]

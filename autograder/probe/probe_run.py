@@ -227,21 +227,18 @@ class Probe:
             )
         return True
 
-    def _due_ns(self, now_ns: int, until_ns: int) -> int:
-        """Publish the ROS time if it is due, and return when the current wait must end [ns]."""
-        return min(until_ns, self._tick(now_ns)) if self.clock else until_ns
-
     def settle(self) -> None:
         """Listen until both sides have discovered a new endpoint of the probe, or its removal."""
         self.listen(SETTLE_S)
 
-    def _tick(self, now_ns: int) -> int:
-        """Publish the ROS time if it is due, and return when it is due next [ns]."""
+    def _due_ns(self, now_ns: int, until_ns: int) -> int:
+        """Publish the ROS time if it is due, and return when the current wait must end [ns]."""
+        if not self.clock:
+            return until_ns
         clock = self.scenario['ros_clock']
         step_ns = round(clock['step_s'] * SECOND)
         every_ns = round(step_ns / clock['rate'])
         assert self.began_ns is not None
-        assert self.clock is not None
         due_ns = self.began_ns + self.ticks * every_ns
         if now_ns >= due_ns:
             ros_ns = round(clock['begins_s'] * SECOND) + self.ticks * step_ns
@@ -249,7 +246,7 @@ class Probe:
             self.clock.publish(Clock(clock=Time(sec=seconds, nanosec=rest)))
             self.ticks += 1
             due_ns += every_ns
-        return due_ns
+        return min(until_ns, due_ns)
 
     # -- the scenario ----------------------------------------------------------------------
 

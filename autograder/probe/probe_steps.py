@@ -97,15 +97,11 @@ def join(probe: Any, step: dict[str, Any]) -> None:
     def heard(message: Any, info: Any) -> None:
         probe.message(topic, message, info, listener=name)
 
-    callbacks = SubscriptionEventCallbacks(
-        incompatible_qos=lambda status: refused.append(policy_name(status)),
-        use_default_callbacks=False,
-    )
+    callbacks = SubscriptionEventCallbacks(**_noting(refused))
     probe.listeners[name] = subscription = probe.node.create_subscription(
         load_type(step['type']), topic, heard, qos_profile(step['qos']), event_callbacks=callbacks
     )
-    probe.wait_until(lambda: subscription.get_publisher_count() > 0 or bool(refused), CONNECT_S)
-    matched = subscription.get_publisher_count() > 0
+    matched = _is_matched(probe, subscription.get_publisher_count, refused)
     probe.emit('joined', listener=name, topic=topic, matched=matched, refused=refused[:1])
     probe.listen(step['listen_s'])
     probe.settle()
@@ -115,18 +111,28 @@ def offer(probe: Any, step: dict[str, Any]) -> None:
     """Add a publisher of the probe."""
     name, topic, cls = step['name'], step['topic'], load_type(step['type'])
     refused: list[str] = []
-    callbacks = PublisherEventCallbacks(
-        incompatible_qos=lambda status: refused.append(policy_name(status)),
-        use_default_callbacks=False,
-    )
+    callbacks = PublisherEventCallbacks(**_noting(refused))
     publisher = probe.node.create_publisher(
         cls, topic, qos_profile(step['qos']), event_callbacks=callbacks
     )
     probe.feeds[name] = cls, publisher
-    probe.wait_until(lambda: publisher.get_subscription_count() > 0 or bool(refused), CONNECT_S)
-    matched = publisher.get_subscription_count() > 0
+    matched = _is_matched(probe, publisher.get_subscription_count, refused)
     probe.emit('offered', publisher=name, topic=topic, matched=matched, refused=refused[:1])
     probe.settle()
+
+
+def _noting(refused: list[str]) -> dict[str, Any]:
+    """Return arguments for event callbacks that note the policies which do not match."""
+    return {
+        'incompatible_qos': lambda status: refused.append(policy_name(status)),
+        'use_default_callbacks': False,
+    }
+
+
+def _is_matched(probe: Any, count: Callable[[], int], refused: list[str]) -> bool:
+    """Wait until an endpoint has a partner or is refused; return whether it has a partner."""
+    probe.wait_until(lambda: count() > 0 or bool(refused), CONNECT_S)
+    return count() > 0
 
 
 def leave(probe: Any, step: dict[str, Any]) -> None:
@@ -161,15 +167,7 @@ def look(probe: Any, step: dict[str, Any]) -> None:
 
 
 STEPS: dict[str, Callable[[Any, dict[str, Any]], None]] = {
-    'advance': advance,
-    'feed': feed,
-    'call': call,
-    'join': join,
-    'offer': offer,
-    'leave': leave,
-    'watch': watch,
-    'mark': mark,
-    'look': look,
+    step.__name__: step for step in (advance, feed, call, join, offer, leave, watch, mark, look)
 }
 
 

@@ -8,6 +8,7 @@ run when the probe or the program has ended, or when the watchdog reports an exc
 
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
+from dataclasses import dataclass, field
 import json
 import os
 import secrets
@@ -23,9 +24,9 @@ from autograder.recording import header, Recording
 from autograder.runs.one_processor import keep_on, one_processor
 from autograder.runs.program import BUILDS, program_for, submission_folder
 from autograder.runs.watchdog import Watchdog
-from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits
+from autograder.sandboxes.confinement import ConfinedProgram, KILLED
 from autograder.sandboxes.forked import PROBE, start_program, STUDENT
-from autograder.sandboxes.probes import start_probe
+from autograder.sandboxes.probes import Probe, start_probe
 from autograder.sandboxes.processes import oom_kills, running
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -67,8 +68,12 @@ def observe(
         program, limits = program_for(scenario, submission, sandbox.ros)
         student = start_program(sandbox, program, limits, home, clock, builds)
         try:
-            loop = _RunLoop(student, limits, scenario, sandbox, clock)
-            loop.exam, loop.on_event, loop.processors = exam_name, on_event, processors
+            probe = start_probe(sandbox, student, clock.places[PROBE].fileno())
+            clock.begin()
+            watchdog = Watchdog(student, (probe.pid, clock.driver.pid), limits, builds)
+            loop = _RunLoop(
+                exam_name, scenario, student, probe, watchdog, clock, processors, on_event
+            )
             events = loop.run()
         finally:
             student.kill()
@@ -76,43 +81,32 @@ def observe(
     return Recording(header(exam_name, sandbox.mode), events), timing
 
 
+@dataclass(eq=False)
 class _RunLoop:
     """One run: the loop that reads the output of the probe and of the student's program."""
 
-    def __init__(
-        self,
-        student: ConfinedProgram,
-        limits: Limits,
-        scenario: Mapping[str, Any],
-        sandbox: Sandbox,
-        clock: VirtualClock,
-    ) -> None:
-        self.student = student
-        self.clock = clock
-        place = clock.places[PROBE].fileno()
-        self.probe = start_probe(sandbox, student, place)
-        clock.begin()
-        others = self.probe.pid, clock.driver.pid
-        builds = scenario['program'] in BUILDS
-        self.watchdog = Watchdog(student, others, limits, builds)
-        self.scenario = scenario
-        self.exam = ''
-        self.events: list[dict[str, Any]] = []
-        self.on_event: Callable[[Mapping[str, Any]], None] | None = None
-        self.processors: set[int] = set()
-        self.pending = b''
-        self.recorded = 0
-        self.output = {'stdout': b'', 'stderr': b''}
-        self.printed = 0
-        self.killed = ''
-        self.exit: int | None = None
-        self.ended_ns: int | None = None
-        self.over_ns: int | None = None
-        self.ready_s = 0.0
-        self.done = False
-        self.left = False
-        self.released_ns = 0
-        self.oom_kills = oom_kills()
+    exam: str
+    scenario: Mapping[str, Any]
+    student: ConfinedProgram
+    probe: Probe
+    watchdog: Watchdog
+    clock: VirtualClock
+    processors: set[int]
+    on_event: Callable[[Mapping[str, Any]], None] | None
+    events: list[dict[str, Any]] = field(default_factory=list)
+    output: dict[str, bytes] = field(default_factory=lambda: {'stdout': b'', 'stderr': b''})
+    pending: bytes = b''
+    recorded: int = 0
+    printed: int = 0
+    killed: str = ''
+    exit: int | None = None
+    ended_ns: int | None = None
+    over_ns: int | None = None
+    ready_s: float = 0.0
+    released_ns: int = 0
+    done: bool = False
+    left: bool = False
+    killed_before: int = field(default_factory=lambda: oom_kills())
 
     def run(self) -> list[dict[str, Any]]:
         """
@@ -189,7 +183,7 @@ class _RunLoop:
     def _loop(self) -> None:
         # Give the probe's node a random name, which no program can predict.
         order = {**self.scenario, 'name': f'n{secrets.token_hex(6)}'}
-        self._tell_probe(json.dumps(order).encode() + b'\n')
+        self.probe.tell(json.dumps(order).encode() + b'\n')
         with selectors.DefaultSelector() as pipes:
             pipes.register(self.probe.stdout, selectors.EVENT_READ, 'probe')
             ended = os.pidfd_open(self.student.process.pid)
@@ -263,7 +257,7 @@ class _RunLoop:
                 together = self.probe.pid, self.clock.driver.pid, *family(*self.student.pids)
                 keep_on(self.processors, together)
                 self.student.release()
-                self._tell_probe(b'g')
+                self.probe.tell(b'g')
                 continue
             self._keep_event(event)
             self.done = self.done or event['event'] == 'end'
@@ -285,20 +279,13 @@ class _RunLoop:
             what = f'The sandbox ended with code {self.exit} before the program began'
             raise ProbeFailed(f'{what}: {said}.')
 
-    def _tell_probe(self, line: bytes) -> None:
-        try:
-            self.probe.stdin.write(line)
-            self.probe.stdin.flush()
-        except BrokenPipeError:
-            pass  # the probe has already ended
-
     def _raise_if_ended_externally(self) -> None:
         """Raise if the machine or another program ended the student's program."""
         if self.killed or self.exit is None:
             return
         # A build whose compiler was killed ends with an exit code of its own.
         ended = self.exit in KILLED or (self.exit and self.scenario['program'] in BUILDS)
-        if ended and oom_kills() > self.oom_kills:
+        if ended and oom_kills() > self.killed_before:
             raise ProbeFailed('The machine ran out of memory, and the system ended a process.')
         # No process in the sandbox can signal the launcher or the fork's parent, which are in
         # another pid namespace.

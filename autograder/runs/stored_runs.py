@@ -8,8 +8,6 @@ nothing, and an edited check is judged in milliseconds.
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-import hashlib
 import json
 from pathlib import Path
 from typing import Any
@@ -19,25 +17,11 @@ from autograder.exam.exam import Exam
 from autograder.recording import Event, Recording
 from autograder.runs.observe import observe
 from autograder.runs.task import parse_outcome, Place, task_of
-from autograder.runs.version import environment_digest, made_with
+from autograder.runs.version import digest, environment_digest, made_with
 from autograder.sandboxes.sandbox import Sandbox
 
 Outcome = tuple[Recording, dict[str, float]]
-"""A recording, and times of the run [s]."""
-
-
-@dataclass(frozen=True)
-class StoredRun:
-    """
-    A recording, with its timing and the name of its file.
-
-    :param timing: times of the run [s]; empty for a stored recording
-    :param name: file name of the recording; empty if it is not stored
-    """
-
-    recording: Recording
-    timing: Mapping[str, float]
-    name: str = ''
+"""A recording, and times of the run [s], which are empty for a stored recording."""
 
 
 def load_or_record(
@@ -49,7 +33,7 @@ def load_or_record(
     fresh: bool = False,
     on_event: Callable[[Event], None] | None = None,
     place: Place | None = None,
-) -> StoredRun:
+) -> tuple[Outcome, str]:
     """
     Return the recording of some files in the scenario of an exam.
 
@@ -58,6 +42,7 @@ def load_or_record(
     :param fresh: run even if a recording is stored
     :param on_event: called with each event as it happens; not called for runs on workers
     :param place: the workers that run the program; None to run it in this thread
+    :returns: the outcome, and the file name of the recording, empty if it is not stored
     :raises GraderError: if the grader failed
     """
     texts = (*files.values(), json.dumps(exam.scenario.to_json()))
@@ -80,10 +65,10 @@ def load_or_record(
         return Recording({**recording.header, **notes}, recording.events), timing
 
     if recordings is None:
-        return StoredRun(*run())
+        return run(), ''
     parts = (exam.name, about['scenario'], sandbox.mode, about['environment'], about['files'])
-    path = recordings / exam.name / f'{_digest(chr(0).join(parts))}.jsonl'
-    return StoredRun(*_load_or_run(path, fresh, run), path.name)
+    path = recordings / exam.name / f'{digest(chr(0).join(parts).encode(), 32)}.jsonl'
+    return _load_or_run(path, fresh, run), path.name
 
 
 def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome:
@@ -97,8 +82,4 @@ def _load_or_run(path: Path, fresh: bool, run: Callable[[], Outcome]) -> Outcome
 
 def files_digest(files: Mapping[str, str]) -> str:
     """Return the digest of a student's files, as stored in a recording's header."""
-    return _digest(json.dumps(sorted(files.items())))
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode('utf-8', 'replace')).hexdigest()[:32]
+    return digest(json.dumps(sorted(files.items())).encode(), 32)

@@ -6,21 +6,14 @@ object made from a submission is ever pickled, and a worker receives neither the
 course secret.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from functools import lru_cache
 import json
-import os
-from typing import Any, Protocol, TYPE_CHECKING
+from typing import Any, Protocol
 
 from autograder import errors
 from autograder.errors import GraderError
 from autograder.recording import Recording
 from autograder.runs.version import difference, version
-
-if TYPE_CHECKING:
-    from autograder.sandboxes.sandbox import Sandbox
 
 
 class Place(Protocol):
@@ -92,27 +85,16 @@ def _fault(error: GraderError) -> dict[str, Any]:
 
 def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:
     from autograder.runs.observe import observe
+    from autograder.sandboxes.choose import strongest
 
     if unlike := difference(task['version'], version()):
         raise GraderError(
             f'A worker refused the task: {unlike}.', 'Try: update the worker and restart it.'
         )
-    return observe(task['exam'], task['scenario'], task['files'], _sandbox(task['mode']))
-
-
-@lru_cache(maxsize=2)
-def _sandbox(mode: str) -> Sandbox:
-    """
-    Return the sandbox for an isolation mode, created once per worker.
-
-    :raises GraderError: if the mode is not the full isolation for the worker's user
-    """
-    from autograder.sandboxes.isolation import full
-    from autograder.sandboxes.sandbox import Sandbox
-
-    if mode != full(os.geteuid() == 0):
+    sandbox, wanted = strongest(), task['mode']
+    if sandbox.mode != wanted:
         raise GraderError(
-            f"A worker refused the task: isolation {mode} does not work for the worker's user.",
+            f"A worker refused the task: isolation {wanted} does not work for the worker's user.",
             'Try: start all workers as root, or all as an ordinary user.',
         )
-    return Sandbox(mode)
+    return observe(task['exam'], task['scenario'], task['files'], sandbox)

@@ -5,7 +5,7 @@ The project may be in a different folder on each machine, but its files, Python 
 A recording also contains readable versions (:func:`made_with`).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from contextlib import suppress
 from functools import lru_cache
 import hashlib
@@ -47,14 +47,15 @@ def version(python: str = sys.executable) -> Mapping[str, str]:
     :param python: interpreter of the prepared environment
     """
     venv = Path(python).parents[1]
+    further = ros.further_messages(venv)
     return {
         'tasks': str(TASKS),
         'grader': _digest_of_grader(),
         'Python': platform.python_version(),
         'machine': platform.machine(),
         'settings of ROS': _digest_of_settings(venv),
-        'packages of ROS': _digest_of_packages(venv),
-        FURTHER: ', '.join(sorted({pin for pins in _further(venv).values() for pin in pins})),
+        'packages of ROS': _digest_of_packages(venv, further),
+        FURTHER: ', '.join(sorted({pin for pins in further.values() for pin in pins})),
     }
 
 
@@ -77,10 +78,10 @@ def environment_digest(python: str, texts: Iterable[str]) -> str:
     :param python: interpreter of the prepared environment
     :param texts: contents of the program's files, and the scenario as JSON
     """
-    further = _further(Path(python).parents[1])
+    further = ros.further_messages(Path(python).parents[1])
     named = {name for text in texts for name in further if name in text}
     parts = {**version(python), FURTHER: {name: further[name] for name in sorted(named)}}
-    return _digest(json.dumps(parts, sort_keys=True).encode(), 32)
+    return digest(json.dumps(parts, sort_keys=True).encode(), 32)
 
 
 @lru_cache(maxsize=1)
@@ -123,7 +124,7 @@ def commit(root: Path) -> str:
 def _digest_of_grader() -> str:
     files = sorted(path for pattern in RUNS_PROGRAMS for path in HERE.glob(pattern))
     files.append(Path(ros.__file__).with_name('clock.py'))  # the compiler's options
-    return _digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
+    return digest(b'\0'.join(path.name.encode() + b'\0' + path.read_bytes() for path in files))
 
 
 def _digest_of_settings(venv: Path) -> str:
@@ -134,22 +135,18 @@ def _digest_of_settings(venv: Path) -> str:
         text = text.replace(str(folder), f'<{name}>')
     messages = sorted(share.glob('*/msg/*.msg'))
     cmake = sorted((HERE.parent / 'environment' / 'cmake').glob('*.cmake'))
-    return _digest(text.encode() + b''.join(path.read_bytes() for path in (*messages, *cmake)))
+    return digest(text.encode() + b''.join(path.read_bytes() for path in (*messages, *cmake)))
 
 
-def _digest_of_packages(venv: Path) -> str:
+def _digest_of_packages(venv: Path, without: Container[str]) -> str:
     """Return a digest of the installed ROS wheels; a sourced ROS has none."""
     # Use the folder names, because reading the metadata of all packages takes seconds.
     found = venv.glob('lib/python*/site-packages/ros_*.dist-info')
     packages = {path.name: path.name.removeprefix('ros_').partition('-')[0] for path in found}
-    names = sorted(name for name, package in packages.items() if package not in _further(venv))
-    return _digest('\n'.join(names).encode())
+    names = sorted(name for name, package in packages.items() if package not in without)
+    return digest('\n'.join(names).encode())
 
 
-@lru_cache(maxsize=4)
-def _further(venv: Path) -> Mapping[str, list[str]]:
-    return ros.further_messages(venv)
-
-
-def _digest(data: bytes, length: int = 16) -> str:
+def digest(data: bytes, length: int = 16) -> str:
+    """Return the first hexadecimal digits of the SHA-256 digest of data."""
     return hashlib.sha256(data).hexdigest()[:length]

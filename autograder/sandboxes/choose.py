@@ -57,12 +57,11 @@ def usable(mode: str) -> Sandbox:
     :raises SandboxUnavailable: if the mode does not work on this machine, with the fix
     """
     sandbox = Sandbox(mode)
-    what, fix = virtual_clock.refusal()
-    if not what and sandbox.keeps_secrets:
-        what, fix = _missing(sandbox)
-    if what:
-        raise SandboxUnavailable(what, fix)
+    virtual_clock.check_clock()
     if sandbox.keeps_secrets:
+        what, fix = _missing(sandbox)
+        if what:
+            raise SandboxUnavailable(what, fix)
         try_out(sandbox)
     return sandbox
 
@@ -71,7 +70,7 @@ def _missing(sandbox: Sandbox) -> tuple[str, str]:
     """Return what the system lacks for a sandbox, and the fix; both empty if it lacks nothing."""
     if not landlock.filter_file().is_file():
         return landlock.NO_FILTER
-    if sandbox.isolated:
+    if sandbox.facts.namespaces:
         found = shutil.which('bwrap') is not None
         return ('', '') if found else ('bubblewrap is not installed.', isolation.FIX_MISSING)
     needed = (*sandbox.ros.read_only, str(HERE / 'inside'))

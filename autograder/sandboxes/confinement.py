@@ -187,11 +187,8 @@ class ConfinedProgram:
             return _tree(self.home)
         count = size = 0
         for folder in WRITABLE:
-            inside = f'/proc/{self.pid}/root{folder}'
             try:
-                if os.stat(inside).st_dev == os.stat(folder).st_dev:
-                    continue  # the sandbox is being set up, and this is still the host's folder
-                found = os.statvfs(inside)
+                found = os.statvfs(f'/proc/{self.pid}/root{folder}')
             except OSError:
                 continue  # the process has just ended
             count += found.f_files - found.f_ffree

@@ -8,9 +8,10 @@ parallel start further servers, which later runs reuse.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 import json
 import os
 from pathlib import Path
@@ -56,10 +57,12 @@ class Fork:
 
     :param server: the server that forked the process and reports its exit code
     :param pid: host process id
+    :param gate: the grader's end of the process's standard input
     """
 
     server: ForkServer
     pid: int
+    gate: socket.socket
     stdout: BinaryIO
     stderr: BinaryIO
 
@@ -113,49 +116,51 @@ class ForkServer:
         # An idle server sends nothing, so the channel is readable only if the server has ended.
         return self.process.poll() is None and not select.select([self.channel], [], [], 0)[0]
 
-    def fork(self, order: Mapping[str, Any], given: int, others: Sequence[int]) -> Fork:
+    def fork(self, order: Mapping[str, Any], others: Sequence[int]) -> Fork:
         """
         Fork a process, which has not yet read from its standard input.
 
         :param order: described in :mod:`autograder.inside.forks`
-        :param given: descriptor of the fork's standard input
-        :param others: further descriptors to send with the order
+        :param others: descriptors to send with the order, after those of standard input and output
         :raises ProbeFailed: if the fork could not confine itself, or the server has ended
         """
-        pipes = [os.pipe() for _ in range(2)]
-        outputs = [os.fdopen(reading, 'rb') for reading, _ in pipes]
-        theirs = [writing for _, writing in pipes]
-        try:
+        with ExitStack() as on_failure, ExitStack() as theirs:
+            gate, given = socket.socketpair()
+            on_failure.callback(gate.close)
+            theirs.callback(given.close)
+            files, outputs = [given.fileno()], []
+            for reading, writing in (os.pipe(), os.pipe()):
+                outputs.append(on_failure.enter_context(os.fdopen(reading, 'rb')))
+                theirs.callback(os.close, writing)
+                files.append(writing)
             try:
-                files = [given, *theirs, *others]
-                socket.send_fds(self.channel, [json.dumps(order).encode()], files)
+                socket.send_fds(self.channel, [json.dumps(order).encode()], [*files, *others])
             except OSError as error:
                 raise ProbeFailed(f'The fork server has ended: {error}.') from error
-            finally:
-                for writing in theirs:
-                    os.close(writing)
+            theirs.close()
             said, pid = self._answer()
             if said != BORN:
                 why = outputs[1].read().decode(errors='replace').strip() or 'no error message'
                 raise ProbeFailed(f'A fork could not be confined: {why}.')
-        except BaseException:
-            for output in outputs:
-                output.close()
-            raise
-        return Fork(self, pid, *outputs)
+            on_failure.pop_all()
+        return Fork(self, pid, gate, *outputs)
 
     def ended(self) -> int | None:
         """
         Wait for the exit code of the last fork and return it; None if the server has failed.
 
-        If the exit code is known, the server is marked as idle, ready for the next run.
+        If the exit code is known, the server is ready for the next run.
         """
         try:
             code = int(self._answer()[0])
         except ProbeFailed:
             return None
-        _idle.append(self)
+        self.give_back()
         return code
+
+    def give_back(self) -> None:
+        """Mark the server as idle."""
+        _idle.append(self)
 
     def _answer(self) -> tuple[bytes, int]:
         """
@@ -190,41 +195,23 @@ _idle: list[ForkServer] = []
 _starters = ThreadPoolExecutor(thread_name_prefix='fork servers')
 
 
-def free_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer:
+def free_servers(sandbox: Sandbox, *all_loaded: Loaded) -> list[ForkServer]:
     """
-    Return an idle fork server or a new one.
+    Return an idle fork server or a new one for each program.
+
+    New servers start in parallel, because each takes a third of a second.
 
     :raises SandboxUnavailable: if a new server does not start
     """
-    return _idle_server(sandbox, loaded) or _starting(sandbox, loaded).result()
+    return list(_starters.map(partial(_free_server, sandbox), all_loaded))
 
 
-def load_together(sandbox: Sandbox, *all_loaded: Loaded) -> None:
-    """
-    Start the missing servers in parallel, because each takes a third of a second.
-
-    :raises SandboxUnavailable: if a new server does not start
-    """
-    found = [_idle_server(sandbox, loaded) for loaded in all_loaded]
-    starting = [
-        _starting(sandbox, loaded)
-        for loaded, server in zip(all_loaded, found, strict=True)
-        if server is None
-    ]
-    _idle.extend(filter(None, found))
-    _idle.extend(one.result() for one in starting)
-
-
-def _idle_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer | None:
-    """Take an idle server from the list; drop servers of the same kind that have ended."""
+def _free_server(sandbox: Sandbox, loaded: Loaded) -> ForkServer:
+    """Take an idle server from the list or start one; drop idle servers that have ended."""
     for server in reversed(_idle.copy()):  # the last one's pages are most likely still cached
         if server.loaded == loaded:
             with suppress(ValueError):  # another thread has taken it
                 _idle.remove(server)
                 if server.usable(sandbox):
                     return server
-    return None
-
-
-def _starting(sandbox: Sandbox, loaded: Loaded) -> Future[ForkServer]:
-    return _starters.submit(ForkServer, sandbox, loaded)
+    return ForkServer(sandbox, loaded)

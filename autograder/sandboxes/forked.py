@@ -8,16 +8,14 @@ launcher exits with the fork's exit code, and the sandbox ends with the launcher
 
 from dataclasses import replace
 from pathlib import Path
-import socket
 
 from autograder.clock.virtual_clock import VirtualClock
 from autograder.errors import ProbeFailed
 from autograder.inside.confine import family
-from autograder.sandboxes import landlock
 from autograder.sandboxes.confinement import ConfinedProgram, KILLED, Limits, Program
-from autograder.sandboxes.fork_server import Fork, free_server, load_together, Loaded
+from autograder.sandboxes.fork_server import Fork, free_servers, Loaded
 from autograder.sandboxes.probes import compile_code, loaded_probe
-from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox, throw_away_uid
+from autograder.sandboxes.sandbox import HERE, open_namespace, Sandbox
 
 LAUNCHER = ('sh', '-c', f'read code; exit "${{code:-{KILLED[1]}}}"')
 """A command that waits for the program's exit code, and exits with the same code."""
@@ -49,7 +47,7 @@ def start_program(
     """
     compile_code()
     place = clock.places[STUDENT].fileno()
-    if sandbox.isolated and not builds:
+    if sandbox.facts.namespaces and not builds:
         return _start_fork(sandbox, program, limits, home, place)
     # Packages are built in real time. After the build, run_package.py and build_package.py load
     # the virtual clock's library into the program that replaces them.
@@ -62,13 +60,11 @@ def _start_fork(
     sandbox: Sandbox, program: Program, limits: Limits, home: Path, place: int
 ) -> ConfinedProgram:
     loaded = Loaded(Program(tuple(program.argv[:2]), INSIDE), boxed=False)
-    load_together(sandbox, loaded_probe(sandbox), loaded)
-    server = free_server(sandbox, loaded)
+    server, of_probe = free_servers(sandbox, loaded, loaded_probe(sandbox))
+    of_probe.give_back()  # start_probe() takes it
     confined = sandbox.start(Program(LAUNCHER, program.binds), limits, home)
     try:
-        gate, theirs = socket.socketpair()
-        with theirs, confined.gate as launcher:
-            confined.gate = gate
+        with confined.gate as launcher:
             namespaces = _open_namespaces(confined)
             others = [place, launcher.fileno(), *namespaces]
             order = {
@@ -77,12 +73,9 @@ def _start_fork(
                 'variables': {**program.variables, 'PWD': FOLDER},
                 # Add 1 for the fork's parent, which has the same uid.
                 'limits': limits.of_process(1 + sandbox.processes()),
-                'rules': {
-                    'uid': throw_away_uid() if sandbox.facts.root else 0,
-                    'filter': str(landlock.filter_file()),
-                },
+                'rules': sandbox.rules(),
             }
-            _attach_fork(confined, server.fork(order, theirs.fileno(), others))
+            _attach_fork(confined, server.fork(order, others))
     except OSError as error:  # the sandbox has ended, and its namespaces with it
         confined.kill()
         what = f'The sandbox ended before the program began: {error}.'
@@ -108,7 +101,7 @@ def _open_namespaces(confined: ConfinedProgram) -> list[int]:
 
 def _attach_fork(confined: ConfinedProgram, fork: Fork) -> None:
     """Control the fork in place of the launcher."""
-    confined.fork, confined.on_end = fork.pid, fork.server.ended
+    confined.fork, confined.on_end, confined.gate = fork.pid, fork.server.ended, fork.gate
     for stream in (confined.process.stdout, confined.process.stderr):
         if stream is not None:
             stream.close()

@@ -4,8 +4,6 @@ Define the isolation modes, what each does not protect, and the fixes for bubble
 This module contains only data and text; :mod:`autograder.sandboxes.choose` tries the modes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 import os
 from pathlib import Path
@@ -122,60 +120,31 @@ FIX_CONTAINER = (
 )
 
 
-@dataclass(frozen=True)
-class System:
-    """
-    Facts about the system on which a fix depends; a kernel setting is None if it is absent.
-
-    :param container: whether the system looks like a container
-    """
-
-    apparmor_restricts: int | None = None
-    userns_clone: int | None = None
-    max_user_namespaces: int | None = None
-    container: bool = False
-    root: bool = False
-
-    @classmethod
-    def here(cls) -> System:
-        """Return the facts about the running system."""
-
-        def setting(path: str) -> int | None:
-            try:
-                return int(Path('/proc/sys', path).read_text('ascii'))
-            except (OSError, ValueError):
-                return None
-
-        marks = ('/.dockerenv', '/run/.containerenv')
-        return cls(
-            setting('kernel/apparmor_restrict_unprivileged_userns'),
-            setting('kernel/unprivileged_userns_clone'),
-            setting('user/max_user_namespaces'),
-            any(os.path.exists(mark) for mark in marks),
-            os.geteuid() == 0,
-        )
+KERNEL = (
+    ('kernel/apparmor_restrict_unprivileged_userns', ('1', '2'), FIX_APPARMOR),
+    ('kernel/unprivileged_userns_clone', ('0',), FIX_CLONE),
+    ('user/max_user_namespaces', ('0',), FIX_COUNT),
+)
+"""Kernel settings, the values with which a plain user cannot use bubblewrap, and the fixes."""
 
 
-def fix_for(said: str, system: System | None = None) -> str:
+def fix_for(said: str, system: Path = Path('/')) -> str:
     """
     Return the fix for an error message from bubblewrap, or from a program in the sandbox.
 
     :param said: the error message
-    :param system: None for the running system
+    :param system: root of the file system that shows the settings
     """
-    system = system or System.here()
     if 'nknown option' in said:
         return FIX_OLD
     refused = ('uid map', 'RTM_NEWADDR', 'namespace', 'pivot_root', 'Operation not permitted')
     if not any(word in said for word in refused):
         return SECTION if 'bwrap: ' in said else 'Try: make doctor'
-    if system.container:
+    if any((system / mark).exists() for mark in ('.dockerenv', 'run/.containerenv')):
         return FIX_CONTAINER
-    if not system.root:
-        if system.apparmor_restricts:
-            return FIX_APPARMOR
-        if system.userns_clone == 0:
-            return FIX_CLONE
-        if system.max_user_namespaces == 0:
-            return FIX_COUNT
+    if os.geteuid() != 0:
+        for setting, values, fix in KERNEL:
+            file = system / 'proc/sys' / setting
+            if file.is_file() and file.read_text('ascii').strip() in values:
+                return fix
     return FIX_APPARMOR if 'uid map' in said or 'RTM_NEWADDR' in said else FIX_CONTAINER

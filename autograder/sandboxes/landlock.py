@@ -39,7 +39,7 @@ def refusal(root: bool) -> tuple[str, str]:
     try:
         found = confine.landlock_version()
     except OSError as error:
-        what = f'This kernel has no Landlock ({error.strerror}).'
+        what = f'This kernel has no Landlock ({os.strerror(error.errno or 0)}).'
         fix = 'Add landlock to the kernel parameter lsm=..., or use kernel 6.2 or newer.'
         return what, fix
     if not root and found < SAME_USER_FROM:

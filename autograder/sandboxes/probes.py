@@ -17,17 +17,15 @@ import signal
 from typing import Any
 
 from autograder.sandboxes import landlock
-from autograder.sandboxes import sandbox as sandboxes
 from autograder.sandboxes.confinement import ConfinedProgram, Limits, Program
-from autograder.sandboxes.fork_server import Fork, free_server, Loaded
+from autograder.sandboxes.fork_server import Fork, free_servers, Loaded
 from autograder.sandboxes.processes import first_port
 from autograder.sandboxes.sandbox import HERE, Sandbox
 
 CODE = {str(HERE / name): f'/grader/{name}' for name in ('probe', 'inside')}
 """Folders of the grader that the fork server can read; students' sandboxes have ``inside`` too."""
-START = '/grader/probe/fork_server.py'
+START = '/grader/probe/probe.py'
 FILTER = '/grader/filter.bpf'
-LIMITS = Limits()
 
 
 @cache
@@ -41,17 +39,18 @@ class Probe:
     """
     The probe of one run.
 
-    :param fork: the probe's process
-    :param stdin: descriptor of the pipe to the probe's standard input
+    :param fork: the probe's process, whose descriptors :meth:`end` closes
     """
 
-    def __init__(self, fork: Fork, stdin: int) -> None:
-        """Open the pipe, which :meth:`end` closes."""
-        self.fork, self.pid = fork, fork.pid
+    def __init__(self, fork: Fork) -> None:
+        self.fork, self.pid, self.stdout = fork, fork.pid, fork.stdout
         self.pidfd = os.pidfd_open(fork.pid)
-        self.stdin = os.fdopen(stdin, 'wb')
-        self.stdout, self.stderr = fork.stdout, fork.stderr
         self.returncode: int | None = None
+
+    def tell(self, line: bytes) -> None:
+        """Write to the probe's standard input, unless the probe has ended."""
+        with suppress(ConnectionError):
+            self.fork.gate.sendall(line)
 
     def kill(self) -> None:
         """Kill the probe if it is still running."""
@@ -61,13 +60,11 @@ class Probe:
     def end(self) -> str:
         """Kill the probe, read its exit code, and return the last line of its standard error."""
         self.kill()
-        said = self.stderr.read().decode(errors='replace').strip()
+        said = self.fork.stderr.read().decode(errors='replace').strip()
         self.returncode = self.fork.server.ended()
         os.close(self.pidfd)
-        with suppress(BrokenPipeError):
-            self.stdin.close()
-        self.stdout.close()
-        self.stderr.close()
+        for stream in (self.fork.gate, self.fork.stdout, self.fork.stderr):
+            stream.close()
         return (said.splitlines() or [''])[-1]
 
 
@@ -88,18 +85,10 @@ def start_probe(sandbox: Sandbox, student: ConfinedProgram, place: int) -> Probe
     :raises SandboxUnavailable: if the fork server does not start
     """
     loaded = loaded_probe(sandbox)
-    server = free_server(sandbox, loaded)
+    (server,) = free_servers(sandbox, loaded)
     # Enter the user namespace first, which gives the right to enter the network namespace.
     namespaces = [student.namespaces[one] for one in ('user', 'net') if one in student.namespaces]
-    given, giving = os.pipe()
-    try:
-        fork = server.fork(_order(sandbox, loaded, student), given, [place, *namespaces])
-    except BaseException:
-        os.close(giving)
-        raise
-    finally:
-        os.close(given)
-    return Probe(fork, giving)
+    return Probe(server.fork(_order(sandbox, loaded, student), [place, *namespaces]))
 
 
 def _order(sandbox: Sandbox, loaded: Loaded, student: ConfinedProgram) -> dict[str, Any]:
@@ -112,7 +101,7 @@ def _order(sandbox: Sandbox, loaded: Loaded, student: ConfinedProgram) -> dict[s
             'FASTRTPS_DEFAULT_PROFILES_FILE': str(folder / 'probe' / 'probe.xml'),
             'UNICAST_PORT': str(first_port(domain)),
         },
-        'limits': LIMITS.of_process(sandbox.processes()),
+        'limits': Limits().of_process(sandbox.processes()),
         'rules': _rules(sandbox, loaded),
     }
 
@@ -120,10 +109,9 @@ def _order(sandbox: Sandbox, loaded: Loaded, student: ConfinedProgram) -> dict[s
 def _rules(sandbox: Sandbox, loaded: Loaded) -> dict[str, Any] | None:
     """Return the rules for :func:`confine.give_up`; None if a probe keeps its rights."""
     if loaded.boxed:
-        return {'uid': sandboxes.throw_away_uid(), 'filter': FILTER}
+        return {**sandbox.rules(), 'filter': FILTER}
     if not sandbox.keeps_secrets:
         return None
-    rules = sandbox.landlock_rules(loaded.program)
-    if landlock.refusal(root=os.geteuid() == 0)[0]:
-        rules = {name: rules[name] for name in ('uid', 'filter')}
-    return rules
+    if landlock.refusal(sandbox.facts.root)[0]:
+        return sandbox.rules()
+    return sandbox.landlock_rules(loaded.program)

@@ -51,24 +51,19 @@ class Sandbox:
         self.ros = ros or ros_environment()
 
     @property
-    def isolated(self) -> bool:
-        """Return whether a program has separate file systems and a separate network."""
-        return self.facts.namespaces
-
-    @property
     def keeps_secrets(self) -> bool:
         """Return whether hidden exams may be used with this mode."""
         return self.facts.keeps_secrets
 
     def turn(self) -> AbstractContextManager[None]:
         """Return the lock that serialises runs on a shared network."""
-        return nullcontext() if self.isolated else landlock.turn()
+        return nullcontext() if self.facts.namespaces else landlock.turn()
 
     # -- command lines ---------------------------------------------------------------------
 
     def variables(self, program: Program, home: str, domain: int) -> dict[str, str]:
         """Return all environment variables of a confined program."""
-        profile = '/grader/fastdds.xml' if self.isolated else str(HERE / 'fastdds.xml')
+        profile = '/grader/fastdds.xml' if self.facts.namespaces else str(HERE / 'fastdds.xml')
         chosen = self.ros.variables if program.course_messages else self.ros.base_variables
         variables = {
             **chosen,
@@ -175,28 +170,26 @@ class Sandbox:
         :param inherited: descriptors that the program inherits with the same numbers
         :raises SandboxUnavailable: if bubblewrap fails, or no ROS domain is free
         """
-        if not self.isolated:
+        if not self.facts.namespaces:
             return self._start_weak(program, limits, home, inherited)
         gate, theirs = socket.socketpair()
-        info_read, info_write = os.pipe()
-        rules = os.open(landlock.filter_file(), os.O_RDONLY)
-        descriptors = ['--info-fd', str(info_write), '--seccomp', str(rules)]
-        try:
-            options = self.bwrap(program, limits, descriptors)
-            command = [*READY, *self.command(program, limits)]
-            held = (info_write, rules, *inherited)
-            process = start_bwrap(options, command, held, stdin=theirs)
-        except OSError as error:
-            os.close(info_read)
-            gate.close()
-            raise SandboxUnavailable(
-                f'bubblewrap did not start: {error}.', isolation.FIX_MISSING
-            ) from error
-        finally:
-            theirs.close()
-            os.close(info_write)
-            os.close(rules)
-        with os.fdopen(info_read) as info:
+        reading, writing = os.pipe()
+        with os.fdopen(reading) as info:
+            with (
+                theirs,
+                os.fdopen(writing, 'w') as told,
+                landlock.filter_file().open('rb') as rules,
+            ):
+                held = [told.fileno(), rules.fileno()]
+                descriptors = ['--info-fd', str(held[0]), '--seccomp', str(held[1])]
+                options = self.bwrap(program, limits, descriptors)
+                command = [*READY, *self.command(program, limits)]
+                try:
+                    process = start_bwrap(options, command, [*held, *inherited], stdin=theirs)
+                except OSError as error:
+                    gate.close()
+                    what = f'bubblewrap did not start: {error}.'
+                    raise SandboxUnavailable(what, isolation.FIX_MISSING) from error
             text = info.read()
         try:
             gate.settimeout(READY_S)
@@ -261,19 +254,23 @@ class Sandbox:
         """Return how many processes and threads the uid of a run already has."""
         return 0 if self.facts.root else landlock.threads_of_user()
 
+    def rules(self) -> dict[str, Any]:
+        """Return the rules without Landlock for ``inside/confine.py``, which describes both."""
+        uid = throw_away_uid() if self.facts.root else 0
+        return {'uid': uid, 'filter': str(landlock.filter_file())}
+
     def landlock_rules(self, program: Program, *write: str) -> dict[str, Any]:
         """
-        Return the rules for ``inside/confine.py``, which describes their format.
+        Return the rules with Landlock.
 
         :param write: paths that the program may write to, in addition to devices
         """
         read, names = landlock.readable(self.ros, program.course_messages)
         return {
-            'uid': throw_away_uid() if self.facts.root else 0,
+            **self.rules(),
             'read': [*read, *program.binds, str(HERE / 'fastdds.xml')],
             'list': names,
             'write': [*write, *landlock.DEVICES],
-            'filter': str(landlock.filter_file()),
         }
 
 

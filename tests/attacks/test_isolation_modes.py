@@ -202,7 +202,7 @@ def test_hidden_exams_are_never_run_without_isolation():
 
 def test_a_named_weak_mode_is_used_only_if_nothing_better_works():
     """Allowing a weak mode does not select it while a stronger mode works."""
-    assert choose.strongest('none').isolated
+    assert choose.strongest('none').facts.namespaces
 
 
 def test_without_isolation_the_same_program_reaches_everything(planted):

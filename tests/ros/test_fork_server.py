@@ -81,7 +81,7 @@ def test_a_fork_server_that_ends_during_a_run_makes_no_verdict(tmp_path, monkeyp
     os.killpg(found.process.pid, signal.SIGKILL)
     found.process.wait()
     assert found.channel.recv(1) == b''  # the server itself ends shortly after its launcher
-    monkeypatch.setattr('autograder.sandboxes.probes.free_server', lambda *_: found)
+    monkeypatch.setattr('autograder.sandboxes.probes.free_servers', lambda *_: [found])
     student = sandbox.start(Program(('sleep', 'infinity')), Limits(), tmp_path)
     try:
         with pytest.raises(ProbeFailed, match='The fork server'):

@@ -1,5 +1,6 @@
 """Refusals name a remedy, weak modes are used only if named, and results state what is lost."""
 
+import errno
 import io
 import os
 from pathlib import Path
@@ -17,7 +18,7 @@ from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
 from autograder.sandboxes import choose, isolation, landlock, sandbox
 from autograder.sandboxes.confinement import ConfinedProgram, Program
-from autograder.sandboxes.isolation import fix_for, System
+from autograder.sandboxes.isolation import fix_for
 from environment import ros_domain
 from environment.ros import RosEnvironment
 
@@ -30,30 +31,56 @@ NO_NAMESPACE = (
 PIVOT = 'bwrap: pivot_root: Operation not permitted'
 
 
+APPARMOR = 'proc/sys/kernel/apparmor_restrict_unprivileged_userns'
+CONTAINER = '.dockerenv'
+
+
 @pytest.mark.parametrize(
     ('said', 'system', 'words'),
     [
-        (UID_MAP, System(apparmor_restricts=1), 'apparmor_restrict_unprivileged_userns=0'),
-        (LOOPBACK, System(apparmor_restricts=1), '/etc/apparmor.d/bwrap'),
-        (LOOPBACK, System(), '/etc/apparmor.d/bwrap'),
-        (UID_MAP, System(apparmor_restricts=1, container=True), 'apparmor=unconfined'),
-        (NO_NAMESPACE, System(container=True), '--security-opt seccomp=grader.json'),
-        (NO_NAMESPACE, System(container=True, root=True), 'as a plain user'),
+        (UID_MAP, {APPARMOR: '1\n'}, 'apparmor_restrict_unprivileged_userns=0'),
+        (LOOPBACK, {APPARMOR: '1\n'}, '/etc/apparmor.d/bwrap'),
+        (LOOPBACK, {}, '/etc/apparmor.d/bwrap'),
+        (UID_MAP, {APPARMOR: '1\n', CONTAINER: ''}, 'apparmor=unconfined'),
+        (NO_NAMESPACE, {CONTAINER: ''}, '--security-opt seccomp=grader.json'),
+        (NO_NAMESPACE, {CONTAINER: ''}, 'as a plain user'),
         (
             "bwrap: Can't mount proc on /newroot/proc: Operation not permitted",
-            System(container=True),
+            {'run/.containerenv': ''},
             'systempaths=unconfined',
         ),
-        (NO_NAMESPACE, System(userns_clone=0), 'kernel.unprivileged_userns_clone=1'),
-        (NO_NAMESPACE, System(max_user_namespaces=0), 'user.max_user_namespaces=15000'),
-        (PIVOT, System(container=True, root=True), '--security-opt seccomp=grader.json'),
-        ('bwrap: Unknown option --disable-userns', System(), 'older than 0.8'),
-        ("bwrap: Can't find source path /nowhere", System(), 'environment.md'),
+        (
+            NO_NAMESPACE,
+            {APPARMOR: '0\n', 'proc/sys/kernel/unprivileged_userns_clone': '0\n'},
+            'kernel.unprivileged_userns_clone=1',
+        ),
+        (
+            NO_NAMESPACE,
+            {'proc/sys/user/max_user_namespaces': '0\n'},
+            'user.max_user_namespaces=15000',
+        ),
+        (PIVOT, {}, '--security-opt seccomp=grader.json'),
+        ('bwrap: Unknown option --disable-userns', {}, 'older than 0.8'),
+        ("bwrap: Can't find source path /nowhere", {}, 'environment.md'),
     ],
 )
-def test_each_refusal_has_its_repair(said, system, words):
+def test_each_refusal_has_its_repair(said, system, words, tmp_path, monkeypatch):
     """The suggested fix depends on bubblewrap's output and on the system."""
-    assert words in fix_for(said, system)
+    for name, text in system.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding='ascii')
+    monkeypatch.setattr(isolation.os, 'geteuid', lambda: 1000)
+
+    assert words in fix_for(said, tmp_path)
+
+
+def test_settings_that_do_not_apply_to_root_are_not_its_repair(tmp_path, monkeypatch):
+    file = tmp_path / APPARMOR
+    file.parent.mkdir(parents=True)
+    file.write_text('1\n', encoding='ascii')
+    monkeypatch.setattr(isolation.os, 'geteuid', lambda: 0)
+
+    assert fix_for(NO_NAMESPACE, tmp_path) == isolation.FIX_CONTAINER
 
 
 def test_a_missing_bubblewrap_is_answered_with_the_command_that_installs_it(monkeypatch):
@@ -108,13 +135,12 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
     program.write_text(f'#!/bin/sh\necho "{said}" >&2\nexit 1\n', encoding='utf-8')
     program.chmod(0o755)
     monkeypatch.setattr(sandbox, 'BARE', {'PATH': f'{tmp_path}:/usr/bin:/bin'})
-    monkeypatch.setattr(System, 'here', classmethod(lambda cls: System(apparmor_restricts=1)))
 
     with pytest.raises(SandboxUnavailable) as caught:
         choose.usable(isolation.full(os.geteuid() == 0))
 
     assert said.rstrip('.') in caught.value.what
-    assert caught.value.fix == isolation.FIX_APPARMOR
+    assert caught.value.fix == fix_for(said)
 
 
 @pytest.mark.parametrize(
@@ -137,11 +163,11 @@ def test_naming_a_mode_permits_it_and_the_better_ones(named, root, tried):
 @pytest.mark.parametrize(
     ('error', 'version', 'root', 'words'),
     [
-        ('Function not implemented', None, True, 'no Landlock (Function not implemented)'),
-        ('Operation not supported', None, False, 'no Landlock (Operation not supported)'),
-        ('', 2, False, 'cannot protect files from a program of the same user'),
-        ('', 2, True, ''),
-        ('', 3, False, ''),
+        (errno.ENOSYS, None, True, 'no Landlock (Function not implemented)'),
+        (errno.EOPNOTSUPP, None, False, 'no Landlock (Operation not supported)'),
+        (0, 2, False, 'cannot protect files from a program of the same user'),
+        (0, 2, True, ''),
+        (0, 3, False, ''),
     ],
 )
 def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words, monkeypatch):
@@ -149,7 +175,7 @@ def test_a_kernel_without_landlock_says_why_and_what(error, version, root, words
 
     def ask() -> int:
         if error:
-            raise OSError(38, error)
+            raise OSError(error, '')
         return version
 
     monkeypatch.setattr(landlock.confine, 'landlock_version', ask)
