@@ -15,7 +15,7 @@ from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import field_of, SECOND
 from autograder.recording import Event
-from autograder.submission.code.source_code import FieldUse, use_of_field
+from autograder.submission.code.mistakes import FieldUse, use_of_field
 
 SYSTEM_TIME_S = 1e9
 """Stamps above this value are from the system clock, which passed it in 2001 [s]."""

@@ -2,17 +2,17 @@
 
 import pytest
 
-from autograder.submission.code import source_code
-from autograder.submission.code.source_code import (
-    Code,
+from autograder.submission.code import mistakes
+from autograder.submission.code.mistakes import (
     FieldUse,
     leaves_out,
     logs_with_python,
     Pause,
     pause_in_callback,
     use_of_field,
-    without_strings,
 )
+from autograder.submission.code.program import without_strings
+from autograder.submission.code.source_code import Code
 
 BROKEN = 'def tick(:\n    time.sleep(1.0)\n'
 
@@ -140,7 +140,7 @@ class TestPauses:
         chain = '\n'.join(f'def f{n}():\n    f{n + 1}()' for n in range(200))
         given = '\n'.join(f'node.create_timer(1.0, f{n})' for n in range(200))
         looked = []
-        monkeypatch.setattr(source_code, '_pause', looked.append)
+        monkeypatch.setattr(mistakes, '_pauses', lambda _, body: looked.append(body))
 
         assert pause_in_callback({'n.py': f'{chain}\n{given}\n'}) is None
         assert len(looked) == 200
