@@ -257,8 +257,9 @@ def why_it_sleeps(run: Run) -> Cause | None:
     pause = None if run.facts.get('slow_callback') else pause_in_callback(run.files)
     if pause is None:
         return None
-    name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
-    return cause_of('sleeps_in_callback', name=name, line=pause.line)
+    callback, line = pause
+    name = f'{callback[:60]}()' if callback else 'A callback'
+    return cause_of('sleeps_in_callback', name=name, line=line)
 
 
 def why_late(run: Run) -> Cause | None:

@@ -6,7 +6,6 @@ As in :mod:`.source_code`, the results affect only messages.
 
 import ast
 from collections.abc import Collection, Iterator, Mapping
-from typing import NamedTuple
 
 from autograder.submission.code.program import all_arguments, is_stored, last_name
 from autograder.submission.code.source_code import Code
@@ -61,34 +60,24 @@ def _is_get_logger(node: ast.AST) -> bool:
     return isinstance(node, ast.Call) and last_name(node.func) == 'getLogger'
 
 
-class FieldUse(NamedTuple):
+def use_of_field(files: Mapping[str, str], field: str) -> str:
     """
-    How code uses a field of a message.
-
-    :param given: whether the field may get a value: the code has an attribute, keyword argument
-        or string with its name
-    :param empty: whether one of the assigned values is a call to ``Time`` without arguments
-    :param local: whether a variable with the field's name is assigned
-    """
-
-    given: bool
-    empty: bool
-    local: bool
-
-
-def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
-    """
-    Return how code uses a field of a message.
+    Return how code uses a field of a message, whose value may be missing.
 
     :param field: name of the field, such as ``timestamp``
+    :returns: ``'given'`` if the code has an attribute, keyword argument or string with its name;
+        ``'empty'`` if one of its values is a call to ``Time`` without arguments; ``'local'`` if
+        only a variable has its name; ``'unused'`` otherwise
     """
     code = Code(files)
     values = list(code.given(field))
-    named = (one for one in code.nodes if last_name(one) == field)
-    kinds = {(type(one), is_stored(one)) for one in named}
+    named = [one for one in code.nodes if last_name(one) == field]
+    if any(map(_is_empty_time, values)):
+        return 'empty'
     # A name in quotes may be an argument of setattr(), or a key in a dictionary of fields.
-    given = bool(values) or field in code.texts or any(ast.Attribute in one for one in kinds)
-    return FieldUse(given, any(map(_is_empty_time, values)), (ast.Name, True) in kinds)
+    if values or field in code.texts or any(isinstance(one, ast.Attribute) for one in named):
+        return 'given'
+    return 'local' if any(map(is_stored, named)) else 'unused'
 
 
 def _is_empty_time(value: ast.AST) -> bool:
@@ -97,29 +86,19 @@ def _is_empty_time(value: ast.AST) -> bool:
     return any(last_name(one.func) == 'Time' and not all_arguments(one) for one in calls)
 
 
-class Pause(NamedTuple):
-    """
-    A call to ``sleep`` that a callback reaches.
-
-    :param callback: name of the callback, empty for a lambda
-    :param line: line of the call in the file, from 1
-    """
-
-    callback: str
-    line: int
-
-
-def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
+def pause_in_callback(files: Mapping[str, str]) -> tuple[str, int] | None:
     """
     Return the first pause in a callback or in a function that it calls; None if there is none.
 
     ``await asyncio.sleep()`` does not count, because it does not block.  A pause in a ``while``
     loop does not count either, because the loop itself is the cause.
+
+    :returns: name of the callback, empty for a lambda; and line of the pause, from 1
     """
     code = Code(files)
     for name, body in code.callbacks():
         if found := _pauses(code, body):
-            return Pause(name, min(found))
+            return name, min(found)
     return None
 
 
