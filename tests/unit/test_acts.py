@@ -74,10 +74,8 @@ class Courier(Node):
     [
         ('longer_pause', 9),
         ('set_back', 12),
-        ('kept_message', 13),
         ('calls_of_callback', 15),
         ('publishing_timer', 5),
-        ('named_logger', 4),
     ],
 )
 def test_act_of_a_courier_is_found(act, line):
@@ -274,8 +272,6 @@ class TestKnownActs:
         [
             ('own_arguments', 'rclpy.init(args=[])'),
             ('own_arguments', 'rclpy.init(args=args or None)'),
-            ('wall_clock', 'stamp = datetime.datetime.now()'),
-            ('joined', "value = float(f'{whole}.{rest}')"),
             ('conversion', 'celsius = (value - 32) * 0.5556'),
             ('slice', 'text = data[:100]'),
         ],
@@ -349,7 +345,7 @@ class TestTable:
     def test_act_of_the_table_is_a_word_that_is_known(self):
         """The table has only known acts; a misspelt one would be read as a name in the code."""
         shapes = re.compile(
-            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|environ|nan|inf|\w+Group'
+            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|environ|nan|inf|SystemExit|\w+Group'
         )
         acts = (*acts_by_cause().values(), ANSWER)
         words = {word for one in acts for word in one.split() if word != '|'}

@@ -1,4 +1,4 @@
-"""Find the statements that set names and attributes: counts, resets, stored messages."""
+"""Find the statements that set names and attributes: counts, resets, longer pauses."""
 
 import ast
 from collections.abc import Iterator
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from autograder.submission.code.program import all_arguments, assigned, last_name, names_in
 from autograder.submission.code.source_code import Code
 
+_CONDITIONS = (ast.Compare, ast.BoolOp, ast.UnaryOp, ast.If, ast.IfExp, ast.While)
 _WAITS = ('create_timer', 'Timer', 'sleep')
 
 
@@ -50,12 +51,9 @@ def compared_counts(code: Code) -> Iterator[ast.AST]:
 def wrapped_counts(code: Code) -> Iterator[ast.AST]:
     """Yield the modulo operations on a count, except those in conditions."""
     counted = _counted(code)
-    tests = {getattr(one, 'test', None) for one in code.nodes}
     for node in code.operations(ast.Mod):
-        whole = (node, *code.around(node))
-        asked = any(isinstance(one, ast.Compare) or one in tests for one in whole)
         left = getattr(node, 'left', None) or getattr(node, 'target', None)
-        if left and not asked and counted & names_in(left):
+        if left and counted & names_in(left) and not isinstance(code.parents[node], _CONDITIONS):
             yield node
 
 
@@ -63,17 +61,6 @@ def longer_pauses(code: Code) -> Iterator[ast.AST]:
     """Yield the statements that change the period of a timer or a pause, as ``+=`` does."""
     given = {last_name(one) for name in _WAITS for one in code.arguments(name, 0)} - {''}
     return (node for node, name, _ in _changes(code) if name in given)
-
-
-def kept_messages(code: Code) -> Iterator[ast.AST]:
-    """Yield the statements that store a message for later and replace the previous one."""
-    for body in code.reached(code.passed('create_subscription')):
-        given = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
-        for node in ast.walk(body):
-            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
-                uses = [bool(given & names_in(one, ast.Name)) for one in (node.targets[0], node)]
-                if uses == [False, True]:
-                    yield node
 
 
 def resets(code: Code) -> Iterator[ast.AST]:

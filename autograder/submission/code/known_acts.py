@@ -24,14 +24,12 @@ from autograder.submission.code.source_code import Code
 
 Act = Callable[[Code], Iterable[ast.AST]]
 _TIMERS = ('create_timer', 'create_rate', 'Timer', 'sleep')
-_WALL = ('time', 'time_ns', 'monotonic', 'today', 'utcnow', 'Clock')
 _ENDPOINTS = {'create_publisher': 2, 'create_lifecycle_publisher': 2, 'create_subscription': 3}
 """The functions that create publishers and subscriptions, with the index of the profile."""
 USUAL_DEPTH = 10
 _SHORT_PROFILES = ('qos_profile_sensor_data',)
 """Profiles of rclpy whose depth is below the usual one."""
 _EVERYTHING = ('Exception', 'BaseException')
-_EXITS = ('SystemExit', 'KeyboardInterrupt', 'ExternalShutdownException')
 _LEVELS = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
 
 
@@ -136,14 +134,6 @@ def _text(node: ast.AST) -> str:
     return max((one.value for one in parts if isinstance(one.value, str)), key=len, default='')
 
 
-def _wall_clocks(code: Code) -> Iterator[ast.AST]:
-    """Yield the calls that read the system time."""
-    yield from code.calls_to(*_WALL)
-    for call in code.calls_to('now'):
-        if isinstance(call.func, ast.Attribute) and 'datetime' in names_in(call.func.value):
-            yield call
-
-
 def _truths(code: Code) -> Iterator[ast.AST]:
     """Yield the conditions that test whether a value is empty or zero."""
     left = [node.test for node in code.nodes if isinstance(node, (ast.If, ast.IfExp))]
@@ -154,16 +144,6 @@ def _truths(code: Code) -> Iterator[ast.AST]:
             left.append(test.operand)
         elif isinstance(test, (ast.Name, ast.Attribute)):
             yield test
-    yield from code.calls_to('bool')
-
-
-def _conversions(code: Code) -> Iterator[ast.AST]:
-    """Yield the conversions between Celsius and Fahrenheit."""
-    for node in code.nodes:
-        if isinstance(node, ast.BinOp) and not isinstance(code.parents[node], ast.BinOp):
-            parts = [code.number(one) for one in ast.walk(node) if isinstance(one, ast.expr)]
-            if 32.0 in parts:
-                yield node
 
 
 def _publishing_timers(code: Code) -> Iterator[ast.AST]:
@@ -204,7 +184,12 @@ ACTS: Mapping[str, Act] = {
         lambda node: node.type is None or not names_in(node.type).isdisjoint(_EVERYTHING),
     ),
     'compared_count': assignments.compared_counts,
-    'conversion': _conversions,
+    # the sums that convert between Celsius and Fahrenheit
+    'conversion': lambda code: (
+        node
+        for node in code.nodes
+        if isinstance(node, ast.BinOp) and 32.0 in map(code.number, (node.left, node.right))
+    ),
     'count': assignments.counts,
     'depth': _depths,
     'early_return': _nodes(ast.Return, lambda node: node.value is None),
@@ -218,19 +203,12 @@ ACTS: Mapping[str, Act] = {
     'function': lambda code: code.functions_named(
         *code.about, *(f'on_{name}' for name in code.about)
     ),
-    # a number that is parsed from an f-string
-    'joined': lambda code: (
-        call
-        for call in code.calls_to('float', 'int')
-        if any(isinstance(one, ast.JoinedStr) for one in ast.walk(call))
-    ),
     # a value that is set only if there is none yet, with ``or``
     'kept_first': _settings(
         lambda target, value: (
             isinstance(value, ast.BoolOp) and last_name(target) in names_in(value)
         )
     ),
-    'kept_message': assignments.kept_messages,
     'limit': lambda code: code.operations(ast.Lt, ast.Gt, ast.LtE, ast.GtE),
     'log': lambda code: (
         call
@@ -238,14 +216,10 @@ ACTS: Mapping[str, Act] = {
         if any(call.lineno <= line <= (call.end_lineno or 0) for line in code.lines)
     ),
     'longer_pause': assignments.longer_pauses,
-    'named_logger': lambda code: (
-        call for call in code.calls_to('get_logger', 'getLogger') if call.args
-    ),
     'own_arguments': _own_arguments,
     'period': _periods,
     'profile': _profiles,
     'publishing_timer': _publishing_timers,
-    'raised_exit': _nodes(ast.Raise, lambda node: not names_in(node).isdisjoint(_EXITS)),
     'recount': assignments.recounts,
     'reset': assignments.resets,
     # the strings that occur in one of the texts in question
@@ -268,7 +242,6 @@ ACTS: Mapping[str, Act] = {
         and last_name(node) in {one.rpartition('/')[2] for one in code.about}
         and not is_stored(node)
     ),
-    'wall_clock': _wall_clocks,
     # the callbacks of transitions that return nothing
     'without_result': _nodes(
         FUNCTIONS,
