@@ -79,12 +79,12 @@ def last_name(node: ast.AST) -> str:
 
 
 def dotted(node: ast.AST) -> str:
-    """Return a name with its dots, such as ``self.count``; empty for any other node."""
+    """Return a name with its dots, such as ``self.count``; any other base becomes ``()``."""
     parts = []
     while isinstance(node, ast.Attribute):  # hostile code: a name with thousands of dots
         parts.append(node.attr)
         node = node.value
-    return '.'.join((node.id, *reversed(parts))) if isinstance(node, ast.Name) else ''
+    return '.'.join((last_name(node) or '()', *reversed(parts)))
 
 
 def is_stored(node: ast.AST) -> bool:

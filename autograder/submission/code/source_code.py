@@ -204,9 +204,9 @@ class Code:
     def bodies(self, *given: ast.AST) -> Iterator[ast.AST]:
         """Yield the lambdas and functions among the given arguments."""
         for one in given:
-            yield from (
-                [one] if isinstance(one, ast.Lambda) else self.functions_named(last_name(one))
-            )
+            if isinstance(one, ast.Lambda):
+                yield one
+            yield from self.functions_named(last_name(one))
 
     def passed(self, name: str) -> Iterator[ast.AST]:
         """Yield the functions and lambdas that are passed to a call."""
