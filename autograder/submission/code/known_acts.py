@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from autograder.submission.code import assignments
 from autograder.submission.code.program import (
     all_arguments,
     argument,
@@ -23,14 +22,19 @@ from autograder.submission.code.program import (
 from autograder.submission.code.source_code import Code
 
 Act = Callable[[Code], Iterable[ast.AST]]
-_TIMERS = ('create_timer', 'create_rate', 'Timer', 'sleep')
+_WAITS = ('create_timer', 'Timer', 'sleep')
+_TIMERS = (*_WAITS, 'create_rate')
 _ENDPOINTS = {'create_publisher': 2, 'create_lifecycle_publisher': 2, 'create_subscription': 3}
 """The functions that create publishers and subscriptions, with the index of the profile."""
-USUAL_DEPTH = 10
+_SHORT = range(10)
 _SHORT_PROFILES = ('qos_profile_sensor_data',)
-"""Profiles of rclpy whose depth is below the usual one."""
+"""Depths below the usual one, and profiles of rclpy that have such a depth."""
+_CONDITIONS = (ast.Compare, ast.BoolOp, ast.UnaryOp, ast.If, ast.IfExp, ast.While)
 _EVERYTHING = ('Exception', 'BaseException')
 _LEVELS = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
+
+
+# -- periods, endpoints and texts in question -----------------------------------------------------
 
 
 def _periods(code: Code) -> list[ast.AST]:
@@ -76,12 +80,17 @@ def _due(code: Code) -> float | None:
     return None
 
 
+def _value(code: Code, call: ast.Call, place: int, name: str) -> ast.AST | None:
+    """Return the value of an argument, None if it is not given."""
+    given = argument(call, place, name)
+    return given and code.origin(given)
+
+
 def _endpoints(code: Code) -> Iterator[ast.Call]:
     """Yield the calls that create the publishers and subscriptions in question."""
     for call in code.calls_to(*_ENDPOINTS):
-        name = argument(call, 1, 'topic')
-        text = _text(code.origin(name)) if name else ''
-        if any(_names(text, one) for one in code.about):
+        name = _value(code, call, 1, 'topic')
+        if name and any(_names(_text(name), one) for one in code.about):
             yield call
 
 
@@ -100,16 +109,11 @@ def _profiles(code: Code) -> Iterator[ast.AST]:
 def _depths(code: Code) -> Iterator[ast.AST]:
     """Yield the depths of subscriptions that are below the usual one."""
     for call in code.calls_to('create_subscription'):
-        given = argument(call, 3, 'qos_profile')
-        value = code.origin(given) if given else None
+        value = _value(code, call, 3, 'qos_profile')
         if isinstance(value, ast.Call):
-            given = argument(value, 0, 'depth')
-            value = code.origin(given) if given else None
-        if value is not None:
-            depth = code.number(value)
-            short = last_name(value) in _SHORT_PROFILES
-            if short or (depth is not None and depth < USUAL_DEPTH):
-                yield value
+            value = _value(code, value, 0, 'depth')
+        if value and (last_name(value) in _SHORT_PROFILES or code.number(value) in _SHORT):
+            yield value
 
 
 def _texts(code: Code) -> Sequence[ast.AST]:
@@ -165,6 +169,97 @@ def _own_arguments(code: Code) -> Iterator[ast.AST]:
             yield call
 
 
+# -- statements that set names and attributes -----------------------------------------------------
+
+
+def _changes(code: Code) -> Iterator[tuple[ast.AST, str, ast.AST]]:
+    """Yield the statements that compute a new value from the old one: its name, and the change."""
+    for node in code.nodes:
+        if isinstance(node, ast.AugAssign):
+            yield node, last_name(node.target), node.value
+        if isinstance(node, ast.Assign):
+            name = last_name(node.targets[0])
+            sums = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
+            yield from ((node, name, one.right) for one in sums if name in names_in(one))
+
+
+def _counts(code: Code) -> Mapping[ast.AST, str]:
+    """Return the statements that add 1 to a name or an attribute, each with this name."""
+    return {
+        node: name
+        for node, name, change in _changes(code)
+        if isinstance(change, ast.Constant) and change.value == 1
+    }
+
+
+def _counted(code: Code) -> set[str]:
+    """Return the names that count something."""
+    return {*_counts(code).values()} - {''}
+
+
+def _recounts(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements outside ``__init__`` that reset a count."""
+    counted = _counted(code)
+    return (node for node, target, _ in _fixed(code) if last_name(target) in counted)
+
+
+def _compared_counts(code: Code) -> Iterator[ast.AST]:
+    """Yield the comparisons of a count."""
+    counted = _counted(code)
+    compared = (one for one in code.nodes if isinstance(one, ast.Compare))
+    return (one for one in compared if counted & names_in(one))
+
+
+def _wrapped_counts(code: Code) -> Iterator[ast.AST]:
+    """Yield the modulo operations on a count, except those in conditions."""
+    counted = _counted(code)
+    for node in code.operations(ast.Mod):
+        left = getattr(node, 'left', None) or getattr(node, 'target', None)
+        if left and counted & names_in(left) and not isinstance(code.parents[node], _CONDITIONS):
+            yield node
+
+
+def _longer_pauses(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that change the period of a timer or a pause, as ``+=`` does."""
+    given = {last_name(one) for name in _WAITS for one in code.arguments(name, 0)} - {''}
+    return (node for node, name, _ in _changes(code) if name in given)
+
+
+def _set_back(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that give an attribute its first value again."""
+    for node, target, value in _fixed(code):
+        given = (one for one in code.values_of(target) if one and not _is_later(code, one))
+        if any(_is_fixed(one) and ast.dump(one) == ast.dump(value) for one in given):
+            yield node
+
+
+def _fixed(code: Code) -> Iterator[tuple[ast.AST, ast.AST, ast.AST]]:
+    """Yield the statements outside ``__init__`` that set an attribute to a fixed value."""
+    for node in code.nodes:
+        for target, value in assigned(node):
+            kept = isinstance(target, ast.Attribute) and value and _is_fixed(value)
+            if kept and value and _is_later(code, node):
+                yield node, target, value
+
+
+def _is_fixed(value: ast.AST) -> bool:
+    """Return whether a value is fixed: it does not depend on other values."""
+    if isinstance(value, ast.Call):
+        return not all_arguments(value) and isinstance(value.func, ast.Name)
+    if isinstance(value, (ast.List, ast.Tuple, ast.Set)):
+        return not value.elts
+    return isinstance(value, ast.Constant) or (isinstance(value, ast.Dict) and not value.keys)
+
+
+def _is_later(code: Code, node: ast.AST) -> bool:
+    """Return whether a statement is in a function other than ``__init__``."""
+    inner = code.function_around(node)
+    return inner is not None and inner.name != '__init__'
+
+
+# -- the table ------------------------------------------------------------------------------------
+
+
 def _nodes(kind: type[ast.AST] | tuple[type[ast.AST], ...], holds: Callable[[Any], bool]) -> Act:
     """Return an act that finds the nodes of a kind for which a condition holds."""
     return lambda code: (one for one in code.nodes if isinstance(one, kind) and holds(one))
@@ -183,14 +278,14 @@ ACTS: Mapping[str, Act] = {
         ast.ExceptHandler,
         lambda node: node.type is None or not names_in(node.type).isdisjoint(_EVERYTHING),
     ),
-    'compared_count': assignments.compared_counts,
+    'compared_count': _compared_counts,
     # the sums that convert between Celsius and Fahrenheit
     'conversion': lambda code: (
         node
         for node in code.nodes
         if isinstance(node, ast.BinOp) and 32.0 in map(code.number, (node.left, node.right))
     ),
-    'count': assignments.counts,
+    'count': _counts,
     'depth': _depths,
     'early_return': _nodes(ast.Return, lambda node: node.value is None),
     'endpoint': _endpoints,
@@ -215,20 +310,20 @@ ACTS: Mapping[str, Act] = {
         for call in code.calls_to(*_LEVELS)
         if any(call.lineno <= line <= (call.end_lineno or 0) for line in code.lines)
     ),
-    'longer_pause': assignments.longer_pauses,
+    'longer_pause': _longer_pauses,
     'own_arguments': _own_arguments,
     'period': _periods,
     'profile': _profiles,
     'publishing_timer': _publishing_timers,
-    'recount': assignments.recounts,
-    'reset': assignments.resets,
+    'recount': _recounts,
+    'reset': lambda code: (node for node, _, _ in _fixed(code)),
     # the strings that occur in one of the texts in question
     'says': lambda code: (
         node
         for node in code.strings
         if len(words := _text(node).strip()) > 1 and any(words in one for one in code.about)
     ),
-    'set_back': assignments.set_back,
+    'set_back': _set_back,
     'slow_period': _slow_periods,
     'slice': _nodes(ast.Subscript, lambda node: True),
     'stored': _settings(lambda target, _: dotted(target).startswith('self.')),
@@ -250,6 +345,6 @@ ACTS: Mapping[str, Act] = {
             and not any(isinstance(one, ast.Return) and one.value for one in ast.walk(node))
         ),
     ),
-    'wrapped_count': assignments.wrapped_counts,
+    'wrapped_count': _wrapped_counts,
 }
 """These acts by name, see :mod:`.acts`."""
