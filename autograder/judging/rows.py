@@ -211,8 +211,7 @@ def why_other_answer(
         repair = (
             'Publish in the callback of the subscription, once per message, and not in a timer.'
         )
-        act = 'stored@to:create_subscription() | create_timer()'
-        return replace(cut, text=text, try_this=repair, act=act)
+        return replace(cut, text=text, try_this=repair, act='kept_message | create_timer()')
     return LEAVES_OUT
 
 

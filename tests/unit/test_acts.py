@@ -74,6 +74,7 @@ class Courier(Node):
     [
         ('longer_pause', 9),
         ('set_back', 12),
+        ('kept_message', 13),
         ('calls_of_callback', 15),
         ('publishing_timer', 5),
     ],

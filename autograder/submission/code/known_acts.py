@@ -165,7 +165,8 @@ def _own_arguments(code: Code) -> Iterator[ast.AST]:
     yield from code.given('cli_args')
     for call in code.calls_to('init'):
         given = argument(call, 0, 'args')
-        if isinstance(given, (ast.List, ast.Tuple, ast.Call, ast.BoolOp)):
+        parts = ast.walk(given) if given else ()
+        if any(isinstance(one, (ast.List, ast.Tuple, ast.Call, ast.BoolOp)) for one in parts):
             yield call
 
 
@@ -223,6 +224,17 @@ def _longer_pauses(code: Code) -> Iterator[ast.AST]:
     """Yield the statements that change the period of a timer or a pause, as ``+=`` does."""
     given = {last_name(one) for name in _WAITS for one in code.arguments(name, 0)} - {''}
     return (node for node, name, _ in _changes(code) if name in given)
+
+
+def _kept_messages(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that store a message for later and replace the previous one."""
+    for body in code.reached(code.passed('create_subscription')):
+        given = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
+        for node in ast.walk(body):
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
+                uses = [bool(given & names_in(one, ast.Name)) for one in (node.targets[0], node)]
+                if uses == [False, True]:
+                    yield node
 
 
 def _set_back(code: Code) -> Iterator[ast.AST]:
@@ -304,6 +316,7 @@ ACTS: Mapping[str, Act] = {
             isinstance(value, ast.BoolOp) and last_name(target) in names_in(value)
         )
     ),
+    'kept_message': _kept_messages,
     'limit': lambda code: code.operations(ast.Lt, ast.Gt, ast.LtE, ast.GtE),
     'log': lambda code: (
         call
