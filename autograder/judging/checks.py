@@ -12,7 +12,6 @@ Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or ret
 nodes and topics are full names.
 """
 
-import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -28,6 +27,7 @@ from autograder.judging.causes.ended import (
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
+from autograder.submission.code.acts import find
 from autograder.submission.code.source_code import Code
 
 SECOND = 1_000_000_000
@@ -74,15 +74,11 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
 
 def _own_namespace(code: Code) -> str:
     """Return advice for code that overrides the namespace from the command line."""
-    named = {one.arg for calls in code.calls.values() for call in calls for one in call.keywords}
     for name in ('namespace', 'use_global_arguments', 'cli_args'):
-        if name in named:
+        if find(code, f'{name}='):
             return f'Remove {name}=.'
-    for call in code.calls.get('init', ()):
-        given = [*call.args[:1], *(one.value for one in call.keywords if one.arg == 'args')]
-        replaced = (ast.List, ast.Tuple, ast.Call)
-        if given and any(isinstance(part, replaced) for part in ast.walk(given[0])):
-            return 'Write rclpy.init(args=args) in main(args=None).'
+    if find(code, 'own_arguments'):
+        return 'Write rclpy.init(args=args) in main(args=None).'
     return 'Give the node a plain name, and write rclpy.init(args=args) in main(args=None).'
 
 

@@ -371,7 +371,7 @@ def _why_wrong_rate(run: Run, mean_s: float, period_s: float, what: str) -> Caus
     :param mean_s: the measured period [s]
     """
     words: dict[str, Any] = {'what': what, 'mean_s': mean_s, 'period_s': float(period_s)}
-    ticks = [one for code in Code(run.files).programs for one in code.numbers('create_timer')]
+    ticks = Code(run.files).numbers('create_timer')
     parts = [one for one in ticks if 0 < one < mean_s and _is(0.0, math.remainder(mean_s, one))]
     closer: list[Cause] = []
     if parts and not any(_is(mean_s, one) for one in ticks):

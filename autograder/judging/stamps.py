@@ -15,13 +15,20 @@ from autograder.judging.causes.ended import why_it_sleeps, why_silent
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.checks import field_of, SECOND
 from autograder.recording import Event
-from autograder.submission.code.source_code import FieldUse, use_of_field
+from autograder.submission.code.mistakes import use_of_field
 
 SYSTEM_TIME_S = 1e9
 """Stamps above this value are from the system clock, which passed it in 2001 [s]."""
 FAR_S = 1000
 """A stamp further than this from the ROS clock is from a different clock [s]."""
 MILLISECOND = 1_000_000
+_WHY_ZERO = {
+    'given': 'early_stamp',
+    'empty': 'empty_time',
+    'local': 'stamp_alone',
+    'unused': 'missing_stamp',
+}
+"""The situation that explains a stamp of 0, by how the code uses the field."""
 
 
 def require_stamps(
@@ -82,7 +89,7 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
     if sec == nanosec == 0:
         if why := why_silent(run):
             return why
-        situation = _why_zero(use_of_field(run.files, field))
+        situation = _WHY_ZERO[use_of_field(run.files, field)]
     elif sec > SYSTEM_TIME_S:
         situation = 'wall_clock'
     elif abs(sec - right) > FAR_S:
@@ -96,10 +103,3 @@ def _why_stamp(run: Run, field: str, stamp: dict[str, Any], now: float) -> Cause
     else:
         situation = 'stale_stamp'
     return cause_of(situation, field=field, about=[field])
-
-
-def _why_zero(code: FieldUse) -> str:
-    """Return the situation that explains a stamp of 0, from the code that uses the field."""
-    if not code.given:
-        return 'stamp_alone' if code.local else 'missing_stamp'
-    return 'empty_time' if code.empty else 'early_stamp'

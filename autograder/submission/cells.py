@@ -38,21 +38,25 @@ _RULES = {
     'node': (
         re.compile(r'[A-Za-z][A-Za-z0-9_]*'),
         'expected letters, digits and underscores, as in %%node temp_publisher',
+        '{}.py',
     ),
     'rosmsg': (
         re.compile(r'[A-Z][A-Za-z0-9]*'),
         'expected a capital letter, then letters and digits, as in %%rosmsg Speed',
+        'msg/{}.msg',
     ),
     'rospkg': (
         re.compile('|'.join(map(re.escape, PACKAGE_FILES)).replace('NAME', r'[a-z][a-z0-9_]*')),
         f'expected one of {", ".join(PACKAGE_FILES)}',
+        '{}',
     ),
     'answer': (
         re.compile(r'[a-z][a-z0-9_]*'),
         'expected the name of a question, as in %%answer q01',
+        'answers/{}.txt',
     ),
 }
-"""The rule for names of each kind of cell, as a pattern and as a text for messages."""
+"""The rule for names of each kind of cell, as a pattern and as a text; the path of its file."""
 
 
 class CellSyntaxError(ValueError):
@@ -93,29 +97,12 @@ class CellFile:
     @property
     def path(self) -> str:
         """Return the path of the file in the package, as the grader writes it."""
-        return {
-            'node': f'{self.name}.py',
-            'rosmsg': f'msg/{self.name}.msg',
-            'rospkg': self.name,
-            'answer': f'answers/{self.name}.txt',
-        }[self.kind]
+        return _RULES[self.kind][2].format(self.name)
 
     @property
     def unsolved(self) -> bool:
         """Return whether the cell still contains the text of the stub."""
         return UNSOLVED in self.body
-
-
-def check_name(kind: str, name: str) -> None:
-    """
-    Check that a name is a safe file name for its kind of cell.
-
-    :param kind: ``'node'``, ``'rosmsg'``, ``'rospkg'`` or ``'answer'``
-    :raises CellSyntaxError: if it is not, with the rule and an example
-    """
-    wanted, rule = _RULES[kind]
-    if not wanted.fullmatch(name):
-        raise CellSyntaxError(f'%%{kind} {name}: {rule}, got {name!r}.')
 
 
 def parse_cell(source: str) -> CellFile | None:
@@ -137,7 +124,9 @@ def parse_cell(source: str) -> CellFile | None:
             f'{len(line)}. Write {word} and a name, and the file in the lines below.'
         )
     name = name.strip(' ')
-    check_name(kind, name)
+    wanted, rule, _ = _RULES[kind]
+    if not wanted.fullmatch(name):
+        raise CellSyntaxError(f'{word} {name}: {rule}, got {name!r}.')
     below = source[start + len(line) + 1 :]
     return CellFile(kind, name, body_of(below), source.count('\n', 0, start) + 1)
 
@@ -149,7 +138,7 @@ def magic_line(path: str) -> str:
     :param path: path in the package, as :attr:`CellFile.path` returns it
     """
     # Try node last: setup.py is a package file, although a node may have any name.
-    for kind, (rule, _) in reversed(_RULES.items()):
+    for kind, (rule, *_) in reversed(_RULES.items()):
         for name in (path, PurePosixPath(path).stem):
             if rule.fullmatch(name) and CellFile(kind, name, '').path == path:
                 return f'%%{kind} {name}'

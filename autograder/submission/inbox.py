@@ -7,7 +7,6 @@ reads only regular files in real folders, checks them with lstat and opens them 
 """
 
 from collections.abc import Collection
-from contextlib import suppress
 from dataclasses import dataclass
 import os
 from pathlib import Path
@@ -112,14 +111,11 @@ def _has_notebook(folder: Path, assignments: Collection[str]) -> bool:
     A link instead of an assignment's folder also counts, so that it is reported; it is not
     followed.
     """
-    for place in (folder / one for one in assignments):
-        with suppress(OSError):  # missing or not readable
-            kind = stat.S_ISDIR(os.lstat(folder).st_mode) and os.lstat(place).st_mode
-            if kind and stat.S_ISLNK(kind):
-                return True
-            if kind and any(name.endswith('.ipynb') for name in os.listdir(place)):
-                return True
-    return False
+    if os.path.islink(folder):
+        return False
+    places = [folder / one for one in assignments]
+    names = [name for one in places for name in _inside(one, '')[0]]
+    return any(map(os.path.islink, places)) or any(name.endswith('.ipynb') for name in names)
 
 
 def is_student_id(name: str) -> bool:

@@ -23,7 +23,7 @@ FRESH_COPY = 'download a fresh copy of the assignment and copy the answers into 
 @dataclass(frozen=True)
 class StudentCell:
     """
-    The parts of a submitted cell that the grader reads.
+    The parts of a cell that the grader reads; the cell is submitted, or from the release.
 
     :param marks: fields of its nbgrader metadata, see :data:`MARKS`
     """
@@ -126,10 +126,10 @@ def _cells_of(content: object) -> tuple[StudentCell, ...]:
         raise _RefusedError('a Jupyter notebook in format 4', got, fix)
     if len(cells) > MAX_CELLS:
         raise _RefusedError(f'at most {MAX_CELLS} cells', f'{len(cells)} cells', FRESH_COPY)
-    return tuple(map(_read_cell, cells))
+    return tuple(map(read_cell, cells))
 
 
-def _read_cell(cell: object) -> StudentCell:
+def read_cell(cell: object) -> StudentCell:
     """Read one cell; treat parts of the wrong type as empty."""
     if not isinstance(cell, dict):
         return StudentCell('', '', '')

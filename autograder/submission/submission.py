@@ -17,10 +17,10 @@ from autograder.submission.notebook import (
     by_grade_id,
     FRESH_COPY,
     grade_ids,
-    MARKS,
     marks_of,
     MAX_ANSWER_BYTES,
     Notebook,
+    read_cell,
     read_notebook,
     StudentCell,
 )
@@ -160,9 +160,9 @@ def changes(release: Notebook, cells: Sequence[StudentCell]) -> tuple[str, ...]:
     """
     by_id = by_grade_id(cells)
     lines: list[str] = []
-    for released in release['cells']:
-        if grade_id := marks_of(released).get('grade_id'):
-            lines += _about(released, grade_id, by_id.pop(grade_id, []))
+    for released in map(read_cell, release['cells']):
+        if released.grade_id:
+            lines += _about(released, by_id.pop(released.grade_id, []))
     lines += [
         f'the release has no cell with the grade id {name[:60]!r}'
         for name in sorted(by_id)
@@ -172,25 +172,22 @@ def changes(release: Notebook, cells: Sequence[StudentCell]) -> tuple[str, ...]:
     return (*lines[:MOST_LINES], *([f'{more} more differences from the release'] * (more > 0)))
 
 
-def _about(released: Notebook, grade_id: str, copies: Sequence[StudentCell]) -> Iterator[str]:
+def _about(released: StudentCell, copies: Sequence[StudentCell]) -> Iterator[str]:
     """Yield how the copies of one cell of the release differ from it."""
-    marks = marks_of(released)
-    answer = bool(marks.get('solution'))
-    name = f'{"answer" if answer else "locked"} cell {grade_id}'
+    answer = bool(released.marks.get('solution'))
+    name = f'{"answer" if answer else "locked"} cell {released.grade_id}'
     if not copies:
         yield f'{name} is missing'
         return
     if len(copies) > 1:
         yield f'{name} occurs {len(copies)} times'
-    wanted = {key: marks[key] for key in MARKS if marks.get(key) is not None}
     for cell in copies[:1]:
-        if not answer and cell.source.strip() != released['source'].strip():
+        if not answer and cell.source.strip() != released.source.strip():
             yield f'{name} has different text'
-        if cell.cell_type != released['cell_type']:
+        if cell.cell_type != released.cell_type:
             yield f'{name} is a {cell.cell_type[:20]!r} cell'
-        for key, value in wanted.items():
-            if cell.marks.get(key) != value:
+        for key, value in released.marks.items():
+            if value is not None and cell.marks.get(key) != value:
                 yield f'{name} has a different value of {key}'
-        tags = released['metadata'].get('tags', [])
-        if not answer and sorted(cell.tags) != sorted(tags):
+        if not answer and sorted(cell.tags) != sorted(released.tags):
             yield f'{name} has the tags {", ".join(cell.tags)[:80] or "removed"!r}'

@@ -86,8 +86,7 @@ def delivers_to_who_comes_late(run: Run) -> None:
 
 def _why_late(run: Run, late_s: float) -> Cause:
     """Explain a parcel that arrives some time after a subscription has connected."""
-    programs = Code(run.files).programs
-    periods = [one for program in programs for one in program.numbers('create_timer')]
+    periods = Code(run.files).numbers('create_timer')
     return WHY['waits'] if periods and min(periods) < late_s / 2 else WHY['late']
 
 

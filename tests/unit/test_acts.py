@@ -77,7 +77,6 @@ class Courier(Node):
         ('kept_message', 13),
         ('calls_of_callback', 15),
         ('publishing_timer', 5),
-        ('named_logger', 4),
     ],
 )
 def test_act_of_a_courier_is_found(act, line):
@@ -147,14 +146,10 @@ class TestPlace:
             ('recount', 23, ()),
             ('compared_count', 25, ()),
             ('kept_first', 9, ()),
-            ('stuck', 10, ()),
-            ('forgotten', 16, ()),
             ('stored@def:on_activate', 12, ()),
-            ('short_pause@def:inspect', 20, ['1.2']),
             ('truth', 22, ()),
             ('==', 28, ()),  # not the line with __name__
             ('profile', 7, ['survey']),  # the publisher shares the profile, which is correct there
-            ('get_parameter()@def:on_activate', 12, ()),  # on_configure() shares the helper
             ('get_parameter()', 18, ()),
         ],
     )
@@ -164,14 +159,13 @@ class TestPlace:
     @pytest.mark.parametrize(
         ('act', 'about'),
         [
-            ('short_pause', ['0.1']),
             ('if:show()', ()),
             ('stored@def:on_cleanup', ['']),
             ('recount@def:on_cleanup', ()),
         ],
     )
     def test_what_only_looks_alike_is_no_place(self, act, about):
-        """Look-alikes, such as a longer pause and the code that runs the file, are not found."""
+        """Look-alikes, such as the code that runs the file, are not found."""
         found = place(act, about, code=LATER)
 
         assert found is None or found[1]
@@ -253,7 +247,6 @@ class TestKnownActs:
             ('slow_period', ['1.8'], 11),
             ('text', ['/hot'], 4),
             ('text', ['/lab/watch'], 7),
-            ('exact', ['/hot', 'hot'], 4),
             ('endpoint', ['/lab/heat'], 12),
             ('profile', ['hot'], 9),
             ('use', ['RELIABLE', 'std_msgs/msg/Float64'], 12),
@@ -264,7 +257,6 @@ class TestKnownActs:
             ('depth', [], 12),
             ('truth', [], 15),
             ('early_return', [], 16),
-            ('stores_time', [], 17),
             ('reset', [], 27),
             ('limit', [], 18),
         ],
@@ -281,10 +273,6 @@ class TestKnownActs:
         [
             ('own_arguments', 'rclpy.init(args=[])'),
             ('own_arguments', 'rclpy.init(args=args or None)'),
-            ('wall_clock', 'stamp = datetime.datetime.now()'),
-            ('list', 'LOUD = {5, 10, 15}'),
-            ('joined', "value = float(f'{whole}.{rest}')"),
-            ('few_threads', 'executor = MultiThreadedExecutor(num_threads=1)'),
             ('conversion', 'celsius = (value - 32) * 0.5556'),
             ('slice', 'text = data[:100]'),
         ],
@@ -358,7 +346,7 @@ class TestTable:
     def test_act_of_the_table_is_a_word_that_is_known(self):
         """The table has only known acts; a misspelt one would be read as a name in the code."""
         shapes = re.compile(
-            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|environ|nan|inf|\w+Group'
+            r'(\w+:)?\w+\(\d?\)|\w+=|def:\w+|[A-Z_]{4,}|qos_profile_\w+|lru_cache|cache|environ|nan|inf|SystemExit|\w+Group'
         )
         acts = (*acts_by_cause().values(), ANSWER)
         words = {word for one in acts for word in one.split() if word != '|'}

@@ -17,7 +17,8 @@ from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.text_table import cause_of, rows_of, why_by_code
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.recording import Recording
-from autograder.submission.code.source_code import Code, pause_in_callback
+from autograder.submission.code.mistakes import pause_in_callback
+from autograder.submission.code.source_code import Code
 
 _NO_VERDICT = re.compile(r"'(\w{1,40})' object has no attribute 'to_label'")
 _REFUSED_TRANSITION = 'Failed to trigger lifecycle state machine transition'
@@ -256,17 +257,18 @@ def why_it_sleeps(run: Run) -> Cause | None:
     pause = None if run.facts.get('slow_callback') else pause_in_callback(run.files)
     if pause is None:
         return None
-    name = f'{pause.callback[:60]}()' if pause.callback else 'A callback'
-    return cause_of('sleeps_in_callback', name=name, line=pause.line)
+    callback, line = pause
+    name = f'{callback[:60]}()' if callback else 'A callback'
+    return cause_of('sleeps_in_callback', name=name, line=line)
 
 
 def why_late(run: Run) -> Cause | None:
     """Explain a timer whose period has the wrong unit, so that its first call is too late."""
-    for program in Code(run.files).programs:
-        for timer in ('create_timer', 'Timer'):
-            if late := [one for one in program.numbers(timer) if one >= LONG_S]:
-                minutes = late[0] / 60
-                return cause_of('period_unit', timer=timer, period_s=late[0], minutes=minutes)
+    code = Code(run.files)
+    for timer in ('create_timer', 'Timer'):
+        if late := [one for one in code.numbers(timer) if one >= LONG_S]:
+            minutes = late[0] / 60
+            return cause_of('period_unit', timer=timer, period_s=late[0], minutes=minutes)
     return None
 
 

@@ -17,8 +17,9 @@ from autograder.judging.causes.redaction import redacted
 from autograder.judging.causes.text_table import cause_of, why_by_code
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.recording import ERROR, Event, LEVELS
+from autograder.submission.code.mistakes import leaves_out, logs_with_python
 from autograder.submission.code.program import last_name
-from autograder.submission.code.source_code import Code, leaves_out, logs_with_python
+from autograder.submission.code.source_code import Code
 
 CALLS = {10: 'debug', 20: 'info', 30: 'warning', 40: 'error', 50: 'fatal'}
 Belongs = Callable[[str], bool]
@@ -60,7 +61,7 @@ def why_not_logged(
     if why := why_printed(run, level, belongs):
         return why
     code = Code(run.files)
-    if 'debug' in code.calls and not any(one.calls(CALLS[level]) for one in code.programs):
+    if 'debug' in code.calls and not code.calls_to(CALLS[level]):
         return cause_of('debug_level', call=CALLS[level])
     return why_left_out(run, level)
 

@@ -109,10 +109,8 @@ def _creates_node(code: Code) -> bool:
 
 
 _FACTS: Mapping[str, Callable[[Code], bool]] = {
-    'catches_all': lambda code: any(find(one, 'catch_all') for one in code.programs),
-    'chooses_domain': lambda code: (
-        'ROS_DOMAIN_ID' in code.texts or any(find(one, 'domain_id=') for one in code.programs)
-    ),
+    'catches_all': lambda code: bool(find(code, 'catch_all')),
+    'chooses_domain': lambda code: 'ROS_DOMAIN_ID' in code.texts or bool(find(code, 'domain_id=')),
     'ends_itself': lambda code: code.can_exit,
     'loops': lambda code: code.has_loop,
     'serves': lambda code: 'spin' in code.calls or code.has_loop,
@@ -121,9 +119,7 @@ _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'overrides_activate': lambda code: (
         'on_activate' in code.functions and 'on_activate' not in code.calls
     ),
-    'counted_spins': lambda code: any(
-        find(one, 'for:spin_once()') and not find(one, 'while') for one in code.programs
-    ),
+    'counted_spins': lambda code: bool(find(code, 'for:spin_once()')) and not find(code, 'while'),
     'creates_node': _creates_node,
     'has_callbacks': _has_callbacks,
     'main_unused': _main_unused,

@@ -14,7 +14,7 @@ import re
 from autograder.exam.exam import Run
 from autograder.exam.names import Names
 from autograder.judging.causes.redaction import drawn_values, PUBLIC
-from autograder.submission.code.source_code import without_strings
+from autograder.submission.code.program import without_strings
 
 _HEAD = 'Traceback (most recent call last)'
 _IGNORED = 'Exception ignored in'

@@ -29,18 +29,11 @@ As in :mod:`.source_code`, the results affect only messages.
 
 import ast
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from typing import NamedTuple
 
 from autograder.errors import ExamInvalid
 from autograder.submission.code.known_acts import ACTS
-from autograder.submission.code.program import (
-    FUNCTIONS,
-    is_stored,
-    last_name,
-    names_in,
-    Program,
-)
+from autograder.submission.code.program import FUNCTIONS, is_stored, last_name, names_in
 from autograder.submission.code.source_code import Code
 
 OPERATORS: Mapping[str, type[ast.AST]] = {
@@ -107,19 +100,17 @@ def place_of(
     :param lines: lines of the log calls in question, which select one of several places
     :raises ExamInvalid: for an act with an unknown statement
     """
-    if len(code.programs) != 1:
+    if len(code.trees) != 1:
         return None
-    program = Program(code.programs[0].tree, about, lines)
-    with suppress(RecursionError):  # hostile code: a name with thousands of dots
-        return next(filter(None, (_place(program, act) for act in acts.split(' | '))), None)
-    return None
+    asked = code.asked(about, lines)
+    return next(filter(None, (_place(asked, act) for act in acts.split(' | '))), None)
 
 
-def _place(program: Program, act: str) -> Place | None:
+def _place(code: Code, act: str) -> Place | None:
     """Return the place of an act, which is given as alternative words."""
-    found = [node for word in act.split() for node in find(program, word)]
-    seen = [node for node in found if _is_seen(program, node)]
-    working = list(filter(program.is_working, found))
+    found = [node for word in act.split() for node in find(code, word)]
+    seen = [node for node in found if _is_seen(code, node)]
+    working = list(filter(code.is_working, found))
     for some in (found, seen, working):
         if len({getattr(one, 'lineno', 0) for one in some}) == 1:
             name = some[0].name if isinstance(some[0], FUNCTIONS) else ''
@@ -127,52 +118,40 @@ def _place(program: Program, act: str) -> Place | None:
     all_lines = sorted({getattr(one, 'lineno', 0) for one in seen or working or found})
     if act.endswith('*') and len(all_lines) in _FEW:
         return Place(all_lines[0], others=all_lines[1:])
-    outer = program.function_around(*(seen or working or found))
+    outer = code.function_around(*(seen or working or found))
     return Place(outer.lineno, outer.name) if outer else None
 
 
-def _is_seen(program: Program, node: ast.AST) -> bool:
+def _is_seen(code: Code, node: ast.AST) -> bool:
     """Return whether a node is in a function with one of the log calls in question."""
-    outer = program.function_around(node)
+    outer = code.function_around(node)
     ends = (outer.lineno, outer.end_lineno or 0) if outer else (1, 0)
-    return any(ends[0] <= line <= ends[1] for line in program.lines)
+    return any(ends[0] <= line <= ends[1] for line in code.lines)
 
 
-def find(program: Program, word: str) -> list[ast.AST]:
+def find(code: Code, word: str) -> list[ast.AST]:
     """Return the nodes that a word describes."""
     word, _, outer = word.partition('@')
-    found = list(_find(program, word.rstrip('+*')))
+    found = list(_find(code, word.rstrip('+*')))
     if outer:
-        bodies = set(find(program, outer))
-        scopes = set(program.reached(bodies))
-        found = [node for node in found if not scopes.isdisjoint(program.around(node))]
-        found = _shared(program, found, bodies) or found
+        scopes = set(code.reached(find(code, outer)))
+        found = [node for node in found if not scopes.isdisjoint(code.around(node))]
     if word.endswith('+') and len(found) < 2:
         return []
     is_value = word.endswith('=') and word not in OPERATORS
-    return list(map(program.origin, found)) if is_value or word[-2:-1].isdigit() else found
+    return list(map(code.origin, found)) if is_value or word[-2:-1].isdigit() else found
 
 
-def _shared(program: Program, found: Sequence[ast.AST], bodies: set[ast.AST]) -> list[ast.AST]:
-    """Return the calls from the given functions to helpers that other functions call too."""
-    if any(not bodies.isdisjoint(program.around(node)) for node in found):
-        return []
-    helpers = {one.name for node in found if (one := program.function_around(node))}
-    calls = program.calls(*helpers)
-    inside: list[ast.AST] = [one for one in calls if not bodies.isdisjoint(program.around(one))]
-    return inside if len(inside) < len(calls) else []
-
-
-def _find(program: Program, word: str) -> Iterable[ast.AST]:
+def _find(code: Code, word: str) -> Iterable[ast.AST]:
     if known := ACTS.get(word):
-        return known(program)
+        return known(code)
     if word in OPERATORS:
-        return program.operations(OPERATORS[word])
+        return code.operations(OPERATORS[word])
     if word in STATEMENTS:
-        return (node for node in program.nodes if isinstance(node, STATEMENTS[word]))
+        return (node for node in code.nodes if isinstance(node, STATEMENTS[word]))
     kind, _, name = word.rpartition(':')
     if kind == 'to':
-        return program.passed(name.removesuffix('()'))
+        return code.passed(name.removesuffix('()'))
     if kind and kind not in STATEMENTS:
         kinds = ', '.join(('to', *STATEMENTS))
         raise ExamInvalid(
@@ -180,26 +159,26 @@ def _find(program: Program, word: str) -> Iterable[ast.AST]:
         )
     if kind:
         inner = name.endswith('()') or name in ACTS
-        return _around(program, name, STATEMENTS[kind]) if inner else program.functions(name)
+        return _around(code, name, STATEMENTS[kind]) if inner else code.functions_named(name)
     name, _, inside = word.partition('(')
     if inside:
-        return program.calls(name) if inside == ')' else program.arguments(name, int(inside[:-1]))
+        return code.calls_to(name) if inside == ')' else code.arguments(name, int(inside[:-1]))
     if word.endswith('='):
-        return program.given(word[:-1])
-    return (node for node in program.nodes if last_name(node) == word and not is_stored(node))
+        return code.given(word[:-1])
+    return (node for node in code.nodes if last_name(node) == word and not is_stored(node))
 
 
-def _around(program: Program, word: str, kinds: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
+def _around(code: Code, word: str, kinds: tuple[type[ast.AST], ...]) -> Iterator[ast.AST]:
     """Yield the innermost statement around each place of an act or each call to its function."""
-    left, seen = list(_find(program, word)), set[str]()
+    left, seen = list(_find(code, word)), set[str]()
     for node in left:
-        around = (one for one in program.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
+        around = (one for one in code.around(node) if isinstance(one, (*kinds, *FUNCTIONS)))
         found = next(around, None)
         if isinstance(found, kinds) and not _is_usual(found):
             yield found
         elif isinstance(found, FUNCTIONS) and found.name not in seen:
             seen.add(found.name)
-            left += program.calls(found.name)  # the loop continues with these calls
+            left += code.calls_to(found.name)  # the loop continues with these calls
 
 
 def _is_usual(node: ast.AST) -> bool:

@@ -9,107 +9,117 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from autograder.submission.code import assignments
 from autograder.submission.code.program import (
     all_arguments,
     argument,
+    assigned,
+    dotted,
     FUNCTIONS,
     is_stored,
     last_name,
     names_in,
-    Program,
 )
+from autograder.submission.code.source_code import Code
 
-Act = Callable[[Program], Iterable[ast.AST]]
-_TIMERS = ('create_timer', 'create_rate', 'Timer', 'sleep')
-_WALL = ('time', 'time_ns', 'monotonic', 'today', 'utcnow', 'Clock')
+Act = Callable[[Code], Iterable[ast.AST]]
+_WAITS = ('create_timer', 'Timer', 'sleep')
+_TIMERS = (*_WAITS, 'create_rate')
 _ENDPOINTS = {'create_publisher': 2, 'create_lifecycle_publisher': 2, 'create_subscription': 3}
 """The functions that create publishers and subscriptions, with the index of the profile."""
-USUAL_DEPTH = 10
+_SHORT = range(10)
 _SHORT_PROFILES = ('qos_profile_sensor_data',)
-"""Profiles of rclpy whose depth is below the usual one."""
+"""Depths below the usual one, and profiles of rclpy that have such a depth."""
+_CONDITIONS = (ast.Compare, ast.BoolOp, ast.UnaryOp, ast.If, ast.IfExp, ast.While)
 _EVERYTHING = ('Exception', 'BaseException')
-_EXITS = ('SystemExit', 'KeyboardInterrupt', 'ExternalShutdownException')
 _LEVELS = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
 
 
-def _periods(program: Program) -> list[ast.AST]:
+# -- periods, endpoints and texts in question -----------------------------------------------------
+
+
+def _periods(code: Code) -> list[ast.AST]:
     """Return the timer periods that equal the duration in question, or cannot be read."""
-    arguments = (argument(one, 0, 'timer_period_sec') for one in program.calls(*_TIMERS))
-    given = {one: program.origin(one) for one in arguments if one is not None}
+    arguments = (argument(one, 0, 'timer_period_sec') for one in code.calls_to(*_TIMERS))
+    given = {one: code.origin(one) for one in arguments if one is not None}
     found = list(given.values())
-    if (due := _due(program)) is None:
+    if (due := _due(code)) is None:
         return found
-    if near := [one for one, value in given.items() if program.is_near(value, due)]:
+    if near := [one for one, value in given.items() if _is_near(code, value, due)]:
         # A constant that is also a default value is right; the timer should use the argument.
-        return [one if program.is_default(last_name(one)) else given[one] for one in near]
-    unread = [one for one in found if program.number(one) is None]
-    whole = (one for one in program.nodes if not isinstance(program.parents.get(one), ast.BinOp))
-    return unread and ([one for one in whole if program.is_near(one, due)] or unread)
+        defaults = {last_name(one) for one in _defaults(code)} - {''}
+        return [one if last_name(one) in defaults else given[one] for one in near]
+    unread = [one for one in found if code.number(one) is None]
+    whole = (one for one in code.nodes if not isinstance(code.parents.get(one), ast.BinOp))
+    return unread and ([one for one in whole if _is_near(code, one, due)] or unread)
 
 
-def _slow_periods(program: Program) -> list[ast.AST]:
+def _is_near(code: Code, node: ast.AST, due: float) -> bool:
+    """Return whether an expression is a number within 2 % of the given one."""
+    value = None if isinstance(node, (ast.Name, ast.Attribute)) else code.number(node)
+    return value is not None and abs(value - due) <= due / 50
+
+
+def _defaults(code: Code) -> Iterator[ast.AST]:
+    """Yield the default values of all arguments."""
+    for node in code.nodes:
+        if isinstance(node, ast.arguments):
+            yield from filter(None, (*node.defaults, *node.kw_defaults))
+
+
+def _slow_periods(code: Code) -> list[ast.AST]:
     """Return the periods of timers and pauses of at least the duration in question."""
-    found = [program.origin(one.args[0]) for one in program.calls(*_TIMERS) if one.args]
-    return [one for one in found if (program.number(one) or 0.0) >= 0.95 * (_due(program) or 0.0)]
+    found = [code.origin(one.args[0]) for one in code.calls_to(*_TIMERS) if one.args]
+    return [one for one in found if (code.number(one) or 0.0) >= 0.95 * (_due(code) or 0.0)]
 
 
-def _short_pauses(program: Program) -> Iterator[ast.AST]:
-    """Yield the pauses that are shorter than the duration in question."""
-    due = _due(program) or 0.0
-    for call in program.calls('sleep'):
-        if call.args and (program.number(call.args[0]) or due) < 0.95 * due:
-            yield call
-
-
-def _due(program: Program) -> float | None:
+def _due(code: Code) -> float | None:
     """Return the duration in question [s]."""
-    for text in program.about:
+    for text in code.about:
         with suppress(ValueError):
             return float(text)
     return None
 
 
-def _endpoints(program: Program) -> Iterator[ast.Call]:
+def _value(code: Code, call: ast.Call, place: int, name: str) -> ast.AST | None:
+    """Return the value of an argument, None if it is not given."""
+    given = argument(call, place, name)
+    return given and code.origin(given)
+
+
+def _endpoints(code: Code) -> Iterator[ast.Call]:
     """Yield the calls that create the publishers and subscriptions in question."""
-    for call in program.calls(*_ENDPOINTS):
-        name = argument(call, 1, 'topic')
-        text = _text(program.origin(name)) if name else ''
-        if any(_names(text, one) for one in program.about):
+    for call in code.calls_to(*_ENDPOINTS):
+        name = _value(code, call, 1, 'topic')
+        if name and any(_names(_text(name), one) for one in code.about):
             yield call
 
 
-def _profiles(program: Program) -> Iterator[ast.AST]:
+def _profiles(code: Code) -> Iterator[ast.AST]:
     """Yield the QoS arguments in question, or their values if no other endpoint shares them."""
     given = {
         call: argument(call, _ENDPOINTS[last_name(call.func)], 'qos_profile')
-        for call in program.calls(*_ENDPOINTS)
+        for call in code.calls_to(*_ENDPOINTS)
     }
     named = [last_name(one) for one in given.values() if one]
-    for call in _endpoints(program):
+    for call in _endpoints(code):
         if one := given[call]:
-            yield one if named.count(last_name(one) or '-') > 1 else program.origin(one)
+            yield one if named.count(last_name(one) or '-') > 1 else code.origin(one)
 
 
-def _depths(program: Program) -> Iterator[ast.AST]:
+def _depths(code: Code) -> Iterator[ast.AST]:
     """Yield the depths of subscriptions that are below the usual one."""
-    for call in program.calls('create_subscription'):
-        given = argument(call, 3, 'qos_profile')
-        value = program.origin(given) if given else None
+    for call in code.calls_to('create_subscription'):
+        value = _value(code, call, 3, 'qos_profile')
         if isinstance(value, ast.Call):
-            given = argument(value, 0, 'depth')
-            value = program.origin(given) if given else None
-        if value is not None:
-            depth = program.number(value)
-            short = last_name(value) in _SHORT_PROFILES
-            if short or (depth is not None and depth < USUAL_DEPTH):
-                yield value
+            value = _value(code, value, 0, 'depth')
+        if value and (last_name(value) in _SHORT_PROFILES or code.number(value) in _SHORT):
+            yield value
 
 
-def _texts(program: Program) -> Sequence[ast.AST]:
+def _texts(code: Code) -> Sequence[ast.AST]:
     """Return the strings with the first of the names in question that occurs in the code."""
-    for name in program.about:
-        found = [node for node in program.strings if _names(_text(node), name)]
+    for name in code.about:
+        found = [node for node in code.strings if _names(_text(node), name)]
         exact = [node for node in found if _text(node) == name]
         if name.strip('/') and found:
             return exact or found
@@ -128,156 +138,218 @@ def _text(node: ast.AST) -> str:
     return max((one.value for one in parts if isinstance(one.value, str)), key=len, default='')
 
 
-def _wall_clocks(program: Program) -> Iterator[ast.AST]:
-    """Yield the calls that read the system time."""
-    yield from program.calls(*_WALL)
-    for call in program.calls('now'):
-        if isinstance(call.func, ast.Attribute) and 'datetime' in names_in(call.func.value):
-            yield call
-
-
-def _truths(program: Program) -> Iterator[ast.AST]:
+def _truths(code: Code) -> Iterator[ast.AST]:
     """Yield the conditions that test whether a value is empty or zero."""
-    for node in program.nodes:
-        for test in _parts(node.test) if isinstance(node, (ast.If, ast.IfExp)) else ():
-            if isinstance(test, (ast.Name, ast.Attribute)):
-                yield test
-    yield from program.calls('bool')
+    left = [node.test for node in code.nodes if isinstance(node, (ast.If, ast.IfExp))]
+    for test in left:  # the loop continues with the parts of a condition
+        if isinstance(test, ast.BoolOp):
+            left += test.values
+        elif isinstance(test, ast.UnaryOp):
+            left.append(test.operand)
+        elif isinstance(test, (ast.Name, ast.Attribute)):
+            yield test
 
 
-def _parts(test: ast.AST) -> Iterator[ast.AST]:
-    """Yield the parts of a condition, without ``and``, ``or`` and ``not``."""
-    if isinstance(test, ast.BoolOp):
-        for one in test.values:
-            yield from _parts(one)
-    elif isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
-        yield from _parts(test.operand)
-    else:
-        yield test
-
-
-def _conversions(program: Program) -> Iterator[ast.AST]:
-    """Yield the conversions between Celsius and Fahrenheit."""
-    for node in program.nodes:
-        if isinstance(node, ast.BinOp) and not isinstance(program.parents[node], ast.BinOp):
-            parts = [program.number(one) for one in ast.walk(node) if isinstance(one, ast.expr)]
-            if 32.0 in parts:
-                yield node
-
-
-def _publishing_timers(program: Program) -> Iterator[ast.AST]:
+def _publishing_timers(code: Code) -> Iterator[ast.AST]:
     """Yield the calls that create a timer whose callback publishes."""
-    publishing = set(program.calls('publish'))
-    for call in program.calls('create_timer'):
-        bodies = program.reached(program.bodies(*all_arguments(call)))
+    publishing = set(code.calls_to('publish'))
+    for call in code.calls_to('create_timer'):
+        bodies = code.reached(code.bodies(*all_arguments(call)))
         if any(not publishing.isdisjoint(ast.walk(one)) for one in bodies):
             yield call
 
 
-def _own_arguments(program: Program) -> Iterator[ast.AST]:
+def _own_arguments(code: Code) -> Iterator[ast.AST]:
     """Yield the calls that make a node ignore its command line."""
-    yield from program.given('use_global_arguments')
-    yield from program.given('cli_args')
-    for call in program.calls('init'):
+    yield from code.given('use_global_arguments')
+    yield from code.given('cli_args')
+    for call in code.calls_to('init'):
         given = argument(call, 0, 'args')
-        if isinstance(given, (ast.List, ast.Tuple, ast.Call, ast.BoolOp)):
+        parts = ast.walk(given) if given else ()
+        if any(isinstance(one, (ast.List, ast.Tuple, ast.Call, ast.BoolOp)) for one in parts):
             yield call
+
+
+# -- statements that set names and attributes -----------------------------------------------------
+
+
+def _changes(code: Code) -> Iterator[tuple[ast.AST, str, ast.AST]]:
+    """Yield the statements that compute a new value from the old one: its name, and the change."""
+    for node in code.nodes:
+        if isinstance(node, ast.AugAssign):
+            yield node, last_name(node.target), node.value
+        if isinstance(node, ast.Assign):
+            name = last_name(node.targets[0])
+            sums = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
+            yield from ((node, name, one.right) for one in sums if name in names_in(one))
+
+
+def _counts(code: Code) -> Mapping[ast.AST, str]:
+    """Return the statements that add 1 to a name or an attribute, each with this name."""
+    return {
+        node: name
+        for node, name, change in _changes(code)
+        if isinstance(change, ast.Constant) and change.value == 1
+    }
+
+
+def _counted(code: Code) -> set[str]:
+    """Return the names that count something."""
+    return {*_counts(code).values()} - {''}
+
+
+def _recounts(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements outside ``__init__`` that reset a count."""
+    counted = _counted(code)
+    return (node for node, target, _ in _fixed(code) if last_name(target) in counted)
+
+
+def _compared_counts(code: Code) -> Iterator[ast.AST]:
+    """Yield the comparisons of a count."""
+    counted = _counted(code)
+    compared = (one for one in code.nodes if isinstance(one, ast.Compare))
+    return (one for one in compared if counted & names_in(one))
+
+
+def _wrapped_counts(code: Code) -> Iterator[ast.AST]:
+    """Yield the modulo operations on a count, except those in conditions."""
+    counted = _counted(code)
+    for node in code.operations(ast.Mod):
+        left = getattr(node, 'left', None) or getattr(node, 'target', None)
+        if left and counted & names_in(left) and not isinstance(code.parents[node], _CONDITIONS):
+            yield node
+
+
+def _longer_pauses(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that change the period of a timer or a pause, as ``+=`` does."""
+    given = {last_name(one) for name in _WAITS for one in code.arguments(name, 0)} - {''}
+    return (node for node, name, _ in _changes(code) if name in given)
+
+
+def _kept_messages(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that store a message for later and replace the previous one."""
+    for body in code.reached(code.passed('create_subscription')):
+        given = {one.arg for one in ast.walk(body) if isinstance(one, ast.arg)} - {'self'}
+        for node in ast.walk(body):
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
+                uses = [bool(given & names_in(one, ast.Name)) for one in (node.targets[0], node)]
+                if uses == [False, True]:
+                    yield node
+
+
+def _set_back(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that give an attribute its first value again."""
+    for node, target, value in _fixed(code):
+        given = (one for one in code.values_of(target) if one and not _is_later(code, one))
+        if any(_is_fixed(one) and ast.dump(one) == ast.dump(value) for one in given):
+            yield node
+
+
+def _fixed(code: Code) -> Iterator[tuple[ast.AST, ast.AST, ast.AST]]:
+    """Yield the statements outside ``__init__`` that set an attribute to a fixed value."""
+    for node in code.nodes:
+        for target, value in assigned(node):
+            kept = isinstance(target, ast.Attribute) and value and _is_fixed(value)
+            if kept and value and _is_later(code, node):
+                yield node, target, value
+
+
+def _is_fixed(value: ast.AST) -> bool:
+    """Return whether a value is fixed: it does not depend on other values."""
+    if isinstance(value, ast.Call):
+        return not all_arguments(value) and isinstance(value.func, ast.Name)
+    if isinstance(value, (ast.List, ast.Tuple, ast.Set)):
+        return not value.elts
+    return isinstance(value, ast.Constant) or (isinstance(value, ast.Dict) and not value.keys)
+
+
+def _is_later(code: Code, node: ast.AST) -> bool:
+    """Return whether a statement is in a function other than ``__init__``."""
+    inner = code.function_around(node)
+    return inner is not None and inner.name != '__init__'
+
+
+# -- the table ------------------------------------------------------------------------------------
 
 
 def _nodes(kind: type[ast.AST] | tuple[type[ast.AST], ...], holds: Callable[[Any], bool]) -> Act:
     """Return an act that finds the nodes of a kind for which a condition holds."""
-    return lambda program: (one for one in program.nodes if isinstance(one, kind) and holds(one))
+    return lambda code: (one for one in code.nodes if isinstance(one, kind) and holds(one))
+
+
+def _settings(holds: Callable[[ast.AST, ast.AST | None], bool]) -> Act:
+    """Return an act that finds the statements that set a name for which a condition holds."""
+    return lambda code: (node for node in code.nodes for one in assigned(node) if holds(*one))
 
 
 ACTS: Mapping[str, Act] = {
-    'calls_of_callback': lambda program: program.calls(
-        *(getattr(one, 'name', '') for one in program.passed('create_timer'))
+    'calls_of_callback': lambda code: code.calls_to(
+        *(getattr(one, 'name', '') for one in code.passed('create_timer'))
     ),
     'catch_all': _nodes(
         ast.ExceptHandler,
         lambda node: node.type is None or not names_in(node.type).isdisjoint(_EVERYTHING),
     ),
-    'compared_count': assignments.compared_counts,
-    'conversion': _conversions,
-    'count': assignments.counts,
+    'compared_count': _compared_counts,
+    # the sums that convert between Celsius and Fahrenheit
+    'conversion': lambda code: (
+        node
+        for node in code.nodes
+        if isinstance(node, ast.BinOp) and 32.0 in map(code.number, (node.left, node.right))
+    ),
+    'count': _counts,
     'depth': _depths,
     'early_return': _nodes(ast.Return, lambda node: node.value is None),
     'endpoint': _endpoints,
-    'few_threads': lambda program: (
-        program.origin(one)
-        for call in program.calls('MultiThreadedExecutor')
-        if (one := argument(call, 0, 'num_threads')) and program.number(one) == 1
-    ),
-    'forgotten': assignments.forgotten,
-    'exact': lambda program: (
-        node for node in program.strings if _text(node) in program.about[:1]
-    ),
-    'field': lambda program: (
-        program.origin(one)
-        for name in filter(None, program.about)
-        for one in program.given(name.rpartition('.')[2])
+    'field': lambda code: (
+        code.origin(one)
+        for name in filter(None, code.about)
+        for one in code.given(name.rpartition('.')[2])
     ),
     # the functions in question, or the callbacks of the transitions in question
-    'function': lambda program: program.functions(
-        *program.about, *(f'on_{name}' for name in program.about)
+    'function': lambda code: code.functions_named(
+        *code.about, *(f'on_{name}' for name in code.about)
     ),
-    # a number that is parsed from an f-string
-    'joined': lambda program: (
+    # a value that is set only if there is none yet, with ``or``
+    'kept_first': _settings(
+        lambda target, value: (
+            isinstance(value, ast.BoolOp) and last_name(target) in names_in(value)
+        )
+    ),
+    'kept_message': _kept_messages,
+    'limit': lambda code: code.operations(ast.Lt, ast.Gt, ast.LtE, ast.GtE),
+    'log': lambda code: (
         call
-        for call in program.calls('float', 'int')
-        if any(isinstance(one, ast.JoinedStr) for one in ast.walk(call))
+        for call in code.calls_to(*_LEVELS)
+        if any(call.lineno <= line <= (call.end_lineno or 0) for line in code.lines)
     ),
-    'kept_first': assignments.kept_first,
-    'kept_message': assignments.kept_messages,
-    'limit': lambda program: program.operations(ast.Lt, ast.Gt, ast.LtE, ast.GtE),
-    # collections of numbers
-    'list': _nodes(
-        (ast.List, ast.Tuple, ast.Set),
-        lambda node: (
-            len(node.elts) > 1
-            and all(isinstance(getattr(one, 'value', ''), (int, float)) for one in node.elts)
-        ),
-    ),
-    'log': lambda program: (
-        call
-        for call in program.calls(*_LEVELS)
-        if any(call.lineno <= line <= (call.end_lineno or 0) for line in program.lines)
-    ),
-    'longer_pause': assignments.longer_pauses,
-    'named_logger': lambda program: (
-        call for call in program.calls('get_logger', 'getLogger') if call.args
-    ),
+    'longer_pause': _longer_pauses,
     'own_arguments': _own_arguments,
     'period': _periods,
     'profile': _profiles,
     'publishing_timer': _publishing_timers,
-    'raised_exit': _nodes(ast.Raise, lambda node: not names_in(node).isdisjoint(_EXITS)),
-    'recount': assignments.recounts,
-    'reset': assignments.resets,
+    'recount': _recounts,
+    'reset': lambda code: (node for node, _, _ in _fixed(code)),
     # the strings that occur in one of the texts in question
-    'says': lambda program: (
+    'says': lambda code: (
         node
-        for node in program.strings
-        if len(words := _text(node).strip()) > 1 and any(words in one for one in program.about)
+        for node in code.strings
+        if len(words := _text(node).strip()) > 1 and any(words in one for one in code.about)
     ),
-    'set_back': assignments.set_back,
-    'short_pause': _short_pauses,
+    'set_back': _set_back,
     'slow_period': _slow_periods,
     'slice': _nodes(ast.Subscript, lambda node: True),
-    'stored': assignments.stored,
-    'stores_time': assignments.stored_times,
-    'stuck': assignments.stuck,
+    'stored': _settings(lambda target, _: dotted(target).startswith('self.')),
     'text': _texts,
     'truth': _truths,
     # the classes and constants in question
-    'use': lambda program: (
+    'use': lambda code: (
         node
-        for node in program.nodes
+        for node in code.nodes
         if last_name(node)[:1].isupper()
-        and last_name(node) in {one.rpartition('/')[2] for one in program.about}
+        and last_name(node) in {one.rpartition('/')[2] for one in code.about}
         and not is_stored(node)
     ),
-    'wall_clock': _wall_clocks,
     # the callbacks of transitions that return nothing
     'without_result': _nodes(
         FUNCTIONS,
@@ -286,6 +358,6 @@ ACTS: Mapping[str, Act] = {
             and not any(isinstance(one, ast.Return) and one.value for one in ast.walk(node))
         ),
     ),
-    'wrapped_count': assignments.wrapped_counts,
+    'wrapped_count': _wrapped_counts,
 }
 """These acts by name, see :mod:`.acts`."""

@@ -1,49 +1,40 @@
 """
-Analyse student code as a syntax tree, without running it, to choose messages but not verdicts.
+Search the syntax trees of student code: calls, arguments, values of names, functions.
 
-The functions find mistakes: log calls that skip lines, pauses, unset fields.
-
-A syntax tree has no comments, so a call in a comment is not found.
+The code is never run, and the results choose messages but not verdicts.  A syntax tree has no
+comments, so a call in a comment is not found.
 """
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import cached_property, lru_cache
-import io
-import tokenize
-from typing import NamedTuple
+import copy
+from functools import cached_property
+import operator
 
 from autograder.submission.code.program import (
     all_arguments,
+    argument,
+    assigned,
+    dotted,
     FUNCTIONS,
     is_stored,
     last_name,
+    names_in,
     NotPythonError,
     parsed,
-    Program,
 )
 
-SHORT_S = 0.1
-"""Calls to ``sleep`` for less than this time [s] are ignored."""
-_LEAVE_OUT = ('throttle_duration_sec', 'once', 'skip_first')
-
-
-@lru_cache(maxsize=64)  # tokenising a line with thousands of f-strings takes a second
-def without_strings(code: str) -> str:
-    """Return code with its comments and strings (except f-strings) replaced by blanks."""
-    lines = [list(line) for line in io.StringIO(code)]
-    with suppress(tokenize.TokenError, SyntaxError, ValueError, RecursionError, MemoryError):
-        for token in tokenize.generate_tokens(io.StringIO(code).readline):
-            text = token.type == tokenize.STRING and token.string[0] not in 'fF'
-            if not text and token.type != tokenize.COMMENT:
-                continue
-            (first, begin), (last, end) = token.start, token.end
-            for number in range(first - 1, last):
-                left = begin if number == first - 1 else 0
-                right = end if number == last - 1 else len(lines[number]) - 1
-                lines[number][left:right] = ' ' * (right - left)
-    return ''.join(char for line in lines for char in line)
+_ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+_MOST = 3  # maximum nesting of names and operations: hostile code may have thousands
+Scope = tuple[ast.AST, str]
+"""A function or a file, and a name in it; a class shares the names of its file."""
+Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 class Code:
@@ -53,13 +44,29 @@ class Code:
     :param files: the student's files, relative path to text
     """
 
+    about: Sequence[str] = ()
+    lines: Collection[int] = ()
+
     def __init__(self, files: Mapping[str, str]) -> None:
-        self.programs: list[Program] = []
+        self.trees: list[ast.AST] = []
         for name, text in sorted(files.items()):
             if name.endswith('.py'):
                 with suppress(NotPythonError):
-                    self.programs.append(Program(parsed(text)))
-        self.nodes = [node for one in self.programs for node in one.nodes]
+                    self.trees.append(parsed(text))
+        self.nodes = [node for tree in self.trees for node in ast.walk(tree)]
+
+    def asked(self, about: Sequence[str], lines: Collection[int]) -> 'Code':
+        """
+        Return this code with a question about it.
+
+        :param about: names, strings and numbers in question, such as the field of a message
+        :param lines: lines of the log calls in question
+        """
+        asked = copy.copy(self)
+        asked.about, asked.lines = about, lines
+        return asked
+
+    # -- what the code contains ------------------------------------------------------------------
 
     @cached_property
     def calls(self) -> Mapping[str, Sequence[ast.Call]]:
@@ -69,6 +76,24 @@ class Code:
             if isinstance(node, ast.Call):
                 found.setdefault(last_name(node.func), []).append(node)
         return found
+
+    def calls_to(self, *names: str) -> list[ast.Call]:
+        """Return the calls to functions; ``warn`` is another name for ``warning`` of loggers."""
+        names = (*names, 'warn') if 'warning' in names else names
+        return [call for name in dict.fromkeys(names) for call in self.calls.get(name, ())]
+
+    @cached_property
+    def functions(self) -> Mapping[str, Sequence[Function]]:
+        """Return the functions and methods by name; classes may share method names."""
+        found: dict[str, list[Function]] = {}
+        for node in self.nodes:
+            if isinstance(node, FUNCTIONS):
+                found.setdefault(node.name, []).append(node)
+        return found
+
+    def functions_named(self, *names: str) -> list[Function]:
+        """Return the functions and methods with the given names."""
+        return [one for name in names for one in self.functions.get(name, ())]
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -82,21 +107,30 @@ class Code:
         return {value for value in constants if isinstance(value, str)}
 
     @cached_property
-    def functions(self) -> Mapping[str, ast.FunctionDef | ast.AsyncFunctionDef]:
-        """Return all defined functions and methods by name."""
-        return {node.name: node for node in self.nodes if isinstance(node, FUNCTIONS)}
+    def strings(self) -> Sequence[ast.AST]:
+        """Return the strings and f-strings, without docstrings."""
+        return [
+            node
+            for node in self.nodes
+            if (isinstance(node, ast.JoinedStr) or isinstance(getattr(node, 'value', None), str))
+            and not isinstance(self.parents.get(node), (ast.JoinedStr, ast.Expr))
+        ]
 
     def defines(self, name: str) -> bool:
         """Return whether a name is defined, assigned, or in quotes (as for ``setattr``)."""
-        return name in self.functions or any(
-            (isinstance(one, ast.Constant) and one.value == name)
-            or (is_stored(one) and last_name(one) == name)
-            for one in self.nodes
-        )
+        stored = (one for one in self.nodes if is_stored(one))
+        return name in self.functions or name in self.texts or name in map(last_name, stored)
+
+    def defines_unused(self, name: str) -> bool:
+        """Return whether a function is defined but neither called nor passed as an argument."""
+        bare = {node.value for node in self.nodes if isinstance(node, ast.Expr)}
+        loads = (one for one in self.nodes if isinstance(getattr(one, 'ctx', None), ast.Load))
+        used = any(last_name(one) == name and one not in bare for one in loads)
+        return name in self.names and not used
 
     def parameters(self, name: str) -> Sequence[str] | None:
         """Return a function's positional parameters; None if it is undefined or has ``*args``."""
-        function = self.functions.get(name)
+        *_, function = (None, *self.functions_named(name))
         if function is None or function.args.vararg:
             return None
         return [one.arg for one in (*function.args.posonlyargs, *function.args.args)]
@@ -104,13 +138,13 @@ class Code:
     @property
     def undefined_names(self) -> frozenset[str]:
         """Return the names that are used but neither imported nor defined in the files."""
-        used = {one.id for one in self.nodes if isinstance(one, ast.Name)}
+        kinds = (ast.alias, ast.ClassDef, ast.arg)
         made = {one.id for one in self.nodes if isinstance(one, ast.Name) and is_stored(one)}
-        made |= {one.name for one in self.nodes if isinstance(one, ast.ClassDef)}
-        made |= {one.arg for one in self.nodes if isinstance(one, ast.arg)}
         for node in self.nodes:
-            if isinstance(node, (ast.Import, ast.ImportFrom)):
-                made |= {(one.asname or one.name).partition('.')[0] for one in node.names}
+            if isinstance(node, kinds):
+                name = getattr(node, 'asname', '') or getattr(node, 'name', '')
+                made.add(name.partition('.')[0] or getattr(node, 'arg', ''))
+        used = {one.id for one in self.nodes if isinstance(one, ast.Name)}
         return frozenset() if '*' in made else frozenset(used - made - set(self.functions))
 
     @property
@@ -121,143 +155,169 @@ class Code:
     @property
     def can_exit(self) -> bool:
         """Return whether the code can exit, other than by the usual ``sys.exit(main())``."""
-        exits = (call for name in ('exit', '_exit', 'quit') for call in self.calls.get(name, ()))
+        exits = self.calls_to('exit', '_exit', 'quit')
         given = (call.args[0] if call.args else None for call in exits)
         mains = (isinstance(one, ast.Call) and last_name(one.func) == 'main' for one in given)
         return 'SystemExit' in self.names or not all(mains)
 
-    def defines_unused(self, name: str) -> bool:
-        """Return whether a function is defined but neither called nor passed as an argument."""
-        bare = {node.value for node in self.nodes if isinstance(node, ast.Expr)}
-        loads = (one for one in self.nodes if isinstance(getattr(one, 'ctx', None), ast.Load))
-        used = any(last_name(one) == name and one not in bare for one in loads)
-        return name in self.names and not used
+    # -- what surrounds a node, and what callbacks reach -----------------------------------------
 
+    @cached_property
+    def parents(self) -> Mapping[ast.AST, ast.AST]:
+        """Return the parent of each node."""
+        return {child: node for node in self.nodes for child in ast.iter_child_nodes(node)}
 
-def leaves_out(files: Mapping[str, str], level: str, lines: Collection[int] = ()) -> str:
-    """
-    Return the argument that makes log calls in callbacks skip lines; empty if one logs every line.
+    def around(self, node: ast.AST) -> Iterator[ast.AST]:
+        """Yield the nodes around a node, from the inside."""
+        while found := self.parents.get(node):
+            yield found
+            node = found
 
-    :param level: the log calls, such as ``warning``
-    :param lines: consider only calls in these lines; empty for all calls
-    """
-    programs = Code(files).programs
-    made = (one for code in programs for one in code.calls(level) if code.is_working(one))
-    found = [_leaves_out(call) for call in made if not lines or call.lineno in lines]
-    return found[0] if found and all(found) else ''
+    def function_around(self, *nodes: ast.AST) -> Function | None:
+        """Return the innermost function around all nodes, None if there is none."""
+        each = [[one for one in self.around(node) if isinstance(one, FUNCTIONS)] for node in nodes]
+        common = (one for one in each[0] if all(one in others for others in each)) if each else ()
+        return next(iter(common), None)
 
+    @cached_property
+    def working(self) -> frozenset[ast.AST]:
+        """Return the functions and lambdas that callbacks reach."""
+        return frozenset(body for _, body in self.callbacks())
 
-def _leaves_out(call: ast.Call) -> str:
-    """Return the argument that makes a log call skip lines; False, 0 and None have no effect."""
-    given = (one for one in call.keywords if one.arg in _LEAVE_OUT)
-    return next((one.arg or '' for one in given if getattr(one.value, 'value', True)), '')
+    def is_working(self, node: ast.AST) -> bool:
+        """Return whether a node is in a function or lambda that callbacks reach."""
+        return not self.working.isdisjoint(self.around(node))
 
+    def callbacks(self) -> Iterator[tuple[str, ast.AST]]:
+        """
+        Yield each function that a callback reaches, once, with the name of that callback.
 
-def logs_with_python(files: Mapping[str, str], level: str) -> bool:
-    """
-    Return whether all log calls of a level use Python's module ``logging``.
+        A callback is a lambda or a function of the file that is passed to any call but ``Thread``.
+        """
+        seen: set[ast.AST] = set()  # a file may have thousands of callbacks
+        for call in self.nodes:
+            if isinstance(call, ast.Call) and last_name(call.func) != 'Thread':
+                for given in all_arguments(call):
+                    for body in self.reached(self.bodies(given), seen):
+                        yield last_name(given), body
 
-    :param level: the log calls, such as ``warning``
-    """
-    found: list[bool] = []
-    for program in Code(files).programs:
-        theirs = set(_logging_names(program)) - {''}  # '' is for targets without a name: items[0]
-        for call in program.calls(level):
-            if isinstance(call.func, ast.Attribute):
-                by = call.func.value
-                made = isinstance(by, ast.Call) and last_name(by.func) == 'getLogger'
-                found.append(made or last_name(by) in theirs)
-    return bool(found) and all(found)
+    def bodies(self, *given: ast.AST) -> Iterator[ast.AST]:
+        """Yield the lambdas and functions among the given arguments."""
+        for one in given:
+            if isinstance(one, ast.Lambda):
+                yield one
+            yield from self.functions_named(last_name(one))
 
+    def passed(self, name: str) -> Iterator[ast.AST]:
+        """Yield the functions and lambdas that are passed to a call."""
+        for call in self.calls_to(name):
+            yield from self.bodies(*all_arguments(call))
 
-def _logging_names(program: Program) -> Iterator[str]:
-    """Yield the names in a file for the module ``logging`` and for its loggers."""
-    for node in program.nodes:
-        if isinstance(node, ast.Import):
-            yield from (one.asname or one.name for one in node.names if one.name == 'logging')
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
-            made = last_name(node.value.func) == 'getLogger'
-            yield from map(last_name, node.targets if made else ())
+    def reached(
+        self, bodies: Iterable[ast.AST], seen: set[ast.AST] | None = None
+    ) -> Iterator[ast.AST]:
+        """
+        Yield functions and all functions that they call, directly or not.
 
+        :param seen: functions to skip; yielded functions are added
+        """
+        seen, left = set() if seen is None else seen, list(bodies)
+        for body in left:
+            if body not in seen:
+                seen.add(body)
+                yield body
+                calls = (one for one in ast.walk(body) if isinstance(one, ast.Call))
+                left += self.functions_named(*dict.fromkeys(last_name(one.func) for one in calls))
 
-class FieldUse(NamedTuple):
-    """
-    How code uses a field of a message.
+    # -- arguments, operations and values --------------------------------------------------------
 
-    :param given: whether the field may get a value: the code has an attribute, keyword argument
-        or string with its name
-    :param empty: whether one of the assigned values is a call to ``Time`` without arguments
-    :param local: whether a variable with the field's name is assigned
-    """
+    def arguments(self, name: str, place: int) -> Iterator[ast.AST]:
+        """Yield the argument at a given index from each call to a function."""
+        for call in self.calls_to(name):
+            if len(call.args) > place:
+                yield call.args[place]
 
-    given: bool
-    empty: bool
-    local: bool
+    def operations(self, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
+        """Yield the operations and comparisons of the given kinds."""
+        for node in self.nodes:
+            ops = node.ops if isinstance(node, ast.Compare) else [getattr(node, 'op', None)]
+            if any(isinstance(one, kinds) for one in ops) and '__name__' not in names_in(node):
+                yield node
 
+    def given(self, name: str) -> Iterator[ast.AST]:
+        """Yield the values of a keyword argument or of an attribute."""
+        for node in self.nodes:
+            if isinstance(node, ast.keyword) and node.arg == name:
+                yield node.value
+            if isinstance(node, (ast.Assign, ast.AugAssign)):
+                for target, value in assigned(node):
+                    if isinstance(target, ast.Attribute) and name in names_in(target):
+                        yield value or node.value
 
-def use_of_field(files: Mapping[str, str], field: str) -> FieldUse:
-    """
-    Return how code uses a field of a message.
+    @cached_property
+    def values(self) -> Mapping[Scope | None, Sequence[ast.AST | None]]:
+        """Return the values assigned to each name in its scope; None for an unknown value."""
+        found: dict[Scope | None, list[ast.AST | None]] = {}
+        for node in self.nodes:
+            for target, value in assigned(node):
+                found.setdefault(next(self._scopes(target), None), []).append(value)
+        return found
 
-    :param field: name of the field, such as ``timestamp``
-    """
-    code = Code(files)
-    values = [value for one in code.programs for value in one.given(field)]
-    named = (one for one in code.nodes if last_name(one) == field)
-    kinds = {(type(one), is_stored(one)) for one in named}
-    # A name in quotes may be an argument of setattr(), or a key in a dictionary of fields.
-    given = bool(values) or field in code.texts or any(ast.Attribute in one for one in kinds)
-    return FieldUse(given, any(map(_is_empty_time, values)), (ast.Name, True) in kinds)
+    def _scopes(self, node: ast.AST) -> Iterator[Scope]:
+        """Yield the scopes in which a name may have a value, the innermost first."""
+        *around, file = (node, *self.around(node))
+        if isinstance(node, ast.Attribute):
+            yield file, dotted(node)
+            yield file, node.attr  # of a class
+        elif name := getattr(node, 'id', '') or getattr(node, 'arg', ''):
+            yield from ((one, name) for one in around if isinstance(one, FUNCTIONS))
+            yield file, name
 
+    def values_of(self, node: ast.AST) -> Sequence[ast.AST | None]:
+        """Return the values assigned to a name; None for an unknown value."""
+        return next(filter(None, map(self.values.get, self._scopes(node))), ())
 
-def _is_empty_time(value: ast.AST) -> bool:
-    """Return whether a value contains ``Time()``, as in ``Time().to_msg()``."""
-    calls = (one for one in ast.walk(value) if isinstance(one, ast.Call))
-    return any(last_name(one.func) == 'Time' and not all_arguments(one) for one in calls)
+    def origin(self, node: ast.AST) -> ast.AST:
+        """Return the only value of a name; for any other node, the node itself."""
+        for _ in range(_MOST):
+            found = self.values_of(node)
+            if len(found) != 1 or found[0] is None:
+                break
+            node = found[0]
+        return node
 
+    def numbers(self, name: str) -> Sequence[float]:
+        """Return the numbers that calls to a function have as their first argument."""
+        given = (one for call in self.arguments(name, 0) for one in self.sources(call))
+        found = map(self.number, given)
+        return [one for one in found if one is not None]
 
-class Pause(NamedTuple):
-    """
-    A call to ``sleep`` that a callback reaches.
+    def sources(self, node: ast.AST) -> Sequence[ast.AST]:
+        """Return the value of a name; for a parameter, the argument of each call."""
+        node = self.origin(node)
+        function = self.function_around(node)
+        names = [one.arg for one in function.args.args] if function else []
+        if function is None or not isinstance(node, ast.Name) or node.id not in names:
+            return [node]
+        owner, method = self.parents[function], names[0] == 'self'
+        called = function.name
+        if isinstance(owner, ast.ClassDef) and called == '__init__':
+            called = owner.name
+        place = names.index(node.id) - method
+        given = (argument(call, place, node.id) for call in self.calls_to(called))
+        return [one for one in given if one is not None]
 
-    :param callback: name of the callback, empty for a lambda
-    :param line: line of the call in the file, from 1
-    """
+    def number(self, node: ast.AST, most: int = _MOST) -> float | None:
+        """
+        Return the value of a number or of simple arithmetic, None for anything else.
 
-    callback: str
-    line: int
-
-
-def pause_in_callback(files: Mapping[str, str]) -> Pause | None:
-    """
-    Return the first pause in a callback or in a function that it calls; None if there is none.
-
-    ``await asyncio.sleep()`` does not count, because it does not block.  A pause in a ``while``
-    loop does not count either, because the loop itself is the cause.
-    """
-    for program in Code(files).programs:
-        for name, body in program.callbacks():
-            if line := _pause(body):
-                return Pause(name, line)
-    return None
-
-
-def _pause(body: ast.AST) -> int | None:
-    """Return the line of the first pause in a function, None if there is none."""
-    others: set[ast.AST] = set()
-    for node in ast.walk(body):
-        if isinstance(node, ast.While):
-            others.update(ast.walk(node))
-        elif isinstance(node, ast.Await):
-            others.add(node.value)
-    sleeps = (one for one in ast.walk(body) if isinstance(one, ast.Call) and one not in others)
-    return min(
-        (one.lineno for one in sleeps if last_name(one.func) == 'sleep' and not _is_short(one)),
-        default=None,
-    )
-
-
-def _is_short(call: ast.Call) -> bool:
-    """Return whether a pause is certainly too short to matter."""
-    value = call.args[0].value if call.args and isinstance(call.args[0], ast.Constant) else None
-    return isinstance(value, (int, float)) and value < SHORT_S
+        :param most: maximum number of nested operations to follow
+        """
+        node = self.origin(node)
+        with suppress(ArithmeticError):
+            if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
+                return float(node.value)
+            if isinstance(node, ast.BinOp) and most and (apply := _ARITHMETIC.get(type(node.op))):
+                left, right = (self.number(one, most - 1) for one in (node.left, node.right))
+                return None if left is None or right is None else apply(left, right)
+        return None
