@@ -24,7 +24,7 @@ from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.grading.examine import examine
-from autograder.grading.pipeline import load_lesson, SandboxEngine
+from autograder.grading.pipeline import Engine, load_lesson
 from autograder.layout import Layout
 from autograder.recording import Event
 from autograder.runs.program import BUILDS
@@ -181,7 +181,7 @@ def all_tasks() -> Iterator[Task]:
 
 def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
     """Yield every exam on the files of every submission; equal files give one task."""
-    lesson = load_lesson(layout, assignment, SandboxEngine(strongest()))
+    lesson = load_lesson(layout, assignment, Engine(strongest()))
     known = set()
     for sample in samples(layout, assignment, everything=True):
         opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')

@@ -9,10 +9,11 @@ from collections.abc import Iterator
 
 from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.exam.exam import Exam
-from autograder.grading.pipeline import Engine, grade_notebook, Lesson, load_lesson
+from autograder.grading.pipeline import Engine, grade_opened, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.notebook import marks_of
+from autograder.submission.submission import open_submission
 
 
 def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
@@ -32,12 +33,13 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
         if not lesson.exams:
             yield _nothing_to_grade(lesson)
             continue
-        source = layout.solutions / assignment / lesson.notebook
-        result = grade_notebook(source.read_bytes(), lesson, 'the reference solution', engine)
-        yield _line(lesson, result, result.max_points)
-        bare = layout.release(assignment).read_bytes()
-        result = grade_notebook(bare, lesson, 'the untouched release', engine)
-        yield _line(lesson, result, 0.0)
+        for name, path, share in (
+            ('the reference solution', layout.solutions / assignment / lesson.notebook, 1.0),
+            ('the untouched release', layout.release(assignment), 0.0),
+        ):
+            opened = open_submission(path.read_bytes(), lesson.release, lesson.notebook)
+            result = grade_opened(opened, name, lesson, engine)
+            yield _line(lesson, result, share * result.max_points)
 
 
 def _nothing_to_grade(lesson: Lesson) -> tuple[bool, str]:
