@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.exam.exam import Exam
-from autograder.grading.pipeline import Engine, grade_opened, Lesson, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_opened, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.notebook import marks_of

@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; a visible exam runs even without isolation."""
     from autograder.exam import catalog
-    from autograder.grading.examine import examine
+    from autograder.grading.examine import Engine
     from autograder.submission.package import (
         describe_files,
         name_missing,
@@ -74,9 +74,8 @@ def run(chosen: argparse.Namespace) -> int:
     if missing and not chosen.json:
         there = describe_files(found)
         raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
-    sandbox = sandbox_for(chosen.visible)
-    kept = _kept_builds(exam) if chosen.visible else None
-    result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), found)
+    engine = Engine(sandbox_for(chosen.visible), _kept_builds(exam) if chosen.visible else None)
+    result = name_missing(engine.run(exam, files), found)
     if chosen.json:
         print(json.dumps(result.to_json()))
     else:

@@ -32,7 +32,8 @@ from autograder.exports.as_json import submission_json
 from autograder.gradebook.database import refuse_damaged
 from autograder.gradebook.live_entry import Guard, LiveEntry
 from autograder.gradebook.record import refuse_unfit_points
-from autograder.grading.pipeline import Engine, grade_class, grading_engine, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
 from autograder.results import first_of, SubmissionResult
 from autograder.runs.grading_folder import grading_folder

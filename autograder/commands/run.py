@@ -8,7 +8,7 @@ runs with the other files next to it.
 """
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -24,12 +24,11 @@ from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
 from autograder.explaining.live import live_line
 from autograder.grading.built_package import as_package, explained, package_name
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
-from autograder.recording import Event, Recording
+from autograder.recording import Recording
 from autograder.results import ExamResult, Problem
-from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.extract import extract
 from autograder.submission.notebook import read_release
 from autograder.submission.package import (
@@ -61,15 +60,14 @@ def run(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     tasks = find_tasks(chosen.path, found, layout)
-    sandbox = sandbox_for(chosen.visible)
-    results = []
-    for task, result in run_tasks(
-        tasks,
-        sandbox,
+    engine = Engine(
+        sandbox_for(chosen.visible),
         layout.recordings,
-        fresh=chosen.fresh,
+        fresh=chosen.fresh or chosen.live,
         on_event=_show if chosen.live else None,
-    ):
+    )
+    results = []
+    for task, result in run_tasks(tasks, engine):
         results.append(result)
         if not chosen.json:
             head = printable(f'{task.exam.title} ({task.exam.name}): ')
@@ -173,40 +171,27 @@ def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator
             yield ExamTask(exam, files[exam.name].files, said, notebook=True)
 
 
-def run_tasks(
-    found: Sequence[ExamTask],
-    sandbox: Sandbox,
-    recordings: Path,
-    *,
-    fresh: bool = False,
-    on_event: Callable[[Event], None] | None = None,
-) -> Iterator[tuple[ExamTask, ExamResult]]:
+def run_tasks(found: Sequence[ExamTask], engine: Engine) -> Iterator[tuple[ExamTask, ExamResult]]:
     """
     Run the exams in parallel, or one after another if their events are shown.
 
-    :param on_event: function to call with each event of a run as it happens
+    :param engine: stores the recordings
     :returns: each exam with its result, in the given order
     :raises GraderError: if the grader itself fails, so that there is no verdict
     """
 
     def run(task: ExamTask) -> ExamResult:
-        if on_event and task.exam.scenario.program in ('build', 'package'):
-            on_event({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
-        result = examine(
-            task.exam,
-            task.files,
-            sandbox=sandbox,
-            recordings=recordings,
-            fresh=fresh or on_event is not None,
-            on_event=on_event,
-        )
+        if engine.on_event and task.exam.scenario.program in ('build', 'package'):
+            engine.on_event({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
+        result = engine.run(task.exam, task.files)
         if task.notebook:
             return result if task.problems else name_missing(result, task.files)
-        path = recordings / task.exam.name / result.recording
-        recording = Recording.load(path) if result.recording else None
+        recording = None
+        if engine.recordings and result.recording:
+            recording = Recording.load(engine.recordings / task.exam.name / result.recording)
         return explained(task.exam, name_missing(result, task.files), recording, task.files)
 
-    workers = 1 if on_event else len(found)
+    workers = 1 if engine.on_event else len(found)
     pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)
     try:
         yield from zip(found, pool.map(run, found))

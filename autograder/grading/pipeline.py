@@ -14,7 +14,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 import os
-from pathlib import Path
 import threading
 import time
 from typing import TYPE_CHECKING
@@ -29,56 +28,13 @@ from autograder.submission.submission import open_submission, Opened
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
-    from autograder.runs.task import Place
-    from autograder.sandboxes.sandbox import Sandbox
+    from autograder.grading.examine import Engine
 
 
 Outcome = ExamResult | GraderError
 """The outcome of one exam of one submission: its result, or a grader error."""
 THREADS = 'grading'
 """Prefix of the names of the pool's threads."""
-
-
-@dataclass(frozen=True)
-class Engine:
-    """
-    Provide the exams of an assignment and run them in a sandbox; tests use a fast engine.
-
-    :param recordings: folder for stored recordings; None to store nothing
-    :param fresh: repeat all runs, even if recordings are stored
-    :param hidden: whether to use the hidden exams instead of the visible ones
-    :param place: the workers that run the programs; None to run them in the calling thread
-    """
-
-    sandbox: Sandbox
-    recordings: Path | None = None
-    fresh: bool = False
-    hidden: bool = True
-    place: Place | None = None
-
-    def exams(self, assignment: str) -> Sequence[Exam]:
-        """Return the exams of an assignment in the lesson's order."""
-        from autograder.exam import catalog
-
-        return catalog.for_assignment(assignment, hidden=self.hidden)
-
-    def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        """
-        Run a student's files in the sandbox and judge the recording.
-
-        :param files: text by relative path
-        :raises GraderError: if the grader failed, so there is no verdict
-        """
-        from autograder.grading.examine import examine
-
-        return examine(
-            exam,
-            files,
-            sandbox=self.sandbox,
-            recordings=self.recordings,
-            fresh=self.fresh,
-            place=self.place,
-        )
 
 
 def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> Engine:
@@ -91,6 +47,7 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
     :param allow_weak: see :func:`autograder.sandboxes.choose.strongest`
     :raises SandboxUnavailable: if no accepted isolation mode works
     """
+    from autograder.grading.examine import Engine
     from autograder.sandboxes import choose
 
     box = choose.strongest(allow_weak) if allow_weak else choose.strongest()

@@ -19,7 +19,8 @@ import pytest
 
 from autograder.classroom.pages import page_name, write_reports
 from autograder.gradebook.record import enter_assignment, record
-from autograder.grading.pipeline import Engine, grade_class, Graded, Lesson, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, Graded, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.sandboxes.choose import strongest

@@ -18,7 +18,8 @@ from autograder.commands import OK
 from autograder.exam import catalog
 from autograder.explaining.feedback import causes_once, check_lines, feedback_items
 from autograder.gradebook.record import record
-from autograder.grading.pipeline import Engine, grade_class, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import Submission

@@ -22,7 +22,8 @@ from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed
 from autograder.gradebook.record import record
-from autograder.grading.pipeline import Engine, grade_class, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
