@@ -29,7 +29,7 @@ from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult, Problem
-from autograder.submission.extract import extract
+from autograder.submission.extract import files_in_notebook
 from autograder.submission.notebook import read_release
 from autograder.submission.package import (
     describe_files,
@@ -37,8 +37,6 @@ from autograder.submission.package import (
     read_upload,
     with_node_files,
 )
-from autograder.submission.reading import read_file
-from autograder.submission.submission import open_submission
 from autograder.submission.tree import UnusableUploadError
 
 
@@ -130,12 +128,17 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
     Return the exams that can run on a submission, each with its files.
 
     :param path: a script, a package folder, a zip file or a notebook
+    :param chosen: exams of one assignment
     :raises UnusableUploadError: if the submission has no file for any of these exams
     """
     if not path.exists():
         raise UnusableUploadError(f'{path}: there is no such file or folder.')
     if path.suffix == '.ipynb':
-        return list(_in_notebook(path, chosen, layout))
+        release = read_release(layout.release(chosen[0].assignment))
+        return [
+            ExamTask(exam, found.files, found.problems, notebook=True)
+            for exam, found in files_in_notebook(path, release, chosen)
+        ]
     files = read_upload(path)
     script = path.suffix == '.py' and not path.is_dir()
     package = '' if script else package_name(files)
@@ -157,18 +160,6 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
             'Try: --exam with the name of one exam; then the script may have any name.',
         )
     return found
-
-
-def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[ExamTask]:
-    data, problems = read_file(path, path.name)
-    for assignment in dict.fromkeys(exam.assignment for exam in chosen):
-        release = read_release(layout.release(assignment))
-        theirs = [exam for exam in chosen if exam.assignment == assignment]
-        opened = open_submission(data, release, path.name, problems)
-        files = extract(opened, theirs, release, path.name)
-        for exam in theirs:
-            said = (*opened.problems, *files[exam.name].problems)
-            yield ExamTask(exam, files[exam.name].files, said, notebook=True)
 
 
 def run_tasks(found: Sequence[ExamTask], engine: Engine) -> Iterator[tuple[ExamTask, ExamResult]]:

@@ -20,13 +20,10 @@ from autograder.exam.exam import Exam
 from autograder.explaining.feedback import printable
 from autograder.grading.examine import Engine
 from autograder.layout import Layout
-from autograder.results import Problem
 from autograder.submission.cells import UNSOLVED
-from autograder.submission.extract import extract
+from autograder.submission.extract import files_in_notebook
 from autograder.submission.notebook import marks_of, read_release
 from autograder.submission.package import name_missing
-from autograder.submission.reading import read_file
-from autograder.submission.submission import open_submission
 from autograder.workflow.report import Checked, classroom_result, error_commands, summary
 
 
@@ -76,29 +73,23 @@ def _of_notebook(
 ) -> Iterator[Checked]:
     """Yield the outcome of each exam of a notebook."""
     name = path.relative_to(layout.root).as_posix()
-    data, problems = read_file(path, path.name)
     release = read_release(path)  # the student's copy, because the repository has no other
-    opened = open_submission(data, release, path.name, problems)
+    text = path.read_text(encoding='utf-8', errors='replace')
     sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in release['cells']}
-    for exam, files in zip(exams, extract(opened, exams, release, path.name).values()):
-        said = (*opened.problems, *files.problems)
-        if not said and any(UNSOLVED in text for text in files.files.values()):
+    for exam, found in files_in_notebook(path, release, exams):
+        if not found.problems and any(UNSOLVED in one for one in found.files.values()):
             yield _unwritten(name, exam, engine)
             continue
-        result = engine.run(exam, files.files)
-        result = result if said else name_missing(result, files.files)
-        text = (data or b'').decode('utf-8', 'replace')
+        result = engine.run(exam, found.files)
+        result = result if found.problems else name_missing(result, found.files)
         source = next((sources[cell] for cell in exam.cells if cell in sources), '')
-        yield Checked(name, text, source, True, result, _lines(said))
+        problems = tuple(printable(problem.line()) for problem in found.problems)
+        yield Checked(name, text, source, True, result, problems)
 
 
 def _unwritten(name: str, exam: Exam, engine: Engine, problems: tuple[str, ...] = ()) -> Checked:
     """Return an outcome without a run and without points, because there is no file."""
     return Checked(name, '', '', False, engine.run(exam, {}), problems)
-
-
-def _lines(problems: Sequence[Problem]) -> tuple[str, ...]:
-    return tuple(printable(problem.line()) for problem in problems)
 
 
 def _append(variable: str, text: str) -> None:
