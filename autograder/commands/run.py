@@ -110,16 +110,13 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     :param name: name of an exam, or of an assignment with or without its number
     :raises GraderError: if no exam or assignment has this name; the error suggests a similar one
     """
-    examined = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
-    by_exam = {exam.name: exam for found in examined.values() for exam in found}
-    if name in by_exam:
-        return (by_exam[name],)
-    for assignment, found in examined.items():
-        if name in (assignment, short_name(assignment)) and found:
-            return found
-    known = [*by_exam, *(short_name(one) for one, found in examined.items() if found)]
+    lessons = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
+    known = {short_name(one): exams for one, exams in lessons.items() if exams}
+    known |= {exam.name: (exam,) for exams in lessons.values() for exam in exams}
+    if found := known.get(name) or lessons.get(name):
+        return found
     close = get_close_matches(name, known, n=1, cutoff=0.4)
-    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(set(known)))}.'
+    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(known))}.'
     raise GraderError(f'--exam {name}: there is no such exam or assignment.', hint)
 
 
