@@ -148,21 +148,7 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:
     """Return the result for a missing file: the first check fails, and the others wait for it."""
-    first, *others = exam.checks
-    failed = CheckResult(
-        first.name,
-        first.title,
-        Verdict.FAILED,
-        0.0,
-        first.points,
-        expected=f'the file{"s" if len(missing) > 1 else ""} {", ".join(missing)}',
-        observed='no such cell in the notebook',
-        cause='The cell is missing or empty, or its first line is not the magic line.',
-        cause_id='missing_file',
-        try_this='Put the cell back as it was released and write your answer in it.',
-        read=exam.read,
-    )
-    waiting = (
+    first, *waiting = (
         CheckResult(
             check.name,
             check.title,
@@ -170,8 +156,18 @@ def _without(exam: Exam, missing: list[str]) -> ExamResult:
             0.0,
             check.points,
             read=exam.read,
-            waits_for=first.name,
+            waits_for=exam.checks[0].name,
         )
-        for check in others
+        for check in exam.checks
+    )
+    failed = replace(
+        first,
+        verdict=Verdict.FAILED,
+        expected=f'the file{"s" if len(missing) > 1 else ""} {", ".join(missing)}',
+        observed='no such cell in the notebook',
+        cause='The cell is missing or empty, or its first line is not the magic line.',
+        cause_id='missing_file',
+        try_this='Put the cell back as it was released and write your answer in it.',
+        waits_for='',
     )
     return ExamResult(exam.name, (failed, *waiting), note='Nothing was run: a file is missing.')
