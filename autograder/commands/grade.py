@@ -94,7 +94,9 @@ def run(chosen: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _refuse_ineffective_options(chosen)
     layout = Layout.here()
-    console = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
+    console = Console(
+        stderr=chosen.json, width=None if sys.stdout.isatty() else 120, highlight=False
+    )
     with lock_course(layout, 'grade'):
         submitted = submitted_folder(layout, chosen.submitted, console)
         assignments = _assignments(layout, chosen.assignment)
@@ -151,9 +153,7 @@ def _engine(
 
         with cluster_engine(chosen.cluster, layout, chosen.fresh) as engine:
             assert engine.place is not None
-            console.print(
-                f'{engine.place.width} parallel runs on {chosen.cluster}.', highlight=False
-            )
+            console.print(f'{engine.place.width} parallel runs on {chosen.cluster}.')
             yield engine, max(engine.place.width, AHEAD)
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
@@ -164,7 +164,7 @@ def warn_if_weak(engine: Engine, jobs: int, console: Console) -> int:
     """Return the number of parallel runs; if isolation is weak, print a warning and return 1."""
     if not not_protected(engine.sandbox.mode):
         return jobs
-    console.print(banner(engine.sandbox.mode), style='bold red', highlight=False, markup=False)
+    console.print(banner(engine.sandbox.mode), style='bold red', markup=False)
     return 1
 
 
@@ -183,8 +183,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
         count = write_sample_class(layout, layout.submitted)
         console.print(
             f'autograder/_work/submitted was empty, so the {count} example submissions from '
-            'tests/submissions were copied there.',
-            highlight=False,
+            'tests/submissions were copied there.'
         )
     return layout.submitted
 
@@ -271,7 +270,7 @@ class Grading:
         ]
         unwritten = self._report(assignment, results, others, ' '.join(parts))
         for line in lowered if len(lowered) > MAX_NAMED else ():
-            self.console.print(f'  {line}', highlight=False, markup=False)
+            self.console.print(f'  {line}', markup=False)
         return results, ' '.join(dict.fromkeys(filter(None, (refused, unwritten))))
 
     def _about_marks(self, lowered: Sequence[str], not_entered: int) -> Iterator[str]:
@@ -320,9 +319,9 @@ class Grading:
         except OSError as error:  # Print the table first, then report the error.
             unwritten = str(from_os_error(error, str(layout.reports)))
         print_table(console, assignment, results, read_people(layout), missing)
-        console.print(summary, highlight=False, markup=False)
+        console.print(summary, markup=False)
         if where:
-            console.print(f'Reports: {where}', highlight=False, soft_wrap=True)
+            console.print(f'Reports: {where}', soft_wrap=True)
         return unwritten
 
 
