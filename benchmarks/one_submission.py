@@ -16,7 +16,7 @@ import time
 from typing import Any
 
 from autograder.exam.exam import Advance, Exam
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.runs import observe as observing
 from autograder.sandboxes.choose import strongest
@@ -107,7 +107,7 @@ def whole_run(exam: Exam, files: Mapping[str, str], sandbox: Sandbox) -> tuple[M
     """
     _Clocked.marks.clear()
     began, cpu_began = time.monotonic(), time.process_time()
-    result = examine(exam, files, sandbox=sandbox)
+    result = Engine(sandbox).run(exam, files)
     ended = time.monotonic()
     if result.points != result.max_points:
         failed = ', '.join(check.check for check in result.failed)

@@ -23,8 +23,8 @@ from autograder.authoring.sample_class import compose, samples
 from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
-from autograder.grading.examine import examine
-from autograder.grading.pipeline import load_lesson, SandboxEngine
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import load_lesson
 from autograder.layout import Layout
 from autograder.recording import Event
 from autograder.runs.program import BUILDS
@@ -181,7 +181,7 @@ def all_tasks() -> Iterator[Task]:
 
 def _submissions(layout: Layout, assignment: str) -> Iterator[Task]:
     """Yield every exam on the files of every submission; equal files give one task."""
-    lesson = load_lesson(layout, assignment, SandboxEngine(strongest()))
+    lesson = load_lesson(layout, assignment, Engine(strongest()))
     known = set()
     for sample in samples(layout, assignment, everything=True):
         opened = open_submission(compose(layout, assignment, sample), lesson.release, 'it')
@@ -260,7 +260,7 @@ def _run(task: Task, sandbox: Sandbox) -> Ran:
             ends.append(event)
 
     try:
-        result = examine(task.exam, dict(task.files), sandbox=sandbox, on_event=keep_end)
+        result = Engine(sandbox, on_event=keep_end).run(task.exam, dict(task.files))
     except GraderError as error:
         failed = f'{REVIEW}{type(error).__name__}'
         return Ran(task, failed, reason=failed)

@@ -10,9 +10,11 @@ from collections.abc import Iterator
 from autograder.authoring.exam_mistakes import mistakes_of
 from autograder.exam.exam import Exam
 from autograder.gradebook.record import points_mismatches
-from autograder.grading.pipeline import Engine, grade_notebook, Lesson, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_opened, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
+from autograder.submission.submission import open_submission
 
 
 def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
@@ -33,12 +35,13 @@ def self_check(layout: Layout, engine: Engine) -> Iterator[tuple[bool, str]]:
             cells = list(points_mismatches(lesson.release, assignment, ()))
             yield not cells, ' '.join(cells) or f'{assignment}: nothing to grade, as expected.'
             continue
-        source = layout.solutions / assignment / lesson.notebook
-        result = grade_notebook(source.read_bytes(), lesson, 'the reference solution', engine)
-        yield _line(lesson, result, result.max_points)
-        bare = layout.release(assignment).read_bytes()
-        result = grade_notebook(bare, lesson, 'the untouched release', engine)
-        yield _line(lesson, result, 0.0)
+        for name, path, share in (
+            ('the reference solution', layout.solutions / assignment / lesson.notebook, 1.0),
+            ('the untouched release', layout.release(assignment), 0.0),
+        ):
+            opened = open_submission(path.read_bytes(), lesson.release, lesson.notebook)
+            result = grade_opened(opened, name, lesson, engine)
+            yield _line(lesson, result, share * result.max_points)
 
 
 def _line(lesson: Lesson, result: SubmissionResult, wanted: float) -> tuple[bool, str]:

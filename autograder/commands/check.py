@@ -18,7 +18,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from autograder.commands import describe, JSON, OK, option, takes, USAGE, VISIBLE
+from autograder.commands import describe, JSON, OK, option, show, takes, USAGE, VISIBLE
 from autograder.errors import from_os_error, GraderError, SandboxUnavailable, UsageError
 from autograder.layout import Layout
 from autograder.results import Problem
@@ -52,7 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run(chosen: argparse.Namespace) -> int:
     """Run one exam on a package; a visible exam runs even without isolation."""
     from autograder.exam import catalog
-    from autograder.grading.examine import examine
+    from autograder.explaining.feedback import exam_text
+    from autograder.grading.examine import Engine
     from autograder.submission.package import (
         describe_files,
         name_missing,
@@ -74,15 +75,9 @@ def run(chosen: argparse.Namespace) -> int:
     if missing and not chosen.json:
         there = describe_files(found)
         raise UsageError(f'{chosen.files}: expected {", ".join(missing)}, got {there}.')
-    sandbox = sandbox_for(chosen.visible)
-    kept = _kept_builds(exam) if chosen.visible else None
-    result = name_missing(examine(exam, files, sandbox=sandbox, recordings=kept), found)
-    if chosen.json:
-        print(json.dumps(result.to_json()))
-    else:
-        from autograder.explaining.feedback import exam_text
-
-        print(exam_text(result), end='')
+    engine = Engine(sandbox_for(chosen.visible), _kept_builds(exam) if chosen.visible else None)
+    result = name_missing(engine.run(exam, files), found)
+    show(chosen.json, result.to_json(), exam_text(result).rstrip('\n'))
     return OK
 
 

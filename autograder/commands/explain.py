@@ -20,7 +20,7 @@ from autograder.classroom.results_of_class import graded
 from autograder.commands import JSON, OK, option, show, STUDENT, SUBMITTED, takes
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam, Run
-from autograder.explaining.feedback import number, points_of, printable
+from autograder.explaining.feedback import points_of, printable
 from autograder.explaining.live import live_line
 from autograder.exports.as_json import submission_json
 from autograder.grading.examine import judge_again
@@ -141,22 +141,21 @@ def _find(
     layout: Layout, student: str, check: str, assignment: str | None
 ) -> tuple[SubmissionResult, ExamResult, CheckResult]:
     every = [
-        (result, exam, verdict)
+        (f'{exam.exam}/{verdict.check}', (result, exam, verdict))
         for result in results_of(layout, student, assignment)
         for exam in result.exams
         for verdict in exam.checks
     ]
-    there = [f'{exam.exam}/{verdict.check}' for _, exam, verdict in every]
-    found = [one for one, name in zip(every, there) if f'/{name}'.endswith(f'/{check}')]
+    found = [(name, one) for name, one in every if f'/{name}'.endswith(f'/{check}')]
     if len(found) == 1:
-        return found[0]
+        return found[0][1]
+    names = ', '.join(name for name, _ in found or every)
     if found:
-        several = ', '.join(f'{exam.exam}/{verdict.check}' for _, exam, verdict in found)
         raise GraderError(
-            f'{check}: several checks have this name: {several}.', 'Try: name one of them'
+            f'{check}: several checks have this name: {names}.', 'Try: name one of them'
         )
     raise GraderError(
-        f'{check}: {student} has no check with this name.', f'Try: name one of {", ".join(there)}'
+        f'{check}: {student} has no check with this name.', f'Try: name one of {names}'
     )
 
 
@@ -171,13 +170,12 @@ def _compare_with_now(
     result, why = judge_again(layout.recordings, exam, files, exam_result)
     if result is None:
         return f'cannot be judged again: {why}'
-    for check in result.checks:
-        if check.check == verdict.check:
-            if (check.verdict, check.points) == (verdict.verdict, verdict.points):
-                return 'judged again now from the recording: same verdict'
-            said = f'{check.verdict.value}, {points_of(check)} points'
-            return f'judged again now from the recording: {said}'
-    return 'the exam no longer has this check'
+    check = next((one for one in result.checks if one.check == verdict.check), None)
+    if check is None:
+        return 'the exam no longer has this check'
+    same = (check.verdict, check.points) == (verdict.verdict, verdict.points)
+    said = 'same verdict' if same else f'{check.verdict.value}, {points_of(check)} points'
+    return f'judged again now from the recording: {said}'
 
 
 def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
@@ -234,8 +232,7 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
     lines = []
     people = read_people(layout)
     for result in results:
-        of = f'{number(result.points)} of {number(result.max_points)} points'
-        said = f'for review: {result.review}' if result.review else of
+        said = f'for review: {result.review}' if result.review else f'{points_of(result)} points'
         lines.append(f'{with_name(result.student, people)}, {result.assignment}: {said}')
         for exam in result.exams:
             for check in exam.checks:
@@ -278,8 +275,10 @@ def _seen_lines(found: Mapping[str, Any]) -> list[str]:
     where = found['deviation']
     head = f'First deviation: {where["how"]}.' if where else 'No deviation; the run begins with:'
     at = where['index'] if where else None
-    marks = ('>' if one['index'] == at else ' ' for one in found['seen'])
-    return [head, *(f'{mark} {one["line"]}' for mark, one in zip(marks, found['seen']))]
+    return [
+        head,
+        *(f'{">" if one["index"] == at else " "} {one["line"]}' for one in found['seen']),
+    ]
 
 
 def _origin_lines(found: Mapping[str, Any]) -> list[str]:

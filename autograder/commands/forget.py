@@ -14,7 +14,6 @@ from difflib import get_close_matches
 from pathlib import Path
 import shutil
 import time
-from typing import NoReturn
 
 from sqlalchemy import text
 
@@ -43,11 +42,11 @@ def run(chosen: argparse.Namespace) -> int:
     """Print all data about some students; with ``--yes``, also remove it."""
     layout, copies = Layout.here(), []
     with lock_course(layout, 'forget') if chosen.yes else nullcontext():
-        found = [traces(layout, student) for student in chosen.students]
+        found = tuple(dict.fromkeys(traces(layout, student) for student in chosen.students))
         for one in found:
             print(printable('\n  '.join([f'{one.student}:', *one.lines])))
         if chosen.yes:
-            copies = [forget(layout, one.student) for one in found]
+            copies = [forget(layout, one) for one in found]
     if not chosen.yes:
         print('Nothing was removed. To remove all this, run the same command with --yes')
         return OK
@@ -91,7 +90,7 @@ def traces(layout: Layout, student: str) -> Traces:
     folders = {above: _folders(above) for above in (layout.submitted, *made)}
     known = {*marks, *saved, *(one.student for one in refused)}
     known.update(*folders.values(), *graded.values())
-    student = student_named(layout, student, known) or _unknown(student, known)
+    student = _named(layout, student, known)
     has_results = [name for name, students in graded.items() if student in students]
     entered = [one for one in layout.assignments() if student in read_notes(layout, one)]
     theirs = tuple(above / student for above in made if student in folders[above])
@@ -107,13 +106,16 @@ def traces(layout: Layout, student: str) -> Traces:
     if student in folders[layout.submitted]:
         line = f'not touched: {relative_path(place, layout)}'
         if student in students_in(layout.submitted, layout.assignments()):
-            moved, to = place, relative_path(_forgotten(layout), layout)
+            moved, to = place, relative_path(layout.work / 'forgotten', layout)
             line = f'moved to {to} so that it is not graded again: {relative_path(place, layout)}'
         lines.append(line)
     return Traces(student, tuple(filter(None, lines)), theirs, moved)
 
 
-def _unknown(name: str, known: Collection[str]) -> NoReturn:
+def _named(layout: Layout, name: str, known: Collection[str]) -> str:
+    """Return the id of the student with this id or display name."""
+    if student := student_named(layout, name, known):
+        return student
     close = get_close_matches(name, known, n=3)
     raise GraderError(
         printable(f'{name}: there is no such student.'),
@@ -121,20 +123,20 @@ def _unknown(name: str, known: Collection[str]) -> NoReturn:
     )
 
 
-def forget(layout: Layout, student: str) -> Path | None:
+def forget(layout: Layout, found: Traces) -> Path | None:
     """
-    Remove all data about a student that :func:`traces` finds.
+    Remove all data about a student.
 
+    :param found: from :func:`traces`
     :returns: a copy of the gradebook before the removal; None if the gradebook is on a server or
         has no submission
     :raises GraderError: if the gradebook cannot be written or copied
     """
-    found = traces(layout, student)
-    copy = save_copy(layout)
+    student, copy = found.student, save_copy(layout)
     # Move the submission first: a grading that found it would undo the removal.
     if found.moved:
         now = time.strftime('%Y-%m-%d_%H%M%SZ', time.gmtime())
-        place = _forgotten(layout) / f'{student}_{now}'
+        place = layout.work / 'forgotten' / f'{student}_{now}'
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
     save_not_collected(layout, (), without=student)
@@ -149,11 +151,6 @@ def forget(layout: Layout, student: str) -> Path | None:
     if people.pop(student, ''):
         write_atomically(layout.people, json_bytes(people))
     return copy
-
-
-def _forgotten(layout: Layout) -> Path:
-    """Return the folder for submissions of forgotten students."""
-    return layout.work / 'forgotten'
 
 
 def _folders(above: Path) -> set[str]:

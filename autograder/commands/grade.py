@@ -32,7 +32,8 @@ from autograder.exports.as_json import submission_json
 from autograder.gradebook.database import refuse_damaged
 from autograder.gradebook.live_entry import Guard, LiveEntry
 from autograder.gradebook.record import refuse_unfit_points
-from autograder.grading.pipeline import Engine, grade_class, grading_engine, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
 from autograder.layout import Layout
 from autograder.results import first_of, SubmissionResult
 from autograder.runs.grading_folder import grading_folder
@@ -42,11 +43,8 @@ from autograder.submission.inbox import discover, students_in, without_notebooks
 AHEAD = 64
 """Minimum number of runs queued on a cluster, so that workers that join later have work."""
 MAX_NAMED = 5
-
-
-def _processors() -> int:
-    """Return the number of processors that this process may use."""
-    return len(os.sched_getaffinity(0))
+PROCESSORS = len(os.sched_getaffinity(0))
+"""Number of processors that this process may use."""
 
 
 def _positive(text: str) -> int:
@@ -66,8 +64,7 @@ def _positive(text: str) -> int:
     option('--assignment', 'grade only this assignment (default: all)', metavar='NAME'),
     option(
         '--jobs',
-        'number of parallel runs on this machine '
-        f'(default: one per processor, here {_processors()})',
+        f'number of parallel runs on this machine (default: one per processor, here {PROCESSORS})',
         type=_positive,
         default=0,
         metavar='N',
@@ -97,7 +94,9 @@ def run(chosen: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     _refuse_ineffective_options(chosen)
     layout = Layout.here()
-    console = Console(stderr=chosen.json, width=None if sys.stdout.isatty() else 120)
+    console = Console(
+        stderr=chosen.json, width=None if sys.stdout.isatty() else 120, highlight=False
+    )
     with lock_course(layout, 'grade'):
         submitted = submitted_folder(layout, chosen.submitted, console)
         assignments = _assignments(layout, chosen.assignment)
@@ -154,21 +153,18 @@ def _engine(
 
         with cluster_engine(chosen.cluster, layout, chosen.fresh) as engine:
             assert engine.place is not None
-            console.print(
-                f'{engine.place.width} parallel runs on {chosen.cluster}.', highlight=False
-            )
+            console.print(f'{engine.place.width} parallel runs on {chosen.cluster}.')
             yield engine, max(engine.place.width, AHEAD)
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
-    yield engine, warn_if_weak(engine, chosen.jobs or _processors(), console)
+    yield engine, warn_if_weak(engine, chosen.jobs or PROCESSORS, console)
 
 
 def warn_if_weak(engine: Engine, jobs: int, console: Console) -> int:
     """Return the number of parallel runs; if isolation is weak, print a warning and return 1."""
-    mode = getattr(getattr(engine, 'sandbox', None), 'mode', '')
-    if not not_protected(mode):
+    if not not_protected(engine.sandbox.mode):
         return jobs
-    console.print(banner(mode), style='bold red', highlight=False, markup=False)
+    console.print(banner(engine.sandbox.mode), style='bold red', markup=False)
     return 1
 
 
@@ -187,8 +183,7 @@ def submitted_folder(layout: Layout, chosen: Path | None, console: Console) -> P
         count = write_sample_class(layout, layout.submitted)
         console.print(
             f'autograder/_work/submitted was empty, so the {count} example submissions from '
-            'tests/submissions were copied there.',
-            highlight=False,
+            'tests/submissions were copied there.'
         )
     return layout.submitted
 
@@ -206,6 +201,7 @@ class Grading:
     Grade the assignments of one class, enter the results, write the reports and print tables.
 
     :param submitted: the folder of the class
+    :param engine: results of its visible exams are not entered in the gradebook
     :param jobs: number of parallel runs
     :param guard: decides which marks in the gradebook may change
     """
@@ -217,11 +213,6 @@ class Grading:
     console: Console
     guard: Guard
 
-    @property
-    def enters(self) -> bool:
-        """Return whether results are entered in the gradebook; those of visible checks are not."""
-        return bool(getattr(self.engine, 'hidden', True))
-
     def refuse_loss(self, assignments: Sequence[str]) -> None:
         """
         Refuse to grade if marks would be lost; call this before any run.
@@ -231,7 +222,7 @@ class Grading:
         """
         not_listed(self.layout, ())  # a wrong class list is reported here, not after the runs
         extensions(self.layout)
-        if self.enters:
+        if self.engine.hidden:
             refuse_damaged(self.layout)
             for assignment in assignments:
                 lesson = load_lesson(self.layout, assignment, self.engine)
@@ -264,7 +255,7 @@ class Grading:
         if self.submitted.resolve() != layout.submitted.resolve():
             others = results_of_others(layout, assignment, {one.student for one in class_})
         entry = LiveEntry(layout, lesson, self.guard)
-        enter = entry.add if self.enters else lambda graded: None
+        enter = entry.add if self.engine.hidden else lambda graded: None
         began = time.monotonic()
         with progress(len(class_) * len(lesson.exams), assignment) as show:
             graded = grade_class(class_, lesson, self.engine, self.jobs, show, enter)
@@ -279,13 +270,13 @@ class Grading:
         ]
         unwritten = self._report(assignment, results, others, ' '.join(parts))
         for line in lowered if len(lowered) > MAX_NAMED else ():
-            self.console.print(f'  {line}', highlight=False, markup=False)
+            self.console.print(f'  {line}', markup=False)
         return results, ' '.join(dict.fromkeys(filter(None, (refused, unwritten))))
 
     def _about_marks(self, lowered: Sequence[str], not_entered: int) -> Iterator[str]:
         """Yield sentences about marks in the gradebook that are unchanged or lowered."""
         kept = not_entered - (0 if self.guard.yes else len(lowered))
-        if self.enters and kept:
+        if self.engine.hidden and kept:
             yield f'Already in the gradebook: {kept}.'
         if lowered:
             said = 'Fewer points than before' if self.guard.yes else 'Not lowered in the gradebook'
@@ -328,9 +319,9 @@ class Grading:
         except OSError as error:  # Print the table first, then report the error.
             unwritten = str(from_os_error(error, str(layout.reports)))
         print_table(console, assignment, results, read_people(layout), missing)
-        console.print(summary, highlight=False, markup=False)
+        console.print(summary, markup=False)
         if where:
-            console.print(f'Reports: {where}', highlight=False, soft_wrap=True)
+            console.print(f'Reports: {where}', soft_wrap=True)
         return unwritten
 
 

@@ -7,7 +7,7 @@ runs so far; the estimate is too low if many of them were already recorded.
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 import os
 import sys
 import threading
@@ -43,19 +43,28 @@ def progress(total: int, what: str, line_s: float = LINE_S) -> Iterator[Tell]:
     counts = Counter({'full marks': 0, 'less': 0, 'for review': 0})
     seconds: dict[str, float] = defaultdict(float)
     guard, console = threading.Lock(), Console(stderr=True)
-    show = _bar(counts, total, what, console)
-    if not is_alive(console):
-        show = _lines(counts, total, what, line_s)
-    with show as update:
+    alive = is_alive(console)
+    bar = Progress(
+        TextColumn('{task.description}'),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn('{task.fields[totals]}', markup=False),
+        console=console,
+        transient=True,
+        disable=not alive,
+    )
+    task = bar.add_task(escape(what), total=total, totals='')
 
-        def tell(student: str, outcome: Outcome) -> None:
-            with guard:
-                counts[kind_of(outcome)] += 1
-                if not isinstance(outcome, GraderError):
-                    seconds[student] += outcome.ran_s
-                slowest = slowest_text(seconds)
-            update(slowest)
+    def tell(student: str, outcome: Outcome) -> None:
+        with guard:
+            counts[kind_of(outcome)] += 1
+            if not isinstance(outcome, GraderError):
+                seconds[student] += outcome.ran_s
+            said = '; '.join(filter(None, (text_of(counts), slowest_text(seconds))))
+            bar.update(task, completed=counts.total(), totals=said)
 
+    with bar, nullcontext() if alive else _lines(counts, total, what, line_s):
         yield tell
 
 
@@ -72,31 +81,7 @@ def is_alive(console: Any) -> bool:
 
 
 @contextmanager
-def _bar(
-    counts: Counter[str], total: int, what: str, console: Console
-) -> Iterator[Callable[[str], None]]:
-    """Show a progress bar until the context ends."""
-    columns: tuple[Any, ...] = (
-        TextColumn('{task.description}'),
-        BarColumn(bar_width=20),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        TextColumn('{task.fields[totals]}', markup=False),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(escape(what), total=total, totals='')
-
-        def update(slowest: str) -> None:
-            said = '; '.join(filter(None, (text_of(counts), slowest)))
-            bar.update(task, completed=counts.total(), totals=said)
-
-        yield update
-
-
-@contextmanager
-def _lines(
-    counts: Counter[str], total: int, what: str, line_s: float
-) -> Iterator[Callable[[str], None]]:
+def _lines(counts: Counter[str], total: int, what: str, line_s: float) -> Iterator[None]:
     """Print a line every ``line_s`` seconds until all runs have ended."""
     began, ended = time.monotonic(), threading.Event()
 
@@ -108,7 +93,7 @@ def _lines(
     printer = threading.Thread(target=print_lines, daemon=True)
     printer.start()
     try:
-        yield lambda slowest: None
+        yield
     finally:
         ended.set()
         printer.join()

@@ -8,7 +8,7 @@ runs with the other files next to it.
 """
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -24,13 +24,12 @@ from autograder.exam.exam import Exam
 from autograder.explaining.feedback import exam_text, number, printable
 from autograder.explaining.live import live_line
 from autograder.grading.built_package import as_package, explained, package_name
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.grading.pipeline import THREADS
 from autograder.layout import Layout
-from autograder.recording import Event, Recording
+from autograder.recording import Recording
 from autograder.results import ExamResult, Problem
-from autograder.sandboxes.sandbox import Sandbox
-from autograder.submission.extract import extract
+from autograder.submission.extract import files_in_notebook
 from autograder.submission.notebook import read_release
 from autograder.submission.package import (
     describe_files,
@@ -38,8 +37,6 @@ from autograder.submission.package import (
     read_upload,
     with_node_files,
 )
-from autograder.submission.reading import read_file
-from autograder.submission.submission import open_submission
 from autograder.submission.tree import UnusableUploadError
 
 
@@ -61,15 +58,14 @@ def run(chosen: argparse.Namespace) -> int:
     layout = Layout.here()
     found = exams_named(chosen.exam, layout, hidden=not chosen.visible)
     tasks = find_tasks(chosen.path, found, layout)
-    sandbox = sandbox_for(chosen.visible)
-    results = []
-    for task, result in run_tasks(
-        tasks,
-        sandbox,
+    engine = Engine(
+        sandbox_for(chosen.visible),
         layout.recordings,
-        fresh=chosen.fresh,
+        fresh=chosen.fresh or chosen.live,
         on_event=_show if chosen.live else None,
-    ):
+    )
+    results = []
+    for task, result in run_tasks(tasks, engine):
         results.append(result)
         if not chosen.json:
             head = printable(f'{task.exam.title} ({task.exam.name}): ')
@@ -114,16 +110,13 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     :param name: name of an exam, or of an assignment with or without its number
     :raises GraderError: if no exam or assignment has this name; the error suggests a similar one
     """
-    examined = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
-    by_exam = {exam.name: exam for found in examined.values() for exam in found}
-    if name in by_exam:
-        return (by_exam[name],)
-    for assignment, found in examined.items():
-        if name in (assignment, short_name(assignment)) and found:
-            return found
-    known = [*by_exam, *(short_name(one) for one, found in examined.items() if found)]
+    lessons = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
+    known = {short_name(one): exams for one, exams in lessons.items() if exams}
+    known |= {exam.name: (exam,) for exams in lessons.values() for exam in exams}
+    if found := known.get(name) or lessons.get(name):
+        return found
     close = get_close_matches(name, known, n=1, cutoff=0.4)
-    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(set(known)))}.'
+    hint = f'Did you mean {close[0]}?' if close else f'Known: {", ".join(sorted(known))}.'
     raise GraderError(f'--exam {name}: there is no such exam or assignment.', hint)
 
 
@@ -132,12 +125,17 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
     Return the exams that can run on a submission, each with its files.
 
     :param path: a script, a package folder, a zip file or a notebook
+    :param chosen: exams of one assignment
     :raises UnusableUploadError: if the submission has no file for any of these exams
     """
     if not path.exists():
         raise UnusableUploadError(f'{path}: there is no such file or folder.')
     if path.suffix == '.ipynb':
-        return list(_in_notebook(path, chosen, layout))
+        release = read_release(layout.release(chosen[0].assignment))
+        return [
+            ExamTask(exam, found.files, found.problems, notebook=True)
+            for exam, found in files_in_notebook(path, release, chosen)
+        ]
     files = read_upload(path)
     script = path.suffix == '.py' and not path.is_dir()
     package = '' if script else package_name(files)
@@ -161,52 +159,27 @@ def find_tasks(path: Path, chosen: Sequence[Exam], layout: Layout) -> list[ExamT
     return found
 
 
-def _in_notebook(path: Path, chosen: Sequence[Exam], layout: Layout) -> Iterator[ExamTask]:
-    data, problems = read_file(path, path.name)
-    for assignment in dict.fromkeys(exam.assignment for exam in chosen):
-        release = read_release(layout.release(assignment))
-        theirs = [exam for exam in chosen if exam.assignment == assignment]
-        opened = open_submission(data, release, path.name, problems)
-        files = extract(opened, theirs, release, path.name)
-        for exam in theirs:
-            said = (*opened.problems, *files[exam.name].problems)
-            yield ExamTask(exam, files[exam.name].files, said, notebook=True)
-
-
-def run_tasks(
-    found: Sequence[ExamTask],
-    sandbox: Sandbox,
-    recordings: Path,
-    *,
-    fresh: bool = False,
-    on_event: Callable[[Event], None] | None = None,
-) -> Iterator[tuple[ExamTask, ExamResult]]:
+def run_tasks(found: Sequence[ExamTask], engine: Engine) -> Iterator[tuple[ExamTask, ExamResult]]:
     """
     Run the exams in parallel, or one after another if their events are shown.
 
-    :param on_event: function to call with each event of a run as it happens
+    :param engine: stores the recordings
     :returns: each exam with its result, in the given order
     :raises GraderError: if the grader itself fails, so that there is no verdict
     """
 
     def run(task: ExamTask) -> ExamResult:
-        if on_event and task.exam.scenario.program in ('build', 'package'):
-            on_event({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
-        result = examine(
-            task.exam,
-            task.files,
-            sandbox=sandbox,
-            recordings=recordings,
-            fresh=fresh or on_event is not None,
-            on_event=on_event,
-        )
+        if engine.on_event and task.exam.scenario.program in ('build', 'package'):
+            engine.on_event({'event': 'mark', 'clock_ns': None, 'name': 'building with colcon'})
+        result = engine.run(task.exam, task.files)
         if task.notebook:
             return result if task.problems else name_missing(result, task.files)
-        path = recordings / task.exam.name / result.recording
-        recording = Recording.load(path) if result.recording else None
+        recording = None
+        if engine.recordings and result.recording:
+            recording = Recording.load(engine.recordings / task.exam.name / result.recording)
         return explained(task.exam, name_missing(result, task.files), recording, task.files)
 
-    workers = 1 if on_event else len(found)
+    workers = 1 if engine.on_event else len(found)
     pool = ThreadPoolExecutor(max_workers=workers, thread_name_prefix=THREADS)
     try:
         yield from zip(found, pool.map(run, found))

@@ -68,12 +68,9 @@ def _pair_lines(pair: Pair) -> list[str]:
     if pair.renamed:
         said += f'  (only names differ in {pair.renamed:.0%} of the common lines)'
     lines = [said]
-    left = COMMON_LINES
-    for part in pair.common:
-        for first, second in list(zip(part.first, part.second))[:left]:
-            lines.append(f'      | {first}' + (f'   <>   {second}' if first != second else ''))
-            left -= 1
-        if left <= 0:
-            break
-    more = sum(len(part.first) for part in pair.common) - (COMMON_LINES - left)
-    return [*lines, f'      | ... {more} more lines (see --json)'] if more else lines
+    common = [both for part in pair.common for both in zip(part.first, part.second)]
+    for first, second in common[:COMMON_LINES]:
+        lines.append(f'      | {first}' + (f'   <>   {second}' if first != second else ''))
+    if more := len(common[COMMON_LINES:]):
+        lines.append(f'      | ... {more} more lines (see --json)')
+    return lines

@@ -58,8 +58,8 @@ def number(points: float) -> str:
     return f'{round(points, 2):g}'
 
 
-def points_of(result: CheckResult | ExamResult) -> str:
-    """Return the points of a check or an exam as text, such as ``2 of 3``."""
+def points_of(result: CheckResult | ExamResult | SubmissionResult) -> str:
+    """Return the points of a check, an exam or a submission as text, such as ``2 of 3``."""
     return f'{number(result.points)} of {number(result.max_points)}'
 
 

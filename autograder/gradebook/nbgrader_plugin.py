@@ -36,7 +36,8 @@ from autograder.explaining.feedback_html import with_unique_ids
 from autograder.gradebook.grade_cells import from_node, to_node, write_outcomes
 from autograder.gradebook.live_entry import lowered_marks
 from autograder.gradebook.record import refuse_unfit_points
-from autograder.grading.pipeline import Engine, grade_opened, Graded, Lesson, load_lesson
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_opened, Graded, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.submission.cells import CellSyntaxError, parse_cell, UNSOLVED

@@ -22,7 +22,7 @@ from autograder.runs.version import difference, version
 from autograder.sandboxes.isolation import MODES
 
 if TYPE_CHECKING:
-    from autograder.grading.pipeline import SandboxEngine
+    from autograder.grading.examine import Engine
 
 INSTALL = 'Try: .venv/bin/python -m pip install --no-deps -r environment/requirements-cluster.txt'
 CONNECT_S = 20
@@ -69,7 +69,7 @@ class Cluster:
 
 
 @contextmanager
-def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterator[SandboxEngine]:
+def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterator[Engine]:
     """
     Yield an engine for graded runs on a cluster.
 
@@ -77,14 +77,14 @@ def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterato
     :param fresh: repeat all runs, even if recordings are stored
     :raises ClusterUnavailable: if the scheduler or a worker cannot be used, with the reason
     """
-    from autograder.grading.pipeline import SandboxEngine
+    from autograder.grading.examine import Engine
     from autograder.sandboxes.sandbox import Sandbox
 
     with _connected(address) as client:
         mode = mode_of_all(_ask_all(client, address))
         place = Cluster(client)
         try:
-            yield SandboxEngine(Sandbox(mode), layout.recordings, fresh, place=place)
+            yield Engine(Sandbox(mode), layout.recordings, fresh, place=place)
         finally:
             place.close()
 

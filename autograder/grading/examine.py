@@ -1,11 +1,12 @@
 """Run one student's files in an exam, or use a stored recording, then judge the recording."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 import time
 
 from autograder.errors import RecordingInvalid, SandboxUnavailable
+from autograder.exam import catalog
 from autograder.exam.exam import Exam, Run
 from autograder.explaining.picture_data import pictures
 from autograder.judging.flags import flags_of
@@ -18,38 +19,55 @@ from autograder.sandboxes.isolation import MODES, not_protected
 from autograder.sandboxes.sandbox import Sandbox
 
 
-def examine(
-    exam: Exam,
-    files: Mapping[str, str],
-    *,
-    sandbox: Sandbox,
-    recordings: Path | None = None,
-    fresh: bool = False,
-    on_event: Callable[[Event], None] | None = None,
-    place: Place | None = None,
-) -> ExamResult:
+@dataclass(frozen=True)
+class Engine:
     """
-    Run and judge a student's files with an exam.
+    Provide the exams of an assignment, and run and judge files; tests use a fast engine.
 
-    :param files: text by relative path; missing files are left out
     :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``Sandbox('none')`` for
         visible checks
     :param recordings: folder for stored recordings; None to store nothing
-    :param fresh: run even if a recording is stored
+    :param fresh: repeat all runs, even if recordings are stored
+    :param hidden: whether :meth:`exams` returns the hidden exams instead of the visible ones
+    :param place: the workers that run the programs; None to run them in the calling thread
     :param on_event: called with each event as it happens; not called for runs on workers
-    :param place: the workers that run the program; None to run it in this thread
-    :raises GraderError: if the grader failed, so there is no verdict
     """
-    if exam.hidden and not sandbox.keeps_secrets:
-        raise SandboxUnavailable(
-            f'A hidden exam never runs with isolation {sandbox.mode}, which hides no files.'
+
+    sandbox: Sandbox
+    recordings: Path | None = None
+    fresh: bool = False
+    hidden: bool = True
+    place: Place | None = None
+    on_event: Callable[[Event], None] | None = None
+
+    def exams(self, assignment: str) -> Sequence[Exam]:
+        """Return the exams of an assignment in the lesson's order."""
+        return catalog.for_assignment(assignment, hidden=self.hidden)
+
+    def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
+        """
+        Run and judge a student's files with an exam.
+
+        :param files: text by relative path; missing files are left out
+        :raises GraderError: if the grader failed, so there is no verdict
+        """
+        if exam.hidden and not self.sandbox.keeps_secrets:
+            raise SandboxUnavailable(
+                f'A hidden exam never runs with isolation {self.sandbox.mode}, which hides no '
+                'files.'
+            )
+        if result := without_recording(exam, files, self.sandbox.mode):
+            return result
+        outcome, name = load_or_record(
+            exam,
+            files,
+            self.sandbox,
+            self.recordings,
+            fresh=self.fresh,
+            on_event=self.on_event,
+            place=self.place,
         )
-    if result := without_recording(exam, files, sandbox.mode):
-        return result
-    outcome, name = load_or_record(
-        exam, files, sandbox, recordings, fresh=fresh, on_event=on_event, place=place
-    )
-    return replace(judge_recording(exam, files, *outcome), recording=name)
+        return replace(judge_recording(exam, files, *outcome), recording=name)
 
 
 def judge_again(
@@ -129,21 +147,7 @@ def without_recording(exam: Exam, files: Mapping[str, str], mode: str) -> ExamRe
 
 def _without(exam: Exam, missing: list[str]) -> ExamResult:
     """Return the result for a missing file: the first check fails, and the others wait for it."""
-    first, *others = exam.checks
-    failed = CheckResult(
-        first.name,
-        first.title,
-        Verdict.FAILED,
-        0.0,
-        first.points,
-        expected=f'the file{"s" if len(missing) > 1 else ""} {", ".join(missing)}',
-        observed='no such cell in the notebook',
-        cause='The cell is missing or empty, or its first line is not the magic line.',
-        cause_id='missing_file',
-        try_this='Put the cell back as it was released and write your answer in it.',
-        read=exam.read,
-    )
-    waiting = (
+    first, *waiting = (
         CheckResult(
             check.name,
             check.title,
@@ -151,8 +155,18 @@ def _without(exam: Exam, missing: list[str]) -> ExamResult:
             0.0,
             check.points,
             read=exam.read,
-            waits_for=first.name,
+            waits_for=exam.checks[0].name,
         )
-        for check in others
+        for check in exam.checks
+    )
+    failed = replace(
+        first,
+        verdict=Verdict.FAILED,
+        expected=f'the file{"s" if len(missing) > 1 else ""} {", ".join(missing)}',
+        observed='no such cell in the notebook',
+        cause='The cell is missing or empty, or its first line is not the magic line.',
+        cause_id='missing_file',
+        try_this='Put the cell back as it was released and write your answer in it.',
+        waits_for='',
     )
     return ExamResult(exam.name, (failed, *waiting), note='Nothing was run: a file is missing.')

@@ -14,10 +14,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 import os
-from pathlib import Path
 import threading
 import time
-from typing import Protocol, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from autograder.errors import defect, ExamInvalid, GraderError
 from autograder.layout import Layout
@@ -29,8 +28,7 @@ from autograder.submission.submission import open_submission, Opened
 
 if TYPE_CHECKING:
     from autograder.exam.exam import Exam
-    from autograder.runs.task import Place
-    from autograder.sandboxes.sandbox import Sandbox
+    from autograder.grading.examine import Engine
 
 
 Outcome = ExamResult | GraderError
@@ -39,59 +37,7 @@ THREADS = 'grading'
 """Prefix of the names of the pool's threads."""
 
 
-class Engine(Protocol):
-    """Provide the exams of an assignment and run them; tests use a fast implementation."""
-
-    def exams(self, assignment: str) -> Sequence[Exam]:
-        """Return the exams of an assignment in the lesson's order."""
-
-    def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        """
-        Run and judge a student's files with an exam.
-
-        :param files: text by relative path
-        :raises GraderError: if the grader failed, so there is no verdict
-        """
-
-
-@dataclass(frozen=True)
-class SandboxEngine:
-    """
-    The engine for grading, which runs student code in a sandbox.
-
-    :param recordings: folder for stored recordings; None to store nothing
-    :param fresh: repeat all runs, even if recordings are stored
-    :param hidden: whether to use the hidden exams instead of the visible ones
-    :param place: the workers that run the programs; None to run them in the calling thread
-    """
-
-    sandbox: Sandbox
-    recordings: Path | None = None
-    fresh: bool = False
-    hidden: bool = True
-    place: Place | None = None
-
-    def exams(self, assignment: str) -> Sequence[Exam]:
-        """Return the exams of an assignment in the lesson's order."""
-        from autograder.exam import catalog
-
-        return catalog.for_assignment(assignment, hidden=self.hidden)
-
-    def run(self, exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        """Run the files in the sandbox and judge the recording."""
-        from autograder.grading.examine import examine
-
-        return examine(
-            exam,
-            files,
-            sandbox=self.sandbox,
-            recordings=self.recordings,
-            fresh=self.fresh,
-            place=self.place,
-        )
-
-
-def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> SandboxEngine:
+def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') -> Engine:
     """
     Return the engine for grading, with the strongest sandbox or an accepted weaker one.
 
@@ -101,10 +47,11 @@ def grading_engine(layout: Layout, fresh: bool = False, allow_weak: str = '') ->
     :param allow_weak: see :func:`autograder.sandboxes.choose.strongest`
     :raises SandboxUnavailable: if no accepted isolation mode works
     """
+    from autograder.grading.examine import Engine
     from autograder.sandboxes import choose
 
     box = choose.strongest(allow_weak) if allow_weak else choose.strongest()
-    return SandboxEngine(box, layout.recordings, fresh, hidden=box.keeps_secrets)
+    return Engine(box, layout.recordings, fresh, hidden=box.keeps_secrets)
 
 
 @dataclass(frozen=True)
@@ -163,14 +110,6 @@ def grade_opened(opened: Opened, student: str, lesson: Lesson, engine: Engine) -
     with ThreadPoolExecutor(max_workers=max(1, len(lesson.exams))) as pool:
         outcomes = pool.map(lambda exam: _run(engine, exam, files[exam.name].files), lesson.exams)
     return _assemble(opened, student, lesson, files, list(outcomes))
-
-
-def grade_notebook(
-    data: bytes | None, lesson: Lesson, student: str, engine: Engine
-) -> SubmissionResult:
-    """Grade the content of one notebook file; None means that the file is missing."""
-    opened = open_submission(data, lesson.release, lesson.notebook)
-    return grade_opened(opened, student, lesson, engine)
 
 
 def grade_class(

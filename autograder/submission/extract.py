@@ -5,15 +5,17 @@ The magic line of a cell names its file (:mod:`autograder.submission.cells`).  T
 the expected file of each cell, so a student who edits a magic line gets a message.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from autograder.exam.exam import Exam
 from autograder.results import Problem, SubmissionResult
 from autograder.submission.cells import CellFile, CellSyntaxError, first_line, parse_cell
 from autograder.submission.notebook import answer_cells, marks_of, Notebook
 from autograder.submission.package import with_missing_file
-from autograder.submission.submission import Opened
+from autograder.submission.reading import read_file
+from autograder.submission.submission import open_submission, Opened
 
 CHECK_PREFIX = 'check_'
 """Prefix of the grade id of a check cell; the name of the exam follows."""
@@ -66,6 +68,20 @@ def extract(
                 problems += _add(sources[grade_id], wanted, files, where, grade_id)
         result[exam.name] = ExamFiles(files, tuple(problems))
     return result
+
+
+def files_in_notebook(
+    path: Path, release: Notebook, exams: Sequence[Exam]
+) -> Iterator[tuple[Exam, ExamFiles]]:
+    """
+    Yield each exam with its files in a student's notebook; the problems include the notebook's.
+
+    :param release: the notebook that students received
+    """
+    data, problems = read_file(path, path.name)
+    opened = open_submission(data, release, path.name, problems)
+    for exam, found in zip(exams, extract(opened, exams, release, path.name).values()):
+        yield exam, replace(found, problems=(*opened.problems, *found.problems))
 
 
 def with_reasons(result: SubmissionResult, exams: Iterable[Exam]) -> SubmissionResult:

@@ -18,16 +18,12 @@ from autograder.commands.check import REFUSALS, refuse, sandbox_for
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.explaining.feedback import printable
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
-from autograder.results import ExamResult, Problem
-from autograder.sandboxes.sandbox import Sandbox
 from autograder.submission.cells import UNSOLVED
-from autograder.submission.extract import extract
+from autograder.submission.extract import files_in_notebook
 from autograder.submission.notebook import marks_of, read_release
 from autograder.submission.package import name_missing
-from autograder.submission.reading import read_file
-from autograder.submission.submission import open_submission
 from autograder.workflow.report import Checked, classroom_result, error_commands, summary
 
 
@@ -43,7 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         layout = Layout.here()
         lessons = [layout.assignment_named(one) for one in chosen.lessons]
-        found = list(checked(layout, lessons or layout.assignments(), sandbox_for(visible=True)))
+        found = list(
+            checked(layout, lessons or layout.assignments(), Engine(sandbox_for(visible=True)))
+        )
     except REFUSALS as error:
         refuse(error, as_json=False)
         return USAGE
@@ -53,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return OK
 
 
-def checked(layout: Layout, lessons: Sequence[str], sandbox: Sandbox) -> Iterator[Checked]:
+def checked(layout: Layout, lessons: Sequence[str], engine: Engine) -> Iterator[Checked]:
     """
     Yield the outcome of each exam; an exercise that was not attempted is not run.
 
@@ -63,42 +61,35 @@ def checked(layout: Layout, lessons: Sequence[str], sandbox: Sandbox) -> Iterato
         if exams := catalog.for_assignment(lesson, hidden=False):
             path = layout.release(lesson)
             try:
-                yield from _of_notebook(path, exams, layout, sandbox)
+                yield from _of_notebook(path, exams, layout, engine)
             except (ValueError, LookupError, TypeError) as error:
                 name = path.relative_to(layout.root).as_posix()
                 said = f'the notebook cannot be read ({type(error).__name__})'
-                yield from (_unwritten(name, exam, sandbox, (said,)) for exam in exams)
+                yield from (_unwritten(name, exam, engine, (said,)) for exam in exams)
 
 
 def _of_notebook(
-    path: Path, exams: Sequence[Exam], layout: Layout, sandbox: Sandbox
+    path: Path, exams: Sequence[Exam], layout: Layout, engine: Engine
 ) -> Iterator[Checked]:
     """Yield the outcome of each exam of a notebook."""
     name = path.relative_to(layout.root).as_posix()
-    data, problems = read_file(path, path.name)
     release = read_release(path)  # the student's copy, because the repository has no other
-    opened = open_submission(data, release, path.name, problems)
+    text = path.read_text(encoding='utf-8', errors='replace')
     sources = {marks_of(cell).get('grade_id'): cell['source'] for cell in release['cells']}
-    for exam, files in zip(exams, extract(opened, exams, release, path.name).values()):
-        said = (*opened.problems, *files.problems)
-        if not said and any(UNSOLVED in text for text in files.files.values()):
-            yield _unwritten(name, exam, sandbox)
+    for exam, found in files_in_notebook(path, release, exams):
+        if not found.problems and any(UNSOLVED in one for one in found.files.values()):
+            yield _unwritten(name, exam, engine)
             continue
-        result = examine(exam, files.files, sandbox=sandbox)
-        result = result if said else name_missing(result, files.files)
-        text = (data or b'').decode('utf-8', 'replace')
+        result = engine.run(exam, found.files)
+        result = result if found.problems else name_missing(result, found.files)
         source = next((sources[cell] for cell in exam.cells if cell in sources), '')
-        yield Checked(name, text, source, True, result, _lines(said))
+        problems = tuple(printable(problem.line()) for problem in found.problems)
+        yield Checked(name, text, source, True, result, problems)
 
 
-def _unwritten(name: str, exam: Exam, sandbox: Sandbox, problems: tuple[str, ...] = ()) -> Checked:
+def _unwritten(name: str, exam: Exam, engine: Engine, problems: tuple[str, ...] = ()) -> Checked:
     """Return an outcome without a run and without points, because there is no file."""
-    result: ExamResult = examine(exam, {}, sandbox=sandbox)
-    return Checked(name, '', '', False, result, problems)
-
-
-def _lines(problems: Sequence[Problem]) -> tuple[str, ...]:
-    return tuple(printable(problem.line()) for problem in problems)
+    return Checked(name, '', '', False, engine.run(exam, {}), problems)
 
 
 def _append(variable: str, text: str) -> None:

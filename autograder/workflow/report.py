@@ -11,16 +11,16 @@ workflow command, and no text may become markup.
 
 import base64
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 import html
 import json
 import re
 
-from autograder.explaining.feedback import number, printable
+from autograder.explaining.feedback import number, points_of, printable
 from autograder.results import CheckResult, ExamResult, Verdict
 
 LINE = re.compile(r'\b[Ll]ine (\d+)')
-WORDS = {Verdict.PASSED: 'pass', Verdict.FAILED: 'fail', Verdict.NOT_RUN: 'fail'}
 SIGNS = {Verdict.PASSED: 'passed', Verdict.FAILED: '**failed**', Verdict.NOT_RUN: 'not run'}
 
 
@@ -74,18 +74,19 @@ def line_in_file(text: str, source: str, line: int) -> int:
 
 def summary(found: Sequence[Checked]) -> str:
     """Return the job summary in Markdown: points, and a row per check of attempted exercises."""
-    parts = [f'# {_points(found)} points in the visible checks', '']
+    points = sum(one.result.points for one in found if one.attempted)
+    most = sum(one.result.max_points for one in found)
+    parts = [f'# {number(points)} of {number(most)} points in the visible checks', '']
     for one in found:
-        points = f'{number(one.result.points)} of {number(one.result.max_points)}'
-        parts += [f'## {_safe(one.result.exam)}: {points}', '']
+        parts += [f'## {_safe(one.result.exam)}: {points_of(one.result)}', '']
         if not one.attempted:
             parts += [f'The answer in `{one.file}` is not written yet.', '']
             continue
         parts += ['| check | result | points | why |', '|---|---|---:|---|']
         for check in one.result.checks:
             why = _safe(_message(check)) if check.verdict is Verdict.FAILED else ''
-            given = f'{number(check.points)} of {number(check.max_points)}'
-            parts.append(f'| {_safe(check.title)} | {SIGNS[check.verdict]} | {given} | {why} |')
+            given = f'{SIGNS[check.verdict]} | {points_of(check)}'
+            parts.append(f'| {_safe(check.title)} | {given} | {why} |')
         parts.append('')
     parts.append('A hidden exam with different inputs gives the points that count.')
     return '\n'.join(parts) + '\n'
@@ -96,7 +97,7 @@ def classroom_result(found: Sequence[Checked]) -> str:
     tests = [
         {
             'name': printable(f'{one.result.exam}: {check.title}'),
-            'status': WORDS[check.verdict] if one.attempted else 'fail',
+            'status': 'pass' if one.attempted and check.verdict is Verdict.PASSED else 'fail',
             'score': check.points if one.attempted else 0.0,
             'message': printable(_message(check)),
             'filename': one.file,
@@ -111,11 +112,6 @@ def classroom_result(found: Sequence[Checked]) -> str:
         'tests': tests,
     }
     return base64.b64encode(json.dumps(data).encode()).decode()
-
-
-def _points(found: Sequence[Checked]) -> str:
-    points = sum(one.result.points for one in found if one.attempted)
-    return f'{number(points)} of {number(sum(one.result.max_points for one in found))}'
 
 
 def _cell_line(check: CheckResult) -> int:
@@ -155,10 +151,6 @@ def _safe(text: str) -> str:
 def _string(line: str) -> str | None:
     """Return the JSON string that a line of a notebook's file contains, or None."""
     text = line.strip().removesuffix(',')
-    if not text.startswith('"'):
-        return None
-    try:
-        found = json.loads(text)
-    except ValueError:
-        return None
-    return found if isinstance(found, str) else None
+    with suppress(ValueError):
+        return str(json.loads(text)) if text.startswith('"') else None
+    return None

@@ -24,7 +24,7 @@ from typing import Any
 from unittest import mock
 
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import ExamResult
@@ -133,7 +133,7 @@ def grade(attack: Attack, sandbox: Sandbox, kept: Path) -> Outcome:
     # Put the canary into the exam's facts, which a program must never see.
     exam.facts['canary'] = CANARY
     folder = kept / attack.kind / attack.name
-    result = examine(exam, files_of(attack), sandbox=sandbox, recordings=folder)
+    result = Engine(sandbox, folder).run(exam, files_of(attack))
     found = list(folder.rglob('*.jsonl'))
     return Outcome(result, Recording.load(found[0]) if found else None)
 

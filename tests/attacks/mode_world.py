@@ -16,7 +16,7 @@ import sys
 from autograder.exam import catalog
 from autograder.exam.scenario import Scenario
 from autograder.exam.steps import Advance
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.runs.observe import observe
 from autograder.runs.program import submission_folder
@@ -149,7 +149,7 @@ def main() -> None:
     for name in ('talker', 'running_mean'):  # from a timer; from a callback
         exam = catalog.load(name, hidden=mode != 'none')
         files = {file: (answers / file).read_text('utf-8') for file in exam.requires}
-        result = examine(exam, files, sandbox=box)
+        result = Engine(box).run(exam, files)
         results.append({**result.to_json(), 'lacks': result.max_points - result.points})
     print(json.dumps({'hostile': lines, 'results': results, 'forks': forks(box)}))
 

@@ -18,7 +18,7 @@ import pytest
 
 from autograder.errors import SandboxUnavailable
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.inside.confine import family
 from autograder.sandboxes import choose, isolation, landlock
 from environment.ros import ros_environment
@@ -197,7 +197,7 @@ def test_hidden_exams_are_never_run_without_isolation():
     exam = catalog.load('harbour', hidden=True)
 
     with pytest.raises(SandboxUnavailable, match='never runs with isolation none'):
-        examine(exam, {'harbour.py': ''}, sandbox=choose.usable('none'))
+        Engine(choose.usable('none')).run(exam, {'harbour.py': ''})
 
 
 def test_a_named_weak_mode_is_used_only_if_nothing_better_works():

@@ -19,7 +19,8 @@ import pytest
 
 from autograder.classroom.pages import page_name, write_all_reports
 from autograder.gradebook.record import enter_assignment, record
-from autograder.grading.pipeline import grade_class, Graded, Lesson, load_lesson, SandboxEngine
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, Graded, Lesson, load_lesson
 from autograder.layout import Layout
 from autograder.results import SubmissionResult
 from autograder.sandboxes.choose import strongest
@@ -115,8 +116,8 @@ def _student(folder: Path, names: dict[str, str]) -> str:
     return next(names[path] for path in (str(folder), str(folder / ASSIGNMENT)) if path in names)
 
 
-def engine(course: Layout) -> SandboxEngine:
-    return SandboxEngine(strongest(), course.recordings)
+def engine(course: Layout) -> Engine:
+    return Engine(strongest(), course.recordings)
 
 
 def names(attack: Attack) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from autograder.exam.exam import Exam
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.results import ExamResult
 from autograder.sandboxes.choose import strongest
 from tests.judgement.references import Exercise, exercises, LAYOUT
@@ -35,7 +35,7 @@ def run_all(work: Sequence[tuple[Exam, Mapping[str, str]]]) -> list[ExamResult]:
     box = strongest()
 
     def one(exam: Exam, files: Mapping[str, str]) -> ExamResult:
-        return examine(exam, files, sandbox=box, recordings=LAYOUT.recordings)
+        return Engine(box, LAYOUT.recordings).run(exam, files)
 
     # Report failures of the grader at the end, so that completed runs are kept.
     with ThreadPoolExecutor(max_workers=JOBS) as pool:

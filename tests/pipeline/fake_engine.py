@@ -35,6 +35,8 @@ EXAMS = (
 class FakeEngine:
     """Gives a third of the points for a file, and the rest if it contains the exam's needle."""
 
+    hidden = True
+
     def exams(self, assignment: str) -> Sequence[FakeExam]:
         """Return the same exams for every assignment."""
         return EXAMS

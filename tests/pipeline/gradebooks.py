@@ -376,7 +376,7 @@ def forgets_a_student(course: Layout) -> None:
     assert traces(course, 'ann example') == found
     assert grade(course) == 0  # a listing changes nothing
 
-    forget(course, '1001')
+    forget(course, found)
     with pytest.raises(GraderError, match=r'there is no such student. Did you mean 1002?'):
         traces(course, '1001')
     with book(course) as gradebook:
@@ -389,7 +389,7 @@ def forgets_a_student(course: Layout) -> None:
     assert (moved / ASSIGNMENT / NOTEBOOK).is_file()
     assert grade(course) == 0
 
-    forget(course, '1002')
+    forget(course, traces(course, '1002'))
     hand_in(course, '1003')
     assert grade(course) == 1  # a gradebook that was emptied on purpose is not damaged
 
@@ -404,7 +404,7 @@ def forgets_a_folder_that_is_no_students(course: Layout) -> None:
 
     assert traces(course, 'notes').lines[0] == 'gradebook: no submission'
     assert traces(course, 'notes').lines[-1].startswith('not touched: ')
-    forget(course, 'notes')
+    forget(course, traces(course, 'notes'))
     assert (course.submitted / 'notes').is_dir()
     with book(course) as gradebook:
         assert [student.id for student in gradebook.students] == ['ann']

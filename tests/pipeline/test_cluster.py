@@ -18,7 +18,7 @@ from autograder.grading.cluster import (
     ClusterUnavailable,
     mode_of_all,
 )
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.runs.version import version
 from autograder.sandboxes.choose import strongest
@@ -45,7 +45,7 @@ def address():
 def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
     """Only bytes are sent to workers, and the recordings are judged on this machine."""
     exam, sandbox = exam_of_a_talker(), strongest()
-    alone = [stable_facts(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
+    alone = [stable_facts(Engine(sandbox).run(exam, files)) for files in class_of_talkers()]
 
     with cluster_engine(address, Layout(tmp_path)) as engine, ThreadPoolExecutor(2) as threads:
         assert engine.place.width == 2

@@ -12,7 +12,7 @@ import pytest
 
 from autograder.errors import ProbeFailed
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.recording import Event
 from autograder.results import ExamResult
 from autograder.runs import observe
@@ -37,8 +37,8 @@ rclpy.spin(node)
 
 
 def graded(text: str, on_event: Callable[[Event], None] | None = None) -> ExamResult:
-    return examine(
-        catalog.load(EXAM), {'temp_publisher.py': text}, sandbox=strongest(), on_event=on_event
+    return Engine(strongest(), on_event=on_event).run(
+        catalog.load(EXAM), {'temp_publisher.py': text}
     )
 
 

@@ -18,7 +18,8 @@ from autograder.commands import OK
 from autograder.exam import catalog
 from autograder.explaining.feedback import causes_once, check_lines, feedback_items
 from autograder.gradebook.record import record
-from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import Submission
@@ -58,7 +59,7 @@ def result(course):
     """Return the sample's results from the visible exams, after all reports are written."""
     folder = HERE.sample_class / ASSIGNMENT / SAMPLE
     data = sample_class.compose(HERE, ASSIGNMENT, folder)
-    engine = SandboxEngine(strongest(), HERE.recordings, hidden=False)
+    engine = Engine(strongest(), HERE.recordings, hidden=False)
     lesson = load_lesson(course, ASSIGNMENT, engine)
     done = grade_class([Submission(SAMPLE, folder, data)], lesson, engine, jobs=2)
     record(course, lesson, done)

@@ -9,7 +9,7 @@ from autograder.errors import ProbeFailed
 from autograder.exam.exam import Exam, Failed, Run
 from autograder.exam.scenario import Scenario
 from autograder.exam.steps import Advance, Call, Feed
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.judging.checks import require_answers, require_endpoint
 from autograder.results import Verdict
 from autograder.runs.observe import observe
@@ -104,7 +104,7 @@ def exam() -> Exam:
 
 def test_twist_set_bool_scan_and_odometry_are_judged(exam):
     """The environment contains the packages that robotics courses use."""
-    result = examine(exam, {'pilot.py': PILOT}, sandbox=strongest())
+    result = Engine(strongest()).run(exam, {'pilot.py': PILOT})
 
     assert [(check.verdict, check.observed) for check in result.checks] == [
         (Verdict.PASSED, '')
@@ -116,7 +116,7 @@ def test_missing_package_is_reported_with_the_file_that_names_packages(exam):
     """The name may be correct, and the learner has nothing to build."""
     program = PILOT.replace('from geometry_msgs', 'import toy_msgs\nfrom geometry_msgs')
 
-    result = examine(exam, {'pilot.py': program}, sandbox=strongest())
+    result = Engine(strongest()).run(exam, {'pilot.py': program})
 
     first = result.checks[0]
     assert first.verdict is Verdict.FAILED

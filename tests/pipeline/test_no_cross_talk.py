@@ -30,14 +30,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from autograder.exam import catalog
 from autograder.sandboxes import choose
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 
 exam, box = catalog.load('talker'), choose.strongest()
 
 
 def judged(name):
     path = Path('tests/submissions/{ASSIGNMENT}', name, 'talker.py')
-    result = examine(exam, {{'talker.py': path.read_text('utf-8')}}, sandbox=box).to_json()
+    result = Engine(box).run(exam, {{'talker.py': path.read_text('utf-8')}}).to_json()
     return {{**result, 'timing': None}}
 
 

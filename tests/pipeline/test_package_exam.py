@@ -3,6 +3,7 @@
 import pytest
 
 from autograder.commands import run as run_command
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from tests.judgement.references import exercises
@@ -31,7 +32,7 @@ def result_of(folder):
     tasks = run_command.find_tasks(
         folder, run_command.exams_named('limiter', LAYOUT, False), LAYOUT
     )
-    ((_, result),) = run_command.run_tasks(tasks, strongest(), folder.parent / 'kept')
+    ((_, result),) = run_command.run_tasks(tasks, Engine(strongest(), folder.parent / 'kept'))
     return result
 
 

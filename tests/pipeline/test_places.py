@@ -10,7 +10,7 @@ from places_world import class_of_talkers, exam_of_a_talker, stable_facts, TALKE
 import pytest
 
 from autograder.errors import GraderError, TooBusy
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.grading.pipeline import end_runs, THREADS
 from autograder.runs import grading_folder as folders
 from autograder.runs import task as tasks
@@ -37,11 +37,11 @@ class Worker:
 def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
     """The recording is the same, whichever thread or worker runs the submission."""
     exam, sandbox = exam_of_a_talker(), strongest()
-    alone = [stable_facts(examine(exam, files, sandbox=sandbox)) for files in class_of_talkers()]
+    alone = [stable_facts(Engine(sandbox).run(exam, files)) for files in class_of_talkers()]
 
     with grading_folder(), ThreadPoolExecutor(3) as threads:
         runs = [
-            threads.submit(examine, exam, files, sandbox=sandbox, place=place)
+            threads.submit(Engine(sandbox, place=place).run, exam, files)
             for files in class_of_talkers()
             for place in (None, Worker())
         ]
@@ -110,12 +110,13 @@ def test_a_grading_that_is_stopped_ends_its_runs_and_records_nothing(tmp_path):
     seen = threading.Event()
     with ThreadPoolExecutor(1, thread_name_prefix=THREADS) as threads:
         run = threads.submit(
-            examine,
+            Engine(
+                strongest(),
+                tmp_path,
+                on_event=lambda event: event['event'] == 'message' and seen.set(),
+            ).run,
             exam_of_a_talker(),
             {'talker.py': BUSY},
-            sandbox=strongest(),
-            recordings=tmp_path,
-            on_event=lambda event: event['event'] == 'message' and seen.set(),
         )
         assert seen.wait(60)
         threads.shutdown(wait=False)

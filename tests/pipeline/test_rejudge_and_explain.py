@@ -22,7 +22,8 @@ from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Failed
 from autograder.gradebook.record import record
-from autograder.grading.pipeline import grade_class, load_lesson, SandboxEngine
+from autograder.grading.examine import Engine
+from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import discover
@@ -37,7 +38,7 @@ STUDENTS = (
 pytestmark = [pytest.mark.pipeline, pytest.mark.ros, pytest.mark.slow]
 
 
-class OneExam(SandboxEngine):
+class OneExam(Engine):
     """An engine with only the publisher's exam, so that no message is built."""
 
     def exams(self, assignment):

@@ -12,6 +12,7 @@ from autograder.authoring import sample_class
 from autograder.commands import OK
 from autograder.commands import run as run_command
 from autograder.errors import GraderError
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.tree import UnusableUploadError
@@ -181,7 +182,7 @@ class TestRuns:
         """Return the points of each visible exam, and its failed checks."""
         chosen = run_command.exams_named(exam, LAYOUT, hidden=False)
         tasks = run_command.find_tasks(path, chosen, LAYOUT)
-        done = run_command.run_tasks(tasks, strongest(), self.recordings)
+        done = run_command.run_tasks(tasks, Engine(strongest(), self.recordings))
         return {
             result.exam: (result.points, [check.cause for check in result.failed])
             for _, result in done
@@ -239,7 +240,7 @@ class TestRuns:
         (task,) = run_command.find_tasks(
             folder, run_command.exams_named('temperature_publisher', LAYOUT, hidden=False), LAYOUT
         )
-        ((_, result),) = run_command.run_tasks([task], strongest(), tmp_path / 'kept')
+        ((_, result),) = run_command.run_tasks([task], Engine(strongest(), tmp_path / 'kept'))
 
         assert result.failed[0].cause_id == cause_id
         assert result.points == 0

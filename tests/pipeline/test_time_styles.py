@@ -8,7 +8,7 @@ from contextlib import nullcontext
 
 import pytest
 
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.results import Verdict
 from autograder.sandboxes.choose import strongest
 from tests.attacks.corpus import early_limits
@@ -24,7 +24,7 @@ def lost(style: str, right: bool) -> list[str]:
     """Return the checks that a program fails."""
     exam, files = judged(style, right)
     with early_limits() if ENDS.get(style) == 'cpu_limit' else nullcontext():
-        result = examine(exam, files, sandbox=strongest())
+        result = Engine(strongest()).run(exam, files)
     return [one.check for one in result.checks if one.verdict is not Verdict.PASSED]
 
 

@@ -4,7 +4,7 @@ import importlib
 
 import pytest
 
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.sandboxes.choose import strongest
 
 NODE = """
@@ -101,7 +101,7 @@ PROGRAMS = [
 def test_program_gets_its_points_and_its_cause(name, body, points, causes):
     exam = importlib.import_module(f'tests.pipeline.usual_exams.{name}').exam
 
-    result = examine(exam, {f'{name}.py': NODE.format(name=name, body=body)}, sandbox=strongest())
+    result = Engine(strongest()).run(exam, {f'{name}.py': NODE.format(name=name, body=body)})
 
     assert {check.check: check.cause_id for check in result.failed} == causes
     assert result.points == points

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.sandboxes import isolation
 from autograder.sandboxes.sandbox import Sandbox
 from environment.places import Places, PROJECT
@@ -62,7 +62,7 @@ def test_prepare_sourced_prefix_builds_and_serves_later_shells(shell, places):
         PROJECT / 'tests' / 'submissions' / '03_topics' / 'pass__functions_style' / 'talker.py'
     )
     sandbox = Sandbox(isolation.full(os.geteuid() == 0), ros)
-    result = examine(exam, {'talker.py': solution.read_text()}, sandbox=sandbox)
+    result = Engine(sandbox).run(exam, {'talker.py': solution.read_text()})
     assert result.points == exam.max_points, result
 
 

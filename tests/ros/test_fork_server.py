@@ -12,7 +12,7 @@ import pytest
 from autograder.clock.virtual_clock import virtual_clock
 from autograder.errors import ProbeFailed
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.results import ExamResult
 from autograder.sandboxes import fork_server
 from autograder.sandboxes.choose import strongest
@@ -29,8 +29,8 @@ ANSWER = Path('tests/submissions/03_topics/pass__functions_style/talker.py')
 
 def graded() -> ExamResult:
     """Examine a correct talker."""
-    return examine(
-        catalog.load('talker'), {'talker.py': ANSWER.read_text('utf-8')}, sandbox=strongest()
+    return Engine(strongest()).run(
+        catalog.load('talker'), {'talker.py': ANSWER.read_text('utf-8')}
     )
 
 

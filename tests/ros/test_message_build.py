@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.sandboxes import landlock
 from autograder.sandboxes.sandbox import HERE, Sandbox
@@ -102,7 +102,7 @@ def test_weaker_modes_build_too(mode, tmp_path):
         pytest.skip(refused)
     exam = catalog.load('temperature_message', hidden=False)
     files = files_of(Layout.here(), exam, solved=True)
-    result = examine(exam, files, sandbox=Sandbox(mode), recordings=tmp_path, fresh=True)
+    result = Engine(Sandbox(mode), tmp_path, fresh=True).run(exam, files)
 
     assert result.points == result.max_points
 

@@ -9,7 +9,7 @@ import pytest
 
 from autograder.errors import GraderError, ProbeFailed, SandboxUnavailable
 from autograder.exam import catalog
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.runs import observe
 from autograder.sandboxes import forked
 from autograder.sandboxes import sandbox as sandboxes
@@ -38,7 +38,7 @@ def test_a_sandbox_that_is_never_complete_is_our_fault(monkeypatch):
     monkeypatch.setattr(sandboxes, 'READY', FAILS)
 
     with pytest.raises(SandboxUnavailable, match='bubblewrap refused: no loopback'):
-        examine(catalog.load('talker'), {'talker.py': ''}, sandbox=strongest())
+        Engine(strongest()).run(catalog.load('talker'), {'talker.py': ''})
 
 
 def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch):
@@ -46,7 +46,7 @@ def test_a_sandbox_that_ends_before_the_program_begins_is_our_fault(monkeypatch)
     monkeypatch.setattr(forked, 'LAUNCHER', FAILS)
 
     with pytest.raises(GraderError, match=r'not be confined|before the program began|refused'):
-        examine(catalog.load('talker'), {'talker.py': ''}, sandbox=strongest())
+        Engine(strongest()).run(catalog.load('talker'), {'talker.py': ''})
 
 
 def test_a_program_that_was_never_let_begin_is_not_one_without_a_node(monkeypatch):

@@ -8,7 +8,7 @@ import pytest
 
 from autograder.errors import GraderError, ProbeFailed
 from autograder.explaining.feedback import headline
-from autograder.grading.pipeline import grade_class, grade_notebook, Lesson
+from autograder.grading.pipeline import grade_class, grade_opened, Lesson, open_one
 from autograder.results import CheckResult, ExamResult, Verdict
 from autograder.submission.inbox import Submission
 from autograder.submission.notebook import Notebook
@@ -175,7 +175,8 @@ def test_ctrl_c_starts_nothing_new():
 
 
 def test_one_notebook_is_graded_the_same_way():
-    """The bytes of a notebook are enough to grade it without a class."""
-    result = grade_notebook(handed_in('ann', 'right').data, LESSON, 'ann', FakeEngine())
+    """A notebook can be graded without a class."""
+    opened = open_one(handed_in('ann', 'right'), LESSON)
+    result = grade_opened(opened, 'ann', LESSON, FakeEngine())
 
     assert (result.student, result.points, result.max_points) == ('ann', 2.0, 2)

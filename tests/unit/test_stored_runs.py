@@ -8,7 +8,7 @@ import pytest
 from autograder.errors import ProbeFailed
 from autograder.exam.exam import Exam
 from autograder.exam.scenario import Scenario
-from autograder.grading.examine import examine
+from autograder.grading.examine import Engine
 from autograder.recording import header, Recording
 from autograder.runs import stored_runs as module
 from autograder.runs.stored_runs import _load_or_run
@@ -125,8 +125,8 @@ FILES = {'talker.py': 'x = 1'}
 
 def test_how_long_a_run_took_is_kept_with_it(exam, tmp_path):
     """A recording contains its duration and versions, and a rerun does not change them."""
-    first = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
-    again = examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+    first = Engine(SANDBOX, tmp_path).run(exam, FILES)
+    again = Engine(SANDBOX, tmp_path).run(exam, FILES)
 
     stored = Recording.load(tmp_path / 'talker' / first.recording)
     assert stored.header['run_s'] == first.timing['run_s'] == 1.25
@@ -146,7 +146,7 @@ def test_a_failed_run_is_neither_repeated_nor_stored(exam, tmp_path, monkeypatch
 
     monkeypatch.setattr(module, 'observe', fails)
     with pytest.raises(ProbeFailed):
-        examine(exam, FILES, sandbox=SANDBOX, recordings=tmp_path)
+        Engine(SANDBOX, tmp_path).run(exam, FILES)
 
     assert len(runs) == 1
     assert not list(tmp_path.rglob('*.jsonl'))
