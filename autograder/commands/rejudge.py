@@ -38,6 +38,7 @@ from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult
+from autograder.runs.stored_runs import files_digest
 from autograder.submission.extract import with_reasons
 from autograder.submission.inbox import discover, Submission
 
@@ -73,6 +74,8 @@ gradebook that are, or would be, lowered or cleared.  In each of the ``submissio
 lists the checks whose verdict, points or maximum have changed, and ``kept`` says why the old
 points are kept; it is empty if all exams were judged again.
 """
+Known = dict[tuple[Any, ...], tuple[ExamResult | None, str]]
+"""Outcomes of :func:`judge_again`, by exam, digest of the files, recording and isolation mode."""
 
 
 def rejudge_command(
@@ -119,9 +122,10 @@ def rejudge(
     began = time.perf_counter()
     class_ = discover(submitted, lesson.assignment, lesson.notebook, layout.assignments())
     there = {one.student: one for one in class_}
+    known: Known = {}
     rows, results, new = [], [], []
     for before in last.results:
-        found = _rejudged(layout, lesson, before, there.get(before.student))
+        found = _rejudged(layout, lesson, before, there.get(before.student), known)
         after = before if isinstance(found, str) else found.result
         if isinstance(found, Graded):
             new.append(found)
@@ -143,7 +147,11 @@ def rejudge(
 
 
 def _rejudged(
-    layout: Layout, lesson: Lesson, before: SubmissionResult, submission: Submission | None
+    layout: Layout,
+    lesson: Lesson,
+    before: SubmissionResult,
+    submission: Submission | None,
+    known: Known,
 ) -> Graded | str:
     """Judge the files of one student again, or return why that is impossible."""
     if submission is None:
@@ -152,8 +160,12 @@ def _rejudged(
     files, old = lesson.files(opened), {exam.exam: exam for exam in before.exams}
     results = []
     for exam in lesson.exams:
-        theirs = files[exam.name].files
-        result, kept = judge_again(layout.recordings, exam, theirs, old.get(exam.name))
+        theirs, last = files[exam.name].files, old.get(exam.name)
+        # Equal files get equal verdicts, so an untouched stub is judged once for the whole class.
+        key = exam.name, files_digest(theirs), (last.recording, last.mode) if last else None
+        if key not in known:
+            known[key] = judge_again(layout.recordings, exam, theirs, last)
+        result, kept = known[key]
         if result is None:
             return f'{exam.name}: {kept}'
         results.append(result)
