@@ -44,12 +44,9 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     results: dict[str, CheckResult] = {}
     blocked: set[str] = set()
     for check in exam.checks:
-        if check.static:
-            results[check.name] = _judge_one(exam, check, nothing, results, blocked)
-        elif blocked & set(check.needs):
-            blocked.add(check.name)
-        else:
+        if not check.static and blocked.isdisjoint(check.needs):
             return True
+        results[check.name] = _judge_one(exam, check, nothing, results, blocked)
     return False
 
 

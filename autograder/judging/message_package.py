@@ -21,7 +21,7 @@ from autograder.judging.causes.builds import (
     why_no_messages,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
-from autograder.judging.causes.text_table import cause_of, rows_of
+from autograder.judging.causes.text_table import cause_of, FOLDER, rows_of
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""
@@ -114,32 +114,7 @@ def _bound_of(wanted: str) -> str:
     return 'The table has no bound'
 
 
-_DECLARATIONS = """
-<buildtool_depend>ament_cmake</buildtool_depend>
-buildtool_depend
-ament_cmake builds this package, and must be installed first.
-
-<buildtool_depend>rosidl_default_generators</buildtool_depend>
-buildtool_depend|build_depend|depend
-The generators turn the .msg file into code while the package is built.
-
-<depend>builtin_interfaces</depend>
-depend|build_depend exec_depend
-Time is a type from builtin_interfaces, which the build and users of the message need.
-
-<exec_depend>rosidl_default_runtime</exec_depend>
-exec_depend|depend
-Programs that use the message need the runtime for generated code.
-
-<member_of_group>rosidl_interface_packages</member_of_group>
-member_of_group
-This group tells ROS 2 that the package has messages.
-"""
-"""
-Rows of three lines: a declaration that ``package.xml`` needs (REP 149), valid tags, the reason.
-
-``|`` separates alternative tags; an alternative with a space needs both of its tags.
-"""
+_DECLARATIONS = (FOLDER / 'of_manifests.txt').read_text(encoding='utf-8')
 _BUILD_TYPES = {
     'ament_cmake': 'Only packages of type ament_cmake can have messages.',
     'ament_python': 'This type tells colcon to build the package with setup.py.',
@@ -154,7 +129,7 @@ def require_declarations(
 
     :param text: content of a package.xml
     :param package: required name of the package
-    :param needed: rows as in ``_DECLARATIONS``, by default those for a message package
+    :param needed: rows as in ``of_manifests.txt``, by default those for a message package
     """
     try:
         root = ElementTree.fromstring(text)  # noqa: S314 - expat rejects XML bombs

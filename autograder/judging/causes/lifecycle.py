@@ -5,33 +5,12 @@ rclpy swallows exceptions in transition callbacks: there is no log line and no t
 functions read the code.  Like all explanations, they never affect a verdict.
 """
 
-import ast
-
 from autograder.exam.exam import Cause, Run
-from autograder.judging.causes.ended import why_no_method, why_no_verdict
+from autograder.judging.causes.ended import why_no_method
 from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.unknown_names import homes
 from autograder.submission.code.acts import place_of
 from autograder.submission.code.source_code import Code
-
-READ_ONCE = cause_of('read_once')
-SILENT_REFUSAL = cause_of('silent_refusal')
-NO_PARAMETER = cause_of('no_parameter')
-WRONG_DEFAULT = cause_of('wrong_default')
-LET_THROUGH = cause_of('let_through')
-ERROR_NOT_FAILURE = cause_of('error_not_failure')
-
-
-def why_accepted(run: Run) -> Cause:
-    """Explain a configuration that succeeded although the limit was not above zero."""
-    if why := why_no_verdict(run):
-        return why
-    declared = Code(run.files).calls.get('declare_parameter', ())
-    defaults = (call.args[1] for call in declared if len(call.args) > 1)
-    values = (one.value for one in defaults if isinstance(one, ast.Constant))
-    if any(isinstance(value, (int, float)) and value > 0 for value in values):
-        return WRONG_DEFAULT
-    return LET_THROUGH
 
 
 def why_refused(run: Run, name: str, again: bool = False) -> Cause:
