@@ -93,14 +93,13 @@ class Slip(Cause):
         self,
         cause_id: str,
         text: str,
-        try_this: str,
+        fix: str,
         *rules: Rule,
-        act: str = '',
-        closer: Sequence[Cause] = (),
         sometimes: bool = False,
+        **more: Any,
     ) -> None:
-        """Create a slip from a cause and its rules."""
-        super().__init__(cause_id, text, try_this, act=act, closer=closer)
+        """Create a slip from its rules, its sentences and other fields of a cause."""
+        super().__init__(cause_id, text, fix, **more)
         object.__setattr__(self, 'rules', rules)
         object.__setattr__(self, 'sometimes', sometimes)
 
