@@ -14,10 +14,9 @@ import xml.etree.ElementTree as ElementTree
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.words import rows
 from autograder.judging.causes.builds import (
-    build_cause,
     diagnose,
-    Diagnosis,
     output_of,
+    why_build_failed,
     why_no_messages,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
@@ -219,8 +218,8 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def mistake_in_build(run: Run) -> Diagnosis:
-    """Return the diagnosis of a failed build, from the output of the tools."""
+def mistake_in_build(run: Run) -> Cause:
+    """Return why a build failed, from the output of the tools, see :func:`diagnose`."""
     output = output_of(run)
     built = 'Traceback' in output and 'echo_node.py' in output
     return why_no_messages(output, run.files) if built else diagnose(output, run.files)
@@ -229,4 +228,6 @@ def mistake_in_build(run: Run) -> Diagnosis:
 def why_no_build(run: Run) -> Cause:
     """Explain why no message of a package arrived, from the way its build ended."""
     killed = str(run.recording.process.get('killed', ''))
-    return why_killed(killed, 'build') if killed in LIMITS else build_cause(mistake_in_build(run))
+    if killed in LIMITS:
+        return why_killed(killed, 'build')
+    return why_build_failed(mistake_in_build(run))

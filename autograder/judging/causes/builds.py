@@ -10,28 +10,10 @@ from dataclasses import replace
 import json
 from pathlib import Path
 import re
-from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.text_table import cause_of, Row, rows_of
 from autograder.judging.causes.tracebacks import traceback_of
-
-
-class Diagnosis(NamedTuple):
-    """
-    The reason why a build failed.
-
-    :param cause: short stable name, empty if the mistake is not in the table
-    :param error: the decisive line
-    :param advice: one line about what to change
-    :param where: file and, if known, line
-    """
-
-    cause: str
-    error: str
-    advice: str
-    where: str
-
 
 _CMAKE = re.compile(
     r'^CMake Error (?:at|in) (?P<place>CMakeLists\.txt(?::\d+)?)?[^\n]*\n'
@@ -51,18 +33,8 @@ NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
 """Start of the line from ``inside/run_package.py``, which imports nothing from the project."""
 
-MISSING_AMENT_PACKAGE = Diagnosis(
-    'missing_ament_package',
-    'The package was built, but ROS 2 cannot find it: it was not registered.',
-    'Make ament_package() the last line of CMakeLists.txt.',
-    'CMakeLists.txt',
-)
-NO_MESSAGES = Diagnosis(
-    'no_messages',
-    'The package was built without a message.',
-    'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Name.msg" ...) in this file.',
-    'CMakeLists.txt',
-)
+MISSING_AMENT_PACKAGE = cause_of('missing_ament_package')
+NO_MESSAGES = cause_of('no_messages')
 
 
 def output_of(run: Run) -> str:
@@ -70,14 +42,9 @@ def output_of(run: Run) -> str:
     return ''.join(str(run.recording.process.get(name, '')) for name in ('stderr', 'stdout'))
 
 
-def build_cause(found: Diagnosis) -> Cause:
-    """Return the cause of a failed build; its text begins with the file and line."""
-    if not found.cause:
-        advice = 'Build the package yourself and read the first error.'
-        return Cause('build', f'colcon stops: {found.error}', advice)
-    known = not found.where or found.error.startswith(found.where)
-    place = '' if known else f'{found.where}: '
-    return Cause(found.cause, f'{place}{found.error}', found.advice)
+def why_build_failed(found: Cause) -> Cause:
+    """Return a cause from :func:`diagnose`, or the first error of the build if it is unknown."""
+    return found if found.cause_id else cause_of('build', error=found.text)
 
 
 def texts_of(folder: Path) -> dict[str, str]:
@@ -94,9 +61,11 @@ def texts_of(folder: Path) -> dict[str, str]:
     }
 
 
-def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
+def diagnose(output: str, files: Mapping[str, str]) -> Cause:
     """
-    Return the diagnosis of a failed build.
+    Return why a build failed; the text begins with the file and, if known, the line.
+
+    If the mistake is not in the tables, the cause has no name, and its text is the decisive line.
 
     :param output: everything that the build printed; untrusted
     :param files: files of the package, relative path to text, in which to find the mistake
@@ -105,19 +74,20 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     for row in mistakes(python='setup.py' in files):
         if match := re.search(row.when, text):
             groups = match.groupdict()
-            error, advice = row.text.format(**groups), row.try_this.format(**groups)
-            return Diagnosis(row.cause_id, error, advice, _where(row, groups, files))
-    return Diagnosis('', _decisive_line(output), 'Read the log, above all its first error.', '')
+            found, where = row.cause(**groups), _where(row, groups, files)
+            known = not where or found.text.startswith(where)
+            return found if known else replace(found, text=f'{where}: {found.text}')
+    return Cause('', _decisive_line(output), 'Read the log, above all its first error.')
 
 
-def why_no_messages(output: str, files: Mapping[str, str]) -> Diagnosis:
+def why_no_messages(output: str, files: Mapping[str, str]) -> Cause:
     """
     Return why a package that was built has no messages that a program can use.
 
     The parameters are those of :func:`diagnose`.
     """
     found = diagnose(output, files)
-    return found if found.cause else NO_MESSAGES
+    return found if found.cause_id else NO_MESSAGES
 
 
 def mistakes(python: bool) -> list[Row]:
@@ -180,7 +150,7 @@ def why_no_program(run: Run) -> Cause | None:
     """Return why a package has no program to run; None if it has one or is not required."""
     code = run.recording.process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
-        return build_cause(diagnose(output_of(run), run.files))
+        return why_build_failed(diagnose(output_of(run), run.files))
     if code == NO_EXECUTABLE:
         return _why_no_executable(run)
     return _why_no_entry(run) if code else None
