@@ -220,7 +220,7 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
 
 def mistake_in_build(run: Run) -> Cause:
     """Return why a build failed, from the output of the tools, see :func:`diagnose`."""
-    output = output_of(run)
+    output = output_of(run.recording)
     built = 'Traceback' in output and 'echo_node.py' in output
     return why_no_messages(output, run.files) if built else diagnose(output, run.files)
 

@@ -5,7 +5,7 @@ The tables ``of_builds.txt`` and ``of_python_builds.txt`` list mistakes that lea
 package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, colcon, CMake).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 import json
 from pathlib import Path
@@ -14,6 +14,7 @@ import re
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.text_table import cause_of, Row, rows_of
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.recording import Recording
 
 _CMAKE = re.compile(
     r'^CMake Error (?:at|in) (?P<place>CMakeLists\.txt(?::\d+)?)?[^\n]*\n'
@@ -37,9 +38,9 @@ MISSING_AMENT_PACKAGE = cause_of('missing_ament_package')
 NO_MESSAGES = cause_of('no_messages')
 
 
-def output_of(run: Run) -> str:
+def output_of(recording: Recording) -> str:
     """Return everything that a program or a build printed."""
-    return ''.join(str(run.recording.process.get(name, '')) for name in ('stderr', 'stdout'))
+    return ''.join(str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
 
 
 def why_build_failed(found: Cause) -> Cause:
@@ -109,16 +110,22 @@ def _where(row: Row, groups: Mapping[str, str], files: Mapping[str, str]) -> str
     if place.startswith('#'):
         return f'{name}, line {place[1:]}'
     messages = sorted(path for path in files if path.startswith('msg/'))
-    for path in messages if name == 'msg' else [name]:
-        for number, line in enumerate(files.get(path, '').splitlines(), 1):
-            if name == 'CMakeLists.txt':
-                line = line.partition('#')[0]  # the lesson's comments name the commands too
-            if place and place in f' {" ".join(line.split())} ':
-                return f'{path}, line {number}'
-    return '' if name == 'msg' else name
+    names = messages if name == 'msg' else [name]
+    found = _line_with(re.compile(re.escape(place)), files, names) if place else ''
+    return found or ('' if name == 'msg' else name)
 
 
 _NO_PLACE = ('', 'CMakeLists.txt')
+
+
+def _line_with(pattern: re.Pattern[str], files: Mapping[str, str], names: Iterable[str]) -> str:
+    """Return the first file and line with a match outside comments; empty if there is none."""
+    for name in names:
+        for number, line in enumerate(files.get(name, '').splitlines(), 1):
+            # The lesson's comments name the commands too.
+            if pattern.search(f' {" ".join(line.partition("#")[0].split())} '):
+                return f'{name}, line {number}'
+    return ''
 
 
 def _decisive_line(output: str) -> str:
@@ -150,7 +157,7 @@ def why_no_program(run: Run) -> Cause | None:
     """Return why a package has no program to run; None if it has one or is not required."""
     code = run.recording.process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
-        return why_build_failed(diagnose(output_of(run), run.files))
+        return why_build_failed(diagnose(output_of(run.recording), run.files))
     if code == NO_EXECUTABLE:
         return _why_no_executable(run)
     return _why_no_entry(run) if code else None
@@ -167,17 +174,9 @@ def _why_no_entry(run: Run) -> Cause | None:
         return cause_of('no_modules', **words)
     kind = 'entry_point_module' if found['module'] else 'entry_point_function'
     why = cause_of('entry_point_without_function' if found['called'] else kind, **words)
-    return replace(why, text=f'{_place_of_entry(run)}{why.text}')
-
-
-def _place_of_entry(run: Run) -> str:
-    """Return file and line of an entry point, as the beginning of a message; empty if unknown."""
     entry = re.compile(rf'\b{re.escape(run.facts["executable"])}\s*=\s*[\w.]')
-    for name in ('setup.py', 'setup.cfg'):
-        for number, line in enumerate(run.files.get(name, '').splitlines(), 1):
-            if entry.search(line.partition('#')[0]):
-                return f'{name}, line {number}: '
-    return ''
+    place = _line_with(entry, run.files, ['setup.py', 'setup.cfg'])
+    return replace(why, text=f'{place}: {why.text}') if place else why
 
 
 def _why_no_executable(run: Run) -> Cause:

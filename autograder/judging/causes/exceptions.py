@@ -77,29 +77,9 @@ WANTED = {
 
 def exception_cause(trace: Traceback) -> Cause:
     """Return the cause of an exception."""
-    for explain in _IN_ORDER:
-        if cause := explain(trace):
-            elsewhere = cause.cause_id in _IN_A_FILE
-            return replace(cause, line=cause.line or (None if elsewhere else trace.place))
-    text = f'An exception was raised: {trace.error}'
-    return Cause('exception', text, _how_to_find(trace), line=trace.place)
-
-
-def _how_to_find(trace: Traceback) -> str:
-    """Return how to find the reason for an exception, because feedback shows no traceback."""
-    code = trace.code[:100]
-    if trace.spun or not code:
-        return 'Start the node in a cell: the traceback shows the lines that led to the exception.'
-    if re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
-        return (
-            'Your code catches the exception and raises it again: remove the line with only raise.'
-        )
-    if code.startswith('raise'):
-        return (
-            f'Your own line raises the exception: {code}. An exception that leaves a callback '
-            'ends the program: catch it in the callback, or log the problem and return.'
-        )
-    return f'Look at that line: {code}'
+    cause = next(filter(None, (explain(trace) for explain in _IN_ORDER)))
+    elsewhere = cause.cause_id in _IN_A_FILE
+    return replace(cause, line=cause.line or (None if elsewhere else trace.place))
 
 
 def _known_cause(trace: Traceback) -> Cause | None:
@@ -248,6 +228,18 @@ def _take_the_field(kind: str, trace: Traceback) -> Cause:
     return cause_of('several_fields', kind=kind, show=_show(kind, package))
 
 
+def _other_cause(trace: Traceback) -> Cause:
+    """Explain how to find the reason for an exception, because feedback shows no traceback."""
+    code = trace.code[:100]
+    if trace.spun or not code:
+        situation = 'exception_elsewhere'
+    elif re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
+        situation = 'exception_raised_again'
+    else:
+        situation = 'own_exception' if code.startswith('raise') else 'exception'
+    return cause_of(situation, error=trace.error, code=code)
+
+
 _IN_A_FILE = ('no_parameter_file', 'parameter_file')
 """Causes that are not in the line that raises the exception."""
 _IN_ORDER = (
@@ -260,4 +252,5 @@ _IN_ORDER = (
     _no_field_cause,
     _whole_message_cause,
     _attribute_cause,
+    _other_cause,
 )

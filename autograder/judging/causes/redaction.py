@@ -52,13 +52,9 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
         text = re.sub(rf'/?{space}/(?=\w)', '', text)
         return text.replace(space, '…')  # random letters: no other word contains them
 
-    return replace(
-        check,
-        expected=redact(check.expected),
-        observed=redact(check.observed),
-        cause=redact(check.cause),
-        try_this=redact(check.try_this),
-    )
+    shown = ('expected', 'observed', 'cause', 'try_this')
+    texts: dict[str, Any] = {name: redact(getattr(check, name)) for name in shown}
+    return replace(check, **texts)
 
 
 def safe_quotation(run: Run, text: str, instead: str) -> str:

@@ -103,11 +103,6 @@ def _destroyed_first(code: Code) -> bool:
     return len(at) == 2 and at[0] < at[1]
 
 
-def _creates_node(code: Code) -> bool:
-    made = (name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls)
-    return any(made)
-
-
 _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'catches_all': lambda code: any(find(one, 'catch_all') for one in code.programs),
     'chooses_domain': lambda code: (
@@ -124,7 +119,9 @@ _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'counted_spins': lambda code: any(
         find(one, 'for:spin_once()') and not find(one, 'while') for one in code.programs
     ),
-    'creates_node': _creates_node,
+    'creates_node': lambda code: any(
+        name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls
+    ),
     'has_callbacks': _has_callbacks,
     'main_unused': _main_unused,
     'destroyed_first': _destroyed_first,
