@@ -6,7 +6,7 @@ The functions are bodies of checks, as in :mod:`autograder.judging.checks`, for 
 from the output of the tools.  All of this input is untrusted.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 import re
 import xml.etree.ElementTree as ElementTree
@@ -140,11 +140,7 @@ def require_declarations(
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
     declarations = rows(needed)
-    missing = {
-        line: _why_not_declared(line, have, why)
-        for line, ways, why in declarations
-        if not any({(tag, _named(line)) for tag in way.split()} <= have for way in ways.split('|'))
-    }
+    missing = _undeclared(declarations, have)
     name, kind = root.findtext('name', '').strip(), root.findtext('export/build_type', '').strip()
     if name != package:
         missing = {f'<name>{package}</name>': f'The package is called {name[:40]!r}.', **missing}
@@ -162,16 +158,19 @@ def require_declarations(
         )
 
 
-def _named(line: str) -> str:
-    """Return the text between the tags of an element."""
-    return line.partition('>')[2].partition('<')[0]
-
-
-def _why_not_declared(line: str, have: set[tuple[str, str]], why: str) -> str:
-    for tag, name in sorted(have):
-        if name == _named(line):
-            return f'{name} is declared with <{tag[:40]}>, which has a different meaning. {why}'
-    return why
+def _undeclared(
+    declarations: Iterable[Sequence[str]], have: set[tuple[str, str]]
+) -> dict[str, str]:
+    """Return the missing declarations, each with the reason why it is needed."""
+    missing = {}
+    for line, ways, why in declarations:
+        needed = ElementTree.fromstring(line).text or ''
+        if any({(tag, needed) for tag in way.split()} <= have for way in ways.split('|')):
+            continue
+        for tag in sorted(tag for tag, name in have if name == needed)[:1]:
+            why = f'{needed} is declared with <{tag[:40]}>, which has a different meaning. {why}'
+        missing[line] = why
+    return missing
 
 
 def require_registered(text: str) -> None:

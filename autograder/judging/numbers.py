@@ -104,8 +104,5 @@ def why_not_numbered(
     if all(number >= due for number in set(numbers) - set(whole_numbers_in(before))):
         situation = 'wrong_step' if place else 'begins_later'
         return cause_of(situation, due=due, number=numbers[0], repair=COUNT_IN)
-    words: dict[str, Any] = {'count': due - 1, 'repair': COUNT_IN}
-    words['when'] = f' Just then, {when}.' if when else ''
-    acts = {'set_again': 'recount', 'remainder': 'wrapped_count', 'cycles': 'cycle()'}
-    closer = [cause_of(situation, **words, act=act) for situation, act in acts.items()]
-    return cause_of('begins_again', **words, closer=closer)
+    moment = f' Just then, {when}.' if when else ''
+    return cause_of('begins_again', count=due - 1, when=moment, repair=COUNT_IN)

@@ -4,6 +4,7 @@ import pytest
 
 from autograder.judging.causes.builds import (
     diagnose,
+    MISSING_AMENT_PACKAGE,
     NO_MESSAGES,
     texts_of,
     why_no_messages,
@@ -175,6 +176,12 @@ def test_libraries_named_after_the_package_have_the_right_target():
     output = PRINTED['target_name'].replace('export_temp__', 'export_temp_monitor_pkg__')
 
     assert why_no_messages(output, {}) == NO_MESSAGES
+
+
+def test_cause_of_an_unregistered_package_names_its_file():
+    """No tool reports this mistake, so no output shows it."""
+    assert MISSING_AMENT_PACKAGE.cause_id == 'missing_ament_package'
+    assert MISSING_AMENT_PACKAGE.text.startswith('CMakeLists.txt: ')
 
 
 def test_line_numbers_of_cmake_are_kept():
