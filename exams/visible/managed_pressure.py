@@ -21,8 +21,12 @@ from autograder.exam.slips import Compare, CUTS, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, feeds, Mark, Qos, set_parameters, state, transition
 from autograder.exam.words import Causes
-from autograder.judging.causes.ended import why_no_endpoint, why_no_verdict, why_silent
-from autograder.judging.causes.lifecycle import why_refused
+from autograder.judging.causes.ended import (
+    why_no_endpoint,
+    why_no_verdict,
+    why_refused,
+    why_silent,
+)
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, lines, own_logs, require_answers
 from autograder.judging.claims import node

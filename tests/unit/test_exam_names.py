@@ -25,7 +25,6 @@ SHARED = (
     'causes/by_exception.txt',
     'causes/ended.py',
     'causes/exceptions.py',
-    'causes/lifecycle.py',
     'causes/of_builds.txt',
     'checks.py',
 )

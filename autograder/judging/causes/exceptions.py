@@ -21,8 +21,6 @@ from autograder.judging.causes.unknown_names import (
 )
 from autograder.layout import Layout
 
-__all__ = ['exception_cause']
-
 _ARGUMENTS = re.compile(
     r'(?P<callee>[\w.<>]{1,120})\(\) (?P<said>takes .*given|(?P<missing>missing) .*|'
     r"got an unexpected keyword argument '\w{1,60}')"
