@@ -26,6 +26,8 @@ SHARED = (
     'causes/ended.py',
     'causes/exceptions.py',
     'causes/of_builds.txt',
+    'causes/of_calls.txt',
+    'causes/of_values.txt',
     'checks.py',
 )
 """Modules and tables with advice for any exam; all others explain one exercise."""
