@@ -104,9 +104,8 @@ def explain(error: str | BaseException | None = None) -> None:
     if found or advice:
         return
     diagnosis = diagnose(text, texts_of(learner_package().folder))
-    if diagnosis.cause:
-        place = f'{diagnosis.where}: ' if diagnosis.where else ''
-        print(_paragraph(place + diagnosis.error, diagnosis.advice, 'Part 6: Building'))
+    if diagnosis.cause_id:
+        print(_paragraph(diagnosis.text, diagnosis.try_this, 'Part 6: Building'))
         return
     unknown = 'Not in the gallery: '
     print(unknown + textwrap.shorten(text, _WIDTH - len(unknown), placeholder=' ...'))

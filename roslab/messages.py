@@ -18,9 +18,9 @@ import re
 import shutil
 import sys
 
+from autograder.exam.exam import Cause
 from autograder.judging.causes.builds import (
     diagnose,
-    Diagnosis,
     MISSING_AMENT_PACKAGE,
     texts_of,
     why_no_messages,
@@ -69,7 +69,7 @@ class BuildReport:
     ok: bool
     messages: tuple[str, ...] = ()
     seconds: float = 0.0
-    diagnosis: Diagnosis | None = None
+    diagnosis: Cause | None = None
     restart: bool = False
     log: Path | None = None
 
@@ -78,11 +78,10 @@ class BuildReport:
 
     def __str__(self) -> str:
         if self.diagnosis is not None:
-            place = f'{self.diagnosis.where}: ' if self.diagnosis.where else ''
             log = f'\n  Complete output: {self.log}' if self.log else ''
             return (
-                f'{self.package} was not built.\n  {place}{self.diagnosis.error}\n'
-                f'  Try: {self.diagnosis.advice}{log}'
+                f'{self.package} was not built.\n  {self.diagnosis.text}\n'
+                f'  Try: {self.diagnosis.try_this}{log}'
             )
         how = f'built in {self.seconds:.1f} s' if self.seconds else 'unchanged, nothing to build'
         use = f'Ready: from {self.package}.msg import {", ".join(self.messages)}'
@@ -139,7 +138,7 @@ def _package(package_dir: str | Path | None) -> LearnerPackage:
     return package
 
 
-def _failed(package: LearnerPackage, diagnosis: Diagnosis, log: Path | None = None) -> BuildReport:
+def _failed(package: LearnerPackage, diagnosis: Cause, log: Path | None = None) -> BuildReport:
     return BuildReport(package.name, False, diagnosis=diagnosis, log=log)
 
 
@@ -150,7 +149,7 @@ def _unfinished(package: LearnerPackage) -> BuildReport | None:
         return None
     advice = 'replace YOUR CODE HERE in its cell and run the cell again.'
     error = f'{" and ".join(files)}: not written yet.'
-    return _failed(package, Diagnosis('unfinished', error, advice, ''))
+    return _failed(package, Cause('unfinished', error, advice))
 
 
 def _built(package: LearnerPackage) -> BuildReport:
@@ -188,10 +187,10 @@ def build_variables() -> dict[str, str]:
     return {**kept, **ros.base_variables}
 
 
-def _failure(outcome: run_command.Outcome, package: LearnerPackage) -> Diagnosis:
+def _failure(outcome: run_command.Outcome, package: LearnerPackage) -> Cause:
     if outcome.returncode is None:
         error = f'The build did not end within {_DEADLINE_S:.0f} s.'
-        return Diagnosis('deadline', error, 'run the cell again.', '')
+        return Cause('deadline', error, 'run the cell again.')
     return diagnose(outcome.output, texts_of(package.folder))
 
 
@@ -240,7 +239,7 @@ def _generator(variables: dict[str, str]) -> tuple[str, ...]:
     return ('-GNinja',) if shutil.which('ninja', path=variables.get('PATH')) else ()
 
 
-def _lacking(outcome: run_command.Outcome, package: LearnerPackage) -> Diagnosis | None:
+def _lacking(outcome: run_command.Outcome, package: LearnerPackage) -> Cause | None:
     """Return what is missing after a build that succeeded."""
     needed = [_site_packages(package) / 'msg' / '__init__.py', *_libraries(package)]
     if not all(map(Path.is_file, needed)):

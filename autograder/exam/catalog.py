@@ -17,37 +17,26 @@ from autograder.exam.inputs import another_secret
 from autograder.layout import Layout
 
 
-@cache
-def _import_package() -> None:
-    """
-    Import the package of the exams from the root of the course.
-
-    :raises ExamInvalid: if there is no such package
-    """
-    root = str(Layout.here().root)
-    sys.path.insert(0, root)
-    try:
-        importlib.import_module('exams')
-    except ModuleNotFoundError as error:
-        raise ExamInvalid(
-            f'{root}: this course has no exams: {error}.', 'Try: create one with new-exam'
-        ) from error
-
-
 def names(hidden: bool = True) -> tuple[str, ...]:
     """
     Return the names of all hidden or all visible exams.
 
     :raises ExamInvalid: if this copy of the course does not contain them
     """
-    _import_package()
+    root, folder = str(Layout.here().root), _folder(hidden)
+    if sys.path[:1] != [root]:
+        sys.path.insert(0, root)
     try:
-        package = importlib.import_module(f'exams.{_folder(hidden)}')
-    except ModuleNotFoundError:
+        package = importlib.import_module(f'exams.{folder}')
+    except ModuleNotFoundError as error:
+        if error.name == f'exams.{folder}':
+            raise ExamInvalid(
+                'The hidden exams are not part of this copy of the course.',
+                'Grading needs the full project; visible checks work without it.',
+            ) from None
         raise ExamInvalid(
-            'The hidden exams are not part of this copy of the course.',
-            'Grading needs the full project; visible checks work without it.',
-        ) from None
+            f'{root}: this course has no exams: {error}.', 'Try: create one with new-exam'
+        ) from error
     return tuple(module.name for module in pkgutil.iter_modules(package.__path__))
 
 

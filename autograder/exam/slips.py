@@ -22,15 +22,7 @@ Compare = Callable[[float, float], bool]
 WHY = Causes(__file__)
 REPEATED = WHY['repeated_warning']
 SKIPS_EQUAL = WHY['skips_equal']
-MISSED_WARNING = WHY['missed_warning']
-FALSE_ALARM = WHY['false_alarm']
 NO_WARNING = WHY['no_warning']
-NO_ANSWER = WHY['no_answer']
-LEAVES_OUT = WHY['leaves_out']
-UNASKED = WHY['speaks_unasked']
-RUNS_EARLY = WHY['runs_early']
-SEVERAL_ANSWERS = WHY['several_answers']
-MISSES_SOME = WHY['misses_some']
 CUTS: tuple[Callable[[float], float], ...] = (
     *(math.trunc, round),
     *(lambda value: round(value, 1), lambda value: round(value, 2)),

@@ -93,14 +93,13 @@ class Slip(Cause):
         self,
         cause_id: str,
         text: str,
-        try_this: str,
+        fix: str,
         *rules: Rule,
-        act: str = '',
-        closer: Sequence[Cause] = (),
         sometimes: bool = False,
+        **more: Any,
     ) -> None:
-        """Create a slip from a cause and its rules."""
-        super().__init__(cause_id, text, try_this, act=act, closer=closer)
+        """Create a slip from its rules, its sentences and other fields of a cause."""
+        super().__init__(cause_id, text, fix, **more)
         object.__setattr__(self, 'rules', rules)
         object.__setattr__(self, 'sometimes', sometimes)
 
@@ -169,22 +168,22 @@ class Specification:
         ]
 
     def cause(
-        self, came: Sequence[Any], place: int | None = None, *parts: Collection[int]
+        self, came: Sequence[Any], place: int | None = None, part: Collection[int] = ()
     ) -> Slip | None:
         """
         Return the slip that explains all answers, or otherwise all answers of one part.
 
-        A part helps if a program has two mistakes.  Small parts are unreliable: too many slips
-        explain them.  A slip that happens only sometimes may explain only the wrong answers.  If
+        A part helps if a program has two mistakes.  A small part is unreliable: too many slips
+        explain it.  A slip that happens only sometimes may explain only the wrong answers.  If
         only the burst is wrong, its answers may be mixed up.
 
         :param came: see :meth:`wrong`
-        :param place: index of a wrong answer, by default the first; parts without it are skipped
-        :param parts: groups of indices that belong together, the largest first
+        :param place: index of a wrong answer, by default the first
+        :param part: indices that belong together; ignored if ``place`` is not among them
         """
         place = next(iter(self.wrong(came)), None) if place is None else place
-        for part in (range(len(came)), *parts):
-            seen = [one for one in part if came[one] is not None]
+        for some in (range(len(came)), part):
+            seen = [one for one in some if came[one] is not None]
             for slip, slipped in self._slipped if place in seen else ():
                 if all(self.like(slipped[one], came[one]) for one in seen):
                     return slip

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import signal
 
 from autograder.exam.scenario import Scenario
+from autograder.judging.causes.builds import output_of
 from autograder.recording import Event, Recording
 
 _SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
@@ -42,13 +43,9 @@ def flags_of(recording: Recording, scenario: Scenario) -> tuple[str, ...]:
         found.append(f'ended by the grader: {process["killed"]}')
     elif process.get('exit') in _ENDING:
         found.append(f'ended with exit code {process["exit"]}, as after a signal from outside')
-    elif process.get('exit') and scenario.build_type and 'Killed' in _printed(process):
+    elif process.get('exit') and scenario.build_type and 'Killed' in output_of(recording):
         found.append('printed "Killed", as after a compiler was killed')
     return tuple(found)
-
-
-def _printed(process: Event) -> str:
-    return f'{process.get("stdout", "")}{process.get("stderr", "")}'
 
 
 def _about_topics(recording: Recording, scenario: Scenario) -> Iterator[str]:

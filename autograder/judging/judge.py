@@ -16,8 +16,6 @@ from autograder.results import CheckResult, Verdict
 from autograder.submission.code.acts import Place, place_of
 from autograder.submission.code.source_code import Code
 
-_OF_A_CHECK = 'check_'  # prefix of causes about checks that learners write; not in places.txt
-
 
 def judge(exam: Exam, run: Run) -> tuple[CheckResult, ...]:
     """
@@ -44,12 +42,9 @@ def worth_running(exam: Exam, files: Mapping[str, str]) -> bool:
     results: dict[str, CheckResult] = {}
     blocked: set[str] = set()
     for check in exam.checks:
-        if check.static:
-            results[check.name] = _judge_one(exam, check, nothing, results, blocked)
-        elif blocked & set(check.needs):
-            blocked.add(check.name)
-        else:
+        if not check.static and blocked.isdisjoint(check.needs):
             return True
+        results[check.name] = _judge_one(exam, check, nothing, results, blocked)
     return False
 
 
@@ -112,7 +107,7 @@ def _place(code: Code, why: Cause, failure: Failed) -> str:
     """Return the line that a cause is about, empty if no single line is known."""
     if why.line:
         return Place(why.line).words
-    known = why.act or acts_by_cause().get(why.cause_id.removeprefix(_OF_A_CHECK))
+    known = why.act or acts_by_cause().get(why.cause_id)
     acts = known or (failure.act if isinstance(why, Slip) else '')
     lines = lines_of_code(failure.shown_by)
     place = place_of(code, acts, why.about, lines) if acts else None

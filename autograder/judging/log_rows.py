@@ -10,7 +10,7 @@ from typing import Any
 
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.patterns import why_pattern
-from autograder.exam.slips import FALSE_ALARM, MISSED_WARNING, REPEATED
+from autograder.exam.slips import REPEATED, WHY
 from autograder.exam.specification import Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.missing_logs import lines_of_code, why_left_out, why_not_logged
@@ -97,8 +97,8 @@ def require_warnings(
     repeats = any((one or 0) > len(asked.row(row)) for row, one in enumerate(came))
     right = (followed[one] for one in range(len(came)) if came[one] == asked.answers[one])
     late = _warns_later(run, followed[place]) and not any(_warns_later(run, row) for row in right)
-    needless = cause_of('warns_later') if late else REPEATED if repeats else FALSE_ALARM
-    other = MISSED_WARNING if short else needless
+    needless = cause_of('warns_later') if late else REPEATED if repeats else WHY['false_alarm']
+    other = WHY['missed_warning'] if short else needless
     row, inputs = followed[place] or [], asked.row(place)
     then, known = while_running(run, asked, place, short), without_last(run, came, place)
     slip = asked.cause(known, place, part)

@@ -6,7 +6,7 @@ The functions are bodies of checks, as in :mod:`autograder.judging.checks`, for 
 from the output of the tools.  All of this input is untrusted.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 import re
 import xml.etree.ElementTree as ElementTree
@@ -14,14 +14,13 @@ import xml.etree.ElementTree as ElementTree
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.words import rows
 from autograder.judging.causes.builds import (
-    build_cause,
     diagnose,
-    Diagnosis,
     output_of,
+    why_build_failed,
     why_no_messages,
 )
 from autograder.judging.causes.ended import close_name, LIMITS, why_killed
-from autograder.judging.causes.text_table import cause_of, rows_of
+from autograder.judging.causes.text_table import cause_of, FOLDER, rows_of
 
 Fields = Sequence[tuple[str, str]]
 """Types and names of fields, in order."""
@@ -114,32 +113,7 @@ def _bound_of(wanted: str) -> str:
     return 'The table has no bound'
 
 
-_DECLARATIONS = """
-<buildtool_depend>ament_cmake</buildtool_depend>
-buildtool_depend
-ament_cmake builds this package, and must be installed first.
-
-<buildtool_depend>rosidl_default_generators</buildtool_depend>
-buildtool_depend|build_depend|depend
-The generators turn the .msg file into code while the package is built.
-
-<depend>builtin_interfaces</depend>
-depend|build_depend exec_depend
-Time is a type from builtin_interfaces, which the build and users of the message need.
-
-<exec_depend>rosidl_default_runtime</exec_depend>
-exec_depend|depend
-Programs that use the message need the runtime for generated code.
-
-<member_of_group>rosidl_interface_packages</member_of_group>
-member_of_group
-This group tells ROS 2 that the package has messages.
-"""
-"""
-Rows of three lines: a declaration that ``package.xml`` needs (REP 149), valid tags, the reason.
-
-``|`` separates alternative tags; an alternative with a space needs both of its tags.
-"""
+_DECLARATIONS = (FOLDER / 'of_manifests.txt').read_text(encoding='utf-8')
 _BUILD_TYPES = {
     'ament_cmake': 'Only packages of type ament_cmake can have messages.',
     'ament_python': 'This type tells colcon to build the package with setup.py.',
@@ -154,7 +128,7 @@ def require_declarations(
 
     :param text: content of a package.xml
     :param package: required name of the package
-    :param needed: rows as in ``_DECLARATIONS``, by default those for a message package
+    :param needed: rows as in ``of_manifests.txt``, by default those for a message package
     """
     try:
         root = ElementTree.fromstring(text)  # noqa: S314 - expat rejects XML bombs
@@ -166,11 +140,7 @@ def require_declarations(
         ) from None
     have = {(child.tag, (child.text or '').strip()) for child in root}
     declarations = rows(needed)
-    missing = {
-        line: _why_not_declared(line, have, why)
-        for line, ways, why in declarations
-        if not any({(tag, _named(line)) for tag in way.split()} <= have for way in ways.split('|'))
-    }
+    missing = _undeclared(declarations, have)
     name, kind = root.findtext('name', '').strip(), root.findtext('export/build_type', '').strip()
     if name != package:
         missing = {f'<name>{package}</name>': f'The package is called {name[:40]!r}.', **missing}
@@ -188,16 +158,19 @@ def require_declarations(
         )
 
 
-def _named(line: str) -> str:
-    """Return the text between the tags of an element."""
-    return line.partition('>')[2].partition('<')[0]
-
-
-def _why_not_declared(line: str, have: set[tuple[str, str]], why: str) -> str:
-    for tag, name in sorted(have):
-        if name == _named(line):
-            return f'{name} is declared with <{tag[:40]}>, which has a different meaning. {why}'
-    return why
+def _undeclared(
+    declarations: Iterable[Sequence[str]], have: set[tuple[str, str]]
+) -> dict[str, str]:
+    """Return the missing declarations, each with the reason why it is needed."""
+    missing = {}
+    for line, ways, why in declarations:
+        needed = ElementTree.fromstring(line).text or ''
+        if any({(tag, needed) for tag in way.split()} <= have for way in ways.split('|')):
+            continue
+        for tag in sorted(tag for tag, name in have if name == needed)[:1]:
+            why = f'{needed} is declared with <{tag[:40]}>, which has a different meaning. {why}'
+        missing[line] = why
+    return missing
 
 
 def require_registered(text: str) -> None:
@@ -244,9 +217,9 @@ def commands_of(text: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def mistake_in_build(run: Run) -> Diagnosis:
-    """Return the diagnosis of a failed build, from the output of the tools."""
-    output = output_of(run)
+def mistake_in_build(run: Run) -> Cause:
+    """Return why a build failed, from the output of the tools, see :func:`diagnose`."""
+    output = output_of(run.recording)
     built = 'Traceback' in output and 'echo_node.py' in output
     return why_no_messages(output, run.files) if built else diagnose(output, run.files)
 
@@ -254,4 +227,6 @@ def mistake_in_build(run: Run) -> Diagnosis:
 def why_no_build(run: Run) -> Cause:
     """Explain why no message of a package arrived, from the way its build ended."""
     killed = str(run.recording.process.get('killed', ''))
-    return why_killed(killed, 'build') if killed in LIMITS else build_cause(mistake_in_build(run))
+    if killed in LIMITS:
+        return why_killed(killed, 'build')
+    return why_build_failed(mistake_in_build(run))

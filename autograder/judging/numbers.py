@@ -32,7 +32,6 @@ def whole_numbers_in(text: str) -> list[int]:
     return [int(digits) for digits in re.findall(r'\d{1,9}', text)]
 
 
-ROUNDED_IN_TEXT = cause_of('rounded_in_text')
 ROUNDED: tuple[Change, ...] = (
     lambda number: math.modf(number)[1],  # int()
     *(lambda number, to=to: float(format(number, to)) for to in ('.0f', '.1g', '.2g', '.3g')),
@@ -60,7 +59,7 @@ def rounded(rule: Callable[[Change], Rule]) -> Slip:
 
     :param rule: builds the rule of a node that changes each number with the given function
     """
-    return Slip.of(ROUNDED_IN_TEXT, *map(rule, ROUNDED))
+    return Slip.of(cause_of('rounded_in_text'), *map(rule, ROUNDED))
 
 
 def shown(inputs: Sequence[Any], numbers: Callable[[Any], Sequence[float]]) -> Specification:
@@ -105,8 +104,5 @@ def why_not_numbered(
     if all(number >= due for number in set(numbers) - set(whole_numbers_in(before))):
         situation = 'wrong_step' if place else 'begins_later'
         return cause_of(situation, due=due, number=numbers[0], repair=COUNT_IN)
-    words: dict[str, Any] = {'count': due - 1, 'repair': COUNT_IN}
-    words['when'] = f' Just then, {when}.' if when else ''
-    acts = {'set_again': 'recount', 'remainder': 'wrapped_count', 'cycles': 'cycle()'}
-    closer = [cause_of(situation, **words, act=act) for situation, act in acts.items()]
-    return cause_of('begins_again', **words, closer=closer)
+    moment = f' Just then, {when}.' if when else ''
+    return cause_of('begins_again', count=due - 1, when=moment, repair=COUNT_IN)

@@ -11,16 +11,9 @@ from itertools import pairwise
 import math
 from typing import Any
 
+from autograder.exam import slips
 from autograder.exam.exam import Cause, Failed, Run
 from autograder.exam.patterns import why_burst_cut, why_pattern
-from autograder.exam.slips import (
-    LEAVES_OUT,
-    MISSES_SOME,
-    NO_ANSWER,
-    RUNS_EARLY,
-    SEVERAL_ANSWERS,
-    UNASKED,
-)
 from autograder.exam.specification import sorted_answers, Specification
 from autograder.judging.causes.ended import while_running, why_silent
 from autograder.judging.causes.text_table import cause_of
@@ -147,7 +140,7 @@ def require_one_for_one(
         raise Failed(
             expected='nothing before the first input',
             observed='a message before the first input',
-            why=replace(UNASKED, closer=[RUNS_EARLY]) if later else UNASKED,
+            why=slips.WHY.of('speaks_unasked', closer=[slips.WHY['runs_early']] * later),
             blocks=len(early) > 1,  # a single message leaves the other answers as they are
         )
     if not any(came):
@@ -198,13 +191,13 @@ def why_other_answer(
     if more > 0:
         again_s = [late - first for first, late in pairwise(late_s[place])] if late_s else [0.0]
         later = max(again_s, default=0.0) > LATE_S
-        return cause_of('publishes_later') if later else SEVERAL_ANSWERS
+        return cause_of('publishes_later') if later else slips.WHY['several_answers']
     if more == 0:
         return None
     if not any(came):
-        return NO_ANSWER
+        return slips.WHY['no_answer']
     if len(asked.row(place)) > 1:
-        cut = why_burst_cut(asked, came[place] or ()) or MISSES_SOME
+        cut = why_burst_cut(asked, came[place] or ()) or slips.WHY['misses_some']
         if not late_s or any(min(row, default=math.inf) <= LATE_S for row in late_s):
             return cut
         text = f'{cut.text} It publishes some time after the messages arrive, as a timer does.'
@@ -212,7 +205,7 @@ def why_other_answer(
             'Publish in the callback of the subscription, once per message, and not in a timer.'
         )
         return replace(cut, text=text, try_this=repair, act='kept_message | create_timer()')
-    return LEAVES_OUT
+    return slips.WHY['leaves_out']
 
 
 def require_values(

@@ -11,12 +11,8 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent
-from autograder.judging.causes.missing_logs import (
-    why_left_out,
-    why_no_line,
-    why_not_logged,
-    why_printed,
-)
+from autograder.judging.causes.missing_logs import why_left_out, why_not_logged, why_printed
+from autograder.judging.causes.text_table import why_by_code
 from autograder.judging.checks import own_logs, why_other_namespace
 from autograder.judging.rhythm import require_period, seconds_between
 from autograder.recording import INFO
@@ -110,7 +106,9 @@ def _require_reports(run: Run, node: str, period_s: int) -> None:
                 why_not_logged(run, own_logs(watch, node), INFO)
                 or why_printed(run, INFO, bool, due=seconds / period_s)
                 or why_left_out(run, INFO, own_logs(run, node, INFO))
-                or why_no_line(run, f'self.create_timer({period_s}.0, self.report)')
+                or why_by_code(
+                    'no_line', run, call=f'self.create_timer({period_s}.0, self.report)'
+                )
             )
         few = len(lines) < seconds // period_s or waited_s > period_s
         every = own_logs(watch, node)

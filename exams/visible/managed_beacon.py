@@ -22,8 +22,12 @@ from autograder.exam.steps import (
     Watch,
 )
 from autograder.exam.words import Causes
-from autograder.judging.causes.ended import why_no_message, why_no_method, why_silent
-from autograder.judging.causes.lifecycle import why_refused
+from autograder.judging.causes.ended import (
+    why_no_message,
+    why_no_method,
+    why_refused,
+    why_silent,
+)
 from autograder.judging.checks import (
     counted,
     require_answers,

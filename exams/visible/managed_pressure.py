@@ -8,6 +8,7 @@ the limit is above zero, and NaN is not; while active, the node logs exactly one
 force is the one at the last configuration, even if the parameter has changed since.
 """
 
+import ast
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, zip_longest
@@ -20,8 +21,12 @@ from autograder.exam.slips import Compare, CUTS, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, feeds, Mark, Qos, set_parameters, state, transition
 from autograder.exam.words import Causes
-from autograder.judging.causes import lifecycle
-from autograder.judging.causes.ended import why_no_endpoint, why_silent
+from autograder.judging.causes.ended import (
+    why_no_endpoint,
+    why_no_verdict,
+    why_refused,
+    why_silent,
+)
 from autograder.judging.causes.missing_logs import why_not_logged
 from autograder.judging.checks import field_of, lines, own_logs, require_answers
 from autograder.judging.claims import node
@@ -29,6 +34,7 @@ from autograder.judging.log_rows import require_warnings, warnings_after
 from autograder.judging.numbers import numbers_in, shown, shows
 from autograder.judging.rows import Row
 from autograder.recording import ERROR, WARN
+from autograder.submission.code.source_code import Code
 
 NODE, TOPIC = '/pressure_monitor', '/pressure'
 TYPE = 'std_msgs/msg/Float64'
@@ -113,18 +119,27 @@ def refuses_a_senseless_limit(run: Run) -> None:
     """Configuring fails, with FAILURE, while the limit is not above zero."""
     wanted = [{'success': False}] * len(run.facts['refused'])
     what = 'configure with a limit that is not above zero'
-    require_answers(
-        run, CHANGE, wanted, what, 'refused', lambda place: lifecycle.why_accepted(run)
-    )
+    require_answers(run, CHANGE, wanted, what, 'refused', lambda place: _why_accepted(run))
     for event in run.recording.phase('refused').messages(EVENTS):
         if field_of(event, 'goal_state.label') == 'errorprocessing':
             raise Failed(
                 expected='FAILURE: the node returns to unconfigured, ready for another try',
                 observed='an error: the node went to errorprocessing',
-                why=lifecycle.ERROR_NOT_FAILURE,
+                why=WHY['error_not_failure'],
             )
     states = [{'current_state.label': 'unconfigured'}]
     require_answers(run, f'{NODE}/get_state', states, 'the request for its state', 'refused')
+
+
+def _why_accepted(run: Run) -> Cause:
+    """Explain a configuration that succeeded although the limit was not above zero."""
+    if why := why_no_verdict(run):
+        return why
+    declared = Code(run.files).calls.get('declare_parameter', ())
+    defaults = (call.args[1] for call in declared if len(call.args) > 1)
+    values = (one.value for one in defaults if isinstance(one, ast.Constant))
+    above = any(isinstance(value, (int, float)) and value > 0 for value in values)
+    return WHY['wrong_default' if above else 'let_through']
 
 
 def tells_why(run: Run) -> None:
@@ -150,15 +165,15 @@ def tells_why(run: Run) -> None:
 def _why_not_logged(run: Run, found: Sequence[str], refused: Sequence[float]) -> Cause | None:
     part = run.recording.phase('refused')
     if not all(field_of(one, 'results.0.successful') for one in part.answers(SETTING)):
-        return lifecycle.NO_PARAMETER
+        return WHY['no_parameter']
     if not found:
-        return why_not_logged(run, part.logs(), ERROR) or lifecycle.SILENT_REFUSAL
+        return why_not_logged(run, part.logs(), ERROR) or WHY['silent_refusal']
     if len(found) != len(refused):
-        return lifecycle.SILENT_REFUSAL if len(found) < len(refused) else WHY['repeated_log']
+        return WHY['silent_refusal'] if len(found) < len(refused) else WHY['repeated_log']
     if all(shows(text, refused[0]) for text in found):
-        return lifecycle.READ_ONCE
+        return WHY['read_once']
     if all(map(shows, found[1:], refused[1:])) and numbers_in(found[0]):
-        return lifecycle.WRONG_DEFAULT
+        return WHY['wrong_default']
     asked, came = run.asked('refusals'), list(map(numbers_in, found))
     return asked.cause(came, asked.wrong(came)[0]) or WHY['no_value']
 
@@ -167,7 +182,7 @@ def recovers(run: Run) -> None:
     """With a valid limit, it can be configured and activated."""
     taken, done = {'results.0.successful': True}, {'success': True}
     what = 'setting the parameter limit'
-    require_answers(run, SETTING, [taken], what, 'accepted', lambda place: lifecycle.NO_PARAMETER)
+    require_answers(run, SETTING, [taken], what, 'accepted', lambda place: WHY['no_parameter'])
     why = _why_still_refused
     require_answers(run, CHANGE, [done], 'configure', 'accepted', lambda place: why(run))
     require_answers(run, CHANGE, [done], 'activate', 'active')
@@ -178,10 +193,10 @@ def _why_still_refused(run: Run) -> Cause:
     part = run.during('accepted')
     states = part.recording.messages(EVENTS)
     if any(field_of(one, 'goal_state.label') == 'errorprocessing' for one in states):
-        return lifecycle.why_refused(run, 'configure')
+        return why_refused(run, 'configure')
     logged = own_logs(part, NODE, ERROR)
     again = any(shows(line['text'], *run.facts['refused']) for line in logged)
-    return lifecycle.READ_ONCE if again else WHY['still_refuses']
+    return WHY['read_once'] if again else WHY['still_refuses']
 
 
 def warns_above_the_limit(run: Run) -> None:
@@ -223,7 +238,7 @@ def takes_the_new_limit(run: Run) -> None:
     refused = {2: WHY['still_refuses'], 4: WHY['loses_the_limit']}
 
     def explain(place: int) -> Cause:
-        return refused.get(place) or lifecycle.why_refused(run, ways[place], again=True)
+        return refused.get(place) or why_refused(run, ways[place], again=True)
 
     require_answers(run, CHANGE, done, what, 'highest', explain)
 

@@ -13,7 +13,8 @@ from autograder.exam.scenario import Scenario
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
-from autograder.judging.causes.missing_logs import why_left_out, why_no_line, why_not_logged
+from autograder.judging.causes.missing_logs import why_left_out, why_not_logged
+from autograder.judging.causes.text_table import why_by_code
 from autograder.judging.checks import own_logs, SECOND
 from autograder.judging.claims import node
 from autograder.judging.numbers import whole_numbers_in, why_not_numbered
@@ -102,7 +103,8 @@ def reports_every_second(run: Run) -> None:
 def _why_not_every_second(run: Run, found: Sequence[Event]) -> Cause | None:
     if not found:
         timer = 'self.create_timer(1.0, self.report)'
-        return why_not_logged(run, found, INFO, _has_another) or why_no_line(run, timer)
+        why = why_not_logged(run, found, INFO, _has_another)
+        return why or why_by_code('no_line', run, call=timer)
     few = len(found) < run.facts['seconds']
     left_out = why_left_out(run, INFO) or why_left_out(run, WARN) if few else None
     return left_out or _why_other_lines(run)

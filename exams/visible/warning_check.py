@@ -27,6 +27,7 @@ from autograder.exam.steps import Feed
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
+from autograder.judging.causes.text_table import acts_by_cause
 from autograder.judging.causes.tracebacks import traceback_of
 from autograder.judging.claims import claim
 from autograder.judging.rows import published
@@ -205,6 +206,7 @@ SLIPS = (
             f'Your check expects the warnings of a node with this mistake: {_of_a_node(slip)}',
             OTHER_FIXES.get(slip.cause_id, slip.try_this),
             *(compares(due=rule) for rule in slip.rules),
+            act=slip.act or acts_by_cause().get(slip.cause_id, ''),
         )
         for slip in OF_A_MONITOR
         if slip.cause_id in OWN
@@ -300,7 +302,7 @@ def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int)
     if own is None:
         return Cause(f'accepts_{slip.cause_id}', does, BY_READING)
     more = '' if own.cause_id == f'check_{slip.cause_id}' else f' {does}'
-    return Cause(own.cause_id, f'{own.text}{more}', own.try_this)
+    return Cause(own.cause_id, f'{own.text}{more}', own.try_this, act=own.act)
 
 
 def build(runs: Sequence[MadeRun]) -> Exam:

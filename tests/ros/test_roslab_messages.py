@@ -181,7 +181,7 @@ def test_failed_build_says_where_and_what_to_try(kernel, cells, cause, said):
     assert 'was not built' in outputs.text
     assert said in outputs.text
     assert outputs.streams['stderr'] == ''
-    value = kernel.run('bool(report), report.diagnosis.cause, report.log.is_file()').value
+    value = kernel.run('bool(report), report.diagnosis.cause_id, report.log.is_file()').value
     assert value == f"(False, '{cause}', True)"
 
 

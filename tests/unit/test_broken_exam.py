@@ -43,7 +43,6 @@ def broken_exam(tmp_path, monkeypatch):
 def forget() -> dict[str, ModuleType]:
     """Forget the imported exams, and return their modules."""
     catalog.load.cache_clear()
-    catalog._import_package.cache_clear()
     names = [name for name in sys.modules if name.partition('.')[0] == 'exams']
     return {name: sys.modules.pop(name) for name in names}
 

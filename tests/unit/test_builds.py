@@ -4,6 +4,7 @@ import pytest
 
 from autograder.judging.causes.builds import (
     diagnose,
+    MISSING_AMENT_PACKAGE,
     NO_MESSAGES,
     texts_of,
     why_no_messages,
@@ -116,8 +117,8 @@ PYTHON_PRINTED = {
 def test_every_mistake_of_the_table_is_recognised(cause):
     diagnosis = diagnose(PRINTED[cause], {})
 
-    assert diagnosis.cause == cause
-    for text in (diagnosis.error, diagnosis.advice):
+    assert diagnosis.cause_id == cause
+    for text in (diagnosis.text, diagnosis.try_this):
         assert text
         assert '\n' not in text
         assert '{' not in text.replace('${PROJECT_NAME}', '')
@@ -128,15 +129,14 @@ def test_every_mistake_of_a_python_package_is_recognised(cause):
     """A mistake in a Python package is recognised only if there is a setup.py."""
     printed = 'WARNING:colcon.colcon_ros.task.ament_python\n' + PYTHON_PRINTED[cause]
 
-    assert diagnose(printed, {'setup.py': ''}).cause == cause
-    assert diagnose(printed, {}).cause == 'wrong_build_type'
+    assert diagnose(printed, {'setup.py': ''}).cause_id == cause
+    assert diagnose(printed, {}).cause_id == 'wrong_build_type'
 
 
 def test_line_of_setup_py_is_named():
     found = diagnose(PYTHON_PRINTED['setup_py'], {'setup.py': ''})
 
-    assert found.where == 'setup.py, line 7'
-    assert found.error == 'Python stops in setup.py: SyntaxError: invalid syntax.'
+    assert found.text == 'setup.py, line 7: Python stops in setup.py: SyntaxError: invalid syntax.'
 
 
 def test_missing_message_package_of_others_is_named_with_the_file_to_edit():
@@ -145,9 +145,9 @@ def test_missing_message_package_of_others_is_named_with_the_file_to_edit():
 
     diagnosis = diagnose(printed, {})
 
-    assert diagnosis.cause == 'package_not_found'
-    assert diagnosis.error == "There is no package 'toy_msgs'."
-    assert 'environment/messages.txt' in diagnosis.advice
+    assert diagnosis.cause_id == 'package_not_found'
+    assert diagnosis.text == "CMakeLists.txt: There is no package 'toy_msgs'."
+    assert 'environment/messages.txt' in diagnosis.try_this
 
 
 def test_the_line_of_the_mistake_is_named(tmp_path):
@@ -158,9 +158,9 @@ def test_the_line_of_the_mistake_is_named(tmp_path):
 
     diagnosis = diagnose(PRINTED['unknown_type'], texts_of(tmp_path))
 
-    assert diagnosis.where == 'msg/Temperature.msg, line 3'
-    assert "'float'" in diagnosis.error
-    assert 'float64' in diagnosis.advice
+    assert diagnosis.text.startswith('msg/Temperature.msg, line 3: ')
+    assert "'float'" in diagnosis.text
+    assert 'float64' in diagnosis.try_this
 
 
 def test_line_of_a_command_is_not_that_of_a_comment():
@@ -168,8 +168,8 @@ def test_line_of_a_command_is_not_that_of_a_comment():
     cmake = '# rosidl_generate_interfaces(...)\n\nrosidl_generate_interfaces(temp "a.msg")\n'
     found = diagnose(PRINTED['target_name'], {'CMakeLists.txt': cmake})
 
-    assert found.where == 'CMakeLists.txt, line 3'
-    assert found.error.endswith('is temp, but the project is called temp_monitor_pkg.')
+    assert found.text.startswith('CMakeLists.txt, line 3: ')
+    assert found.text.endswith('is temp, but the project is called temp_monitor_pkg.')
 
 
 def test_libraries_named_after_the_package_have_the_right_target():
@@ -178,23 +178,29 @@ def test_libraries_named_after_the_package_have_the_right_target():
     assert why_no_messages(output, {}) == NO_MESSAGES
 
 
+def test_cause_of_an_unregistered_package_names_its_file():
+    """No tool reports this mistake, so no output shows it."""
+    assert MISSING_AMENT_PACKAGE.cause_id == 'missing_ament_package'
+    assert MISSING_AMENT_PACKAGE.text.startswith('CMakeLists.txt: ')
+
+
 def test_line_numbers_of_cmake_are_kept():
-    assert diagnose(PRINTED['cmake_syntax'], {}).where == 'CMakeLists.txt, line 6'
+    assert diagnose(PRINTED['cmake_syntax'], {}).text.startswith('CMakeLists.txt, line 6: ')
 
 
 def test_unknown_failure_shows_its_first_error():
     output = 'all is well\nfoo.c:1:2: error: no such thing\nbar.c:3:4: error: another\n'
     diagnosis = diagnose(output, {})
 
-    assert diagnosis.cause == ''
-    assert diagnosis.error == 'foo.c:1:2: error: no such thing'
+    assert diagnosis.cause_id == ''
+    assert diagnosis.text == 'foo.c:1:2: error: no such thing'
 
 
 def test_unknown_failure_of_a_generator_shows_the_exception():
     """The exception of a generator is shown instead of its command line."""
     output = ADAPTER + '  File "parser.py", line 5, in parse\n\n  LookupError: no such thing\n'
 
-    assert diagnose(output, {}).error == 'LookupError: no such thing'
+    assert diagnose(output, {}).text == 'LookupError: no such thing'
 
 
 def test_words_of_cmake_are_passed_on_whole_and_without_folders():
@@ -203,17 +209,15 @@ def test_words_of_cmake_are_passed_on_whole_and_without_folders():
     output = f'CMake Error at /opt/ros/share/x.cmake:2 (message):\n{said} {"and so on " * 30}\n\n'
     own = 'CMake Error at CMakeLists.txt:7 (include):\n  cannot find:\n\n    /opt/a/b.cmake\n'
 
-    assert diagnose(output, {}).error == (
-        'ament_export_x() must be called before ament_package().'
-    )
-    assert diagnose(own, {}).error == 'CMakeLists.txt, line 7: cannot find: b.cmake'
+    assert diagnose(output, {}).text == ('ament_export_x() must be called before ament_package().')
+    assert diagnose(own, {}).text == 'CMakeLists.txt, line 7: cannot find: b.cmake'
 
 
 def test_names_of_packages_may_be_wrong_ones():
     output = PRINTED['name_mismatch'].replace("'temp_monitor_pkg'", "'temp-monitor-pkg'")
 
-    assert "'temp-monitor-pkg'" in diagnose(output, {}).error
+    assert "'temp-monitor-pkg'" in diagnose(output, {}).text
 
 
 def test_output_without_any_line_is_said_to_be_empty():
-    assert 'nothing' in diagnose('', {}).error
+    assert 'nothing' in diagnose('', {}).text

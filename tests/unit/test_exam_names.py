@@ -25,8 +25,9 @@ SHARED = (
     'causes/by_exception.txt',
     'causes/ended.py',
     'causes/exceptions.py',
-    'causes/lifecycle.py',
     'causes/of_builds.txt',
+    'causes/of_calls.txt',
+    'causes/of_values.txt',
     'checks.py',
 )
 """Modules and tables with advice for any exam; all others explain one exercise."""

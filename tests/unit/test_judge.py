@@ -44,7 +44,6 @@ CODE = {'a.py': 'timer = node.create_timer(0.7, f)\nlog.info(1)\nlog.info(2)\n'}
         (Cause('no_number', 'It has no number.', ''), 3, 'Line 4: '),
         (Cause('no_number', 'It has no number.', ''), None, ''),
         (Cause('of_an_exam', 'It is fast.', '', act='create_timer()'), None, 'Line 2: '),
-        (Cause('check_wrong_rate', 'It is fast.', '', ['0.7']), None, 'Line 2: '),
     ],
 )
 def test_cause_begins_with_the_line_of_its_act(why, line, place):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from autograder.exam.exam import Failed, Run
-from autograder.judging.causes import ended, lifecycle
+from autograder.judging.causes import ended
 from autograder.judging.judge import closest
 from autograder.judging.log_rows import Followed
 from autograder.recording import ERROR, INFO, Recording, WARN
@@ -237,7 +237,7 @@ class TestCausesOfBlindPrograms:
         """The callback fails only if something remains from an earlier transition."""
         code = 'def on_configure(self, state):\n    return self.done\n'
 
-        found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
+        found = ended.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
 
         assert found.cause_id == 'refused_again'
 
@@ -249,7 +249,7 @@ class TestCausesOfBlindPrograms:
         """The program hides the exception, so only the code shows it."""
         code = f'def on_configure(self, state):\n    {first}\n    self.declare_parameter("a", 1)\n'
 
-        found = lifecycle.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
+        found = ended.why_refused(Run({'n.py': code}, Recording({}, ENDS)), 'configure', True)
 
         assert found.cause_id == cause_id
 

@@ -68,6 +68,14 @@ def test_slip_of_a_check_is_the_cause_in_the_graded_exam(slip):
     assert causes <= {slip.cause_id, 'one_sided'}
 
 
+def test_check_with_a_mistake_of_a_node_is_located_like_the_node():
+    """The acts of a mistake are in the text of an exam or in the table of all exams."""
+    acts = {slip.cause_id: slip.act for slip in warning_check.SLIPS}
+
+    assert 'startswith()' in acts['check_first_letter']
+    assert 'isnan()' in acts['check_nan']
+
+
 def test_missed_run_is_explained_by_what_its_node_does():
     """The learner reads the run's number and the description of the node's slip."""
     missed = [one.slip is None or one.slip.cause_id == 'nan' for one in RUNS]

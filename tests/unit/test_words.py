@@ -12,6 +12,7 @@ from autograder.layout import Layout
 ROOT = Layout.here().root
 TABLES = sorted([*ROOT.glob('autograder/exam/*.txt'), *ROOT.glob('exams/**/*.txt')])
 USERS = {
+    'slips': [ROOT / f'autograder/judging/{name}.py' for name in ('rows', 'log_rows')],
     'readings': [ROOT / 'exams/visible/temperature_subscriber.py'],
     'check_your_understanding': [ROOT / 'autograder/submission/cells.py'],
 }

@@ -5,33 +5,16 @@ The tables ``of_builds.txt`` and ``of_python_builds.txt`` list mistakes that lea
 package.  Each is recognised by the actual output of the tools (ROS 2 Jazzy, colcon, CMake).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 import json
 from pathlib import Path
 import re
-from typing import NamedTuple
 
 from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.text_table import cause_of, Row, rows_of
 from autograder.judging.causes.tracebacks import traceback_of
-
-
-class Diagnosis(NamedTuple):
-    """
-    The reason why a build failed.
-
-    :param cause: short stable name, empty if the mistake is not in the table
-    :param error: the decisive line
-    :param advice: one line about what to change
-    :param where: file and, if known, line
-    """
-
-    cause: str
-    error: str
-    advice: str
-    where: str
-
+from autograder.recording import Recording
 
 _CMAKE = re.compile(
     r'^CMake Error (?:at|in) (?P<place>CMakeLists\.txt(?::\d+)?)?[^\n]*\n'
@@ -51,33 +34,18 @@ NO_EXECUTABLE, NOT_BUILT = 97, 98
 MARK = 'run_package: '
 """Start of the line from ``inside/run_package.py``, which imports nothing from the project."""
 
-MISSING_AMENT_PACKAGE = Diagnosis(
-    'missing_ament_package',
-    'The package was built, but ROS 2 cannot find it: it was not registered.',
-    'Make ament_package() the last line of CMakeLists.txt.',
-    'CMakeLists.txt',
-)
-NO_MESSAGES = Diagnosis(
-    'no_messages',
-    'The package was built without a message.',
-    'Call rosidl_generate_interfaces(${PROJECT_NAME} "msg/Name.msg" ...) in this file.',
-    'CMakeLists.txt',
-)
+MISSING_AMENT_PACKAGE = cause_of('missing_ament_package')
+NO_MESSAGES = cause_of('no_messages')
 
 
-def output_of(run: Run) -> str:
+def output_of(recording: Recording) -> str:
     """Return everything that a program or a build printed."""
-    return ''.join(str(run.recording.process.get(name, '')) for name in ('stderr', 'stdout'))
+    return ''.join(str(recording.process.get(name, '')) for name in ('stderr', 'stdout'))
 
 
-def build_cause(found: Diagnosis) -> Cause:
-    """Return the cause of a failed build; its text begins with the file and line."""
-    if not found.cause:
-        advice = 'Build the package yourself and read the first error.'
-        return Cause('build', f'colcon stops: {found.error}', advice)
-    known = not found.where or found.error.startswith(found.where)
-    place = '' if known else f'{found.where}: '
-    return Cause(found.cause, f'{place}{found.error}', found.advice)
+def why_build_failed(found: Cause) -> Cause:
+    """Return a cause from :func:`diagnose`, or the first error of the build if it is unknown."""
+    return found if found.cause_id else cause_of('build', error=found.text)
 
 
 def texts_of(folder: Path) -> dict[str, str]:
@@ -94,9 +62,11 @@ def texts_of(folder: Path) -> dict[str, str]:
     }
 
 
-def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
+def diagnose(output: str, files: Mapping[str, str]) -> Cause:
     """
-    Return the diagnosis of a failed build.
+    Return why a build failed; the text begins with the file and, if known, the line.
+
+    If the mistake is not in the tables, the cause has no name, and its text is the decisive line.
 
     :param output: everything that the build printed; untrusted
     :param files: files of the package, relative path to text, in which to find the mistake
@@ -105,19 +75,20 @@ def diagnose(output: str, files: Mapping[str, str]) -> Diagnosis:
     for row in mistakes(python='setup.py' in files):
         if match := re.search(row.when, text):
             groups = match.groupdict()
-            error, advice = row.text.format(**groups), row.try_this.format(**groups)
-            return Diagnosis(row.cause_id, error, advice, _where(row, groups, files))
-    return Diagnosis('', _decisive_line(output), 'Read the log, above all its first error.', '')
+            found, where = row.cause(**groups), _where(row, groups, files)
+            known = not where or found.text.startswith(where)
+            return found if known else replace(found, text=f'{where}: {found.text}')
+    return Cause('', _decisive_line(output), 'Read the log, above all its first error.')
 
 
-def why_no_messages(output: str, files: Mapping[str, str]) -> Diagnosis:
+def why_no_messages(output: str, files: Mapping[str, str]) -> Cause:
     """
     Return why a package that was built has no messages that a program can use.
 
     The parameters are those of :func:`diagnose`.
     """
     found = diagnose(output, files)
-    return found if found.cause else NO_MESSAGES
+    return found if found.cause_id else NO_MESSAGES
 
 
 def mistakes(python: bool) -> list[Row]:
@@ -139,16 +110,22 @@ def _where(row: Row, groups: Mapping[str, str], files: Mapping[str, str]) -> str
     if place.startswith('#'):
         return f'{name}, line {place[1:]}'
     messages = sorted(path for path in files if path.startswith('msg/'))
-    for path in messages if name == 'msg' else [name]:
-        for number, line in enumerate(files.get(path, '').splitlines(), 1):
-            if name == 'CMakeLists.txt':
-                line = line.partition('#')[0]  # the lesson's comments name the commands too
-            if place and place in f' {" ".join(line.split())} ':
-                return f'{path}, line {number}'
-    return '' if name == 'msg' else name
+    names = messages if name == 'msg' else [name]
+    found = _line_with(re.compile(re.escape(place)), files, names) if place else ''
+    return found or ('' if name == 'msg' else name)
 
 
 _NO_PLACE = ('', 'CMakeLists.txt')
+
+
+def _line_with(pattern: re.Pattern[str], files: Mapping[str, str], names: Iterable[str]) -> str:
+    """Return the first file and line with a match outside comments; empty if there is none."""
+    for name in names:
+        for number, line in enumerate(files.get(name, '').splitlines(), 1):
+            # The lesson's comments name the commands too.
+            if pattern.search(f' {" ".join(line.partition("#")[0].split())} '):
+                return f'{name}, line {number}'
+    return ''
 
 
 def _decisive_line(output: str) -> str:
@@ -180,7 +157,7 @@ def why_no_program(run: Run) -> Cause | None:
     """Return why a package has no program to run; None if it has one or is not required."""
     code = run.recording.process.get('exit') if run.facts.get('package') else None
     if code == NOT_BUILT:
-        return build_cause(diagnose(output_of(run), run.files))
+        return why_build_failed(diagnose(output_of(run.recording), run.files))
     if code == NO_EXECUTABLE:
         return _why_no_executable(run)
     return _why_no_entry(run) if code else None
@@ -197,17 +174,9 @@ def _why_no_entry(run: Run) -> Cause | None:
         return cause_of('no_modules', **words)
     kind = 'entry_point_module' if found['module'] else 'entry_point_function'
     why = cause_of('entry_point_without_function' if found['called'] else kind, **words)
-    return replace(why, text=f'{_place_of_entry(run)}{why.text}')
-
-
-def _place_of_entry(run: Run) -> str:
-    """Return file and line of an entry point, as the beginning of a message; empty if unknown."""
     entry = re.compile(rf'\b{re.escape(run.facts["executable"])}\s*=\s*[\w.]')
-    for name in ('setup.py', 'setup.cfg'):
-        for number, line in enumerate(run.files.get(name, '').splitlines(), 1):
-            if entry.search(line.partition('#')[0]):
-                return f'{name}, line {number}: '
-    return ''
+    place = _line_with(entry, run.files, ['setup.py', 'setup.cfg'])
+    return replace(why, text=f'{place}: {why.text}') if place else why
 
 
 def _why_no_executable(run: Run) -> Cause:

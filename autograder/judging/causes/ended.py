@@ -1,5 +1,5 @@
 """
-Explain programs that ended, nodes that answer late or not at all, and missing endpoints.
+Explain programs that ended, nodes that do not answer, refused transitions, missing endpoints.
 
 The program's own output may reveal a cause, but never affects a verdict.  If there is no evidence,
 the functions return None: a misleading cause is worse than none.
@@ -16,7 +16,9 @@ from autograder.judging.causes.builds import why_no_program
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.text_table import cause_of, rows_of, why_by_code
 from autograder.judging.causes.tracebacks import traceback_of
+from autograder.judging.causes.unknown_names import homes
 from autograder.recording import Recording
+from autograder.submission.code.acts import place_of
 from autograder.submission.code.mistakes import pause_in_callback
 from autograder.submission.code.source_code import Code
 
@@ -156,6 +158,34 @@ def why_no_method(code: Code, method: str = 'on_configure') -> Cause | None:
         return None
     meant = f' Your {near}() has a similar name.' if near else ''
     return cause_of('method_name', method=method, near=meant, name=near)
+
+
+def why_refused(run: Run, name: str, again: bool = False) -> Cause:
+    """
+    Explain a transition that ended with FAILURE or ERROR, from the code.
+
+    rclpy swallows exceptions in transition callbacks: there is no log line and no traceback.
+
+    :param name: name of the transition, such as ``configure``
+    :param again: whether the same transition succeeded earlier
+    """
+    code = Code(run.files)
+    if why := why_no_method(code):
+        return why
+    declares = place_of(code, f'declare_parameter()@def:on_{name}')
+    if again and declares and not code.names & {'undeclare_parameter', 'has_parameter'}:
+        return cause_of('declared_again', name=name)
+    if again:
+        return cause_of('refused_again', name=name)
+    taken = code.parameters(f'on_{name}')
+    if taken is not None and len(taken) < 2:
+        return cause_of('callback_arguments', name=name, first=(*taken, 'self')[0])
+    known = homes(run.names)
+    missing = next((one for one in known if one in code.undefined_names), '')
+    if missing:
+        return cause_of('missing_import', name=missing, callback=name, home=known[missing])
+    alone = [cause_of('refuses_alone', name=name)] if name == 'activate' else []
+    return cause_of('refused', name=name, closer=alone)
 
 
 def _why_longer_name(run: Run, kind: str, topic: str, type_name: str) -> Cause | None:

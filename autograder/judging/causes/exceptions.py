@@ -11,7 +11,8 @@ from dataclasses import replace
 import re
 
 from autograder.exam.exam import Cause
-from autograder.judging.causes.text_table import cause_of, rows_of
+from autograder.exam.words import rows
+from autograder.judging.causes.text_table import cause_of, FOLDER, rows_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.judging.causes.unknown_names import (
     homes,
@@ -20,8 +21,6 @@ from autograder.judging.causes.unknown_names import (
     name_cause,
 )
 from autograder.layout import Layout
-
-__all__ = ['exception_cause']
 
 _ARGUMENTS = re.compile(
     r'(?P<callee>[\w.<>]{1,120})\(\) (?P<said>takes .*given|(?P<missing>missing) .*|'
@@ -42,64 +41,17 @@ MOST_SUBSCRIPTIONS = 20
 BY_NAME = {'QoSProfile': 'QoSProfile(depth=10)', 'Duration': 'Duration(seconds=0.3)'}
 """Classes of rclpy that accept only keyword arguments."""
 
-SIGNATURES = {
-    'publish': 'Pass one message: self.publisher.publish(message).',
-    'create_timer': 'It needs the period and the method: create_timer(1.0, self.callback).',
-    'create_node': "It needs the name of the node: rclpy.create_node('name').",
-    'declare_parameter': "It needs a name and a default: declare_parameter('$parameter', ...).",
-    'get_parameter': "It needs the name: get_parameter('$parameter').",
-    'get_logger': "It takes no argument: self.get_logger().info('hello').",
-    'now': 'It takes no argument: self.get_clock().now().',
-    'info': "It needs a string: info('hello').",
-    'create_publisher': "In this order: create_publisher($type, '$topic', 10).",
-    'create_subscription': 'In this order: '
-    "create_subscription($heard_type, '$heard_topic', self.callback, 10).",
-}
-"""Advice on how to call functions of rclpy."""
-
-WANTED = {
-    'a set or sequence': 'Give the field a list of such values: [1.0, 2.0].',
-    "sub message of type 'Time'": 'Add .to_msg(), which converts a time to a stamp: '
-    'self.get_clock().now().to_msg().',
-    r"sub message of type '(\w+)'": r'Assign a whole \1, or set its fields one by one.',
-    "'(?:sec|nanosec)' field must be of type 'int'": 'Take the whole stamp from the clock of the '
-    'node: self.get_clock().now().to_msg(). int(value) removes the fraction of a number.',
-    "type 'int'": 'Use a whole number: int(value), or // instead of /.',
-    "type 'str'": 'Use a string: str(value), or the field of a message, as in message.data.',
-    "type 'float'": 'Use a float: 25.0 instead of 25, float(value), or the field of a message, as '
-    'in message.data.',
-    "type 'bool'": 'Write True or False, without quotes.',
-    r' in \[': 'The number is outside the range of this field: keep it within the limits.',
-    '': 'Give the field a value of that type.',
-}
-"""Advice on a field, by a pattern in rclpy's message; the first match is used."""
+SIGNATURES = dict(rows((FOLDER / 'of_calls.txt').read_text(encoding='utf-8')))
+"""Advice on calls of rclpy's functions, by name."""
+WANTED = rows((FOLDER / 'of_values.txt').read_text(encoding='utf-8'))
+"""Patterns for rclpy's message about a value, with advice."""
 
 
 def exception_cause(trace: Traceback) -> Cause:
     """Return the cause of an exception."""
-    for explain in _IN_ORDER:
-        if cause := explain(trace):
-            elsewhere = cause.cause_id in _IN_A_FILE
-            return replace(cause, line=cause.line or (None if elsewhere else trace.place))
-    text = f'An exception was raised: {trace.error}'
-    return Cause('exception', text, _how_to_find(trace), line=trace.place)
-
-
-def _how_to_find(trace: Traceback) -> str:
-    """Return how to find the reason for an exception, because feedback shows no traceback."""
-    code = trace.code[:100]
-    if trace.spun or not code:
-        return 'Start the node in a cell: the traceback shows the lines that led to the exception.'
-    if re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
-        return (
-            'Your code catches the exception and raises it again: remove the line with only raise.'
-        )
-    if code.startswith('raise'):
-        return (
-            f'Your own line raises the exception: {code}. An exception that leaves a callback '
-            'ends the program: catch it in the callback, or log the problem and return.'
-        )
-    return f'Look at that line: {code}'
+    cause = next(filter(None, (explain(trace) for explain in _IN_ORDER)))
+    elsewhere = cause.cause_id in _IN_A_FILE
+    return replace(cause, line=cause.line or (None if elsewhere else trace.place))
 
 
 def _known_cause(trace: Traceback) -> Cause | None:
@@ -204,7 +156,7 @@ def _field_cause(trace: Traceback) -> Cause | None:
     given = re.search(rf'\b{name}\s*=\s*(\w+)\s*(?:[,)]|$)', trace.bare_code)
     kind = _heard(trace).get(given[1], '') if given else ''
     field = _main_field(kind, _messages(trace).get(kind, ''))
-    matches = ((re.search(says, trace.error), advice) for says, advice in WANTED.items())
+    matches = ((re.search(says, trace.error), advice) for says, advice in WANTED)
     advice = next(match.expand(advice) for match, advice in matches if match)
     if given and field and 'sub message' not in wanted:
         advice = f'{given[1]} is the whole message: use {given[1]}.{field}.'
@@ -248,6 +200,18 @@ def _take_the_field(kind: str, trace: Traceback) -> Cause:
     return cause_of('several_fields', kind=kind, show=_show(kind, package))
 
 
+def _other_cause(trace: Traceback) -> Cause:
+    """Explain how to find the reason for an exception, because feedback shows no traceback."""
+    code = trace.code[:100]
+    if trace.spun or not code:
+        situation = 'exception_elsewhere'
+    elif re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
+        situation = 'exception_raised_again'
+    else:
+        situation = 'own_exception' if code.startswith('raise') else 'exception'
+    return cause_of(situation, error=trace.error, code=code)
+
+
 _IN_A_FILE = ('no_parameter_file', 'parameter_file')
 """Causes that are not in the line that raises the exception."""
 _IN_ORDER = (
@@ -260,4 +224,5 @@ _IN_ORDER = (
     _no_field_cause,
     _whole_message_cause,
     _attribute_cause,
+    _other_cause,
 )

@@ -14,7 +14,7 @@ from autograder.exam.exam import Cause, Run
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
 from autograder.judging.causes.redaction import redacted
-from autograder.judging.causes.text_table import cause_of, why_by_code
+from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.recording import ERROR, Event, LEVELS
 from autograder.submission.code.mistakes import leaves_out, logs_with_python
@@ -170,12 +170,3 @@ def why_exception_logged(run: Run, lines: Sequence[Event]) -> Cause | None:
 def why_error_logged(run: Run, text: str) -> Cause:
     """Return a cause that quotes an ERROR line of the node."""
     return cause_of('logged_error', text=redacted(run, text))
-
-
-def why_no_line(run: Run, call: str) -> Cause:
-    """
-    Explain why a running node that answers requests logs nothing.
-
-    :param call: code that creates the node's timer
-    """
-    return why_by_code('no_line', run, call=call)

@@ -15,7 +15,6 @@ from typing import Any
 
 from autograder.exam.exam import Run
 from autograder.exam.scenario import Scenario
-from autograder.recording import Event
 from autograder.results import CheckResult
 
 _OPTION = '__ns:='
@@ -53,13 +52,9 @@ def without_arguments(scenario: Scenario, check: CheckResult) -> CheckResult:
         text = re.sub(rf'/?{space}/(?=\w)', '', text)
         return text.replace(space, '…')  # random letters: no other word contains them
 
-    return replace(
-        check,
-        expected=redact(check.expected),
-        observed=redact(check.observed),
-        cause=redact(check.cause),
-        try_this=redact(check.try_this),
-    )
+    shown = ('expected', 'observed', 'cause', 'try_this')
+    texts: dict[str, Any] = {name: redact(getattr(check, name)) for name in shown}
+    return replace(check, **texts)
 
 
 def safe_quotation(run: Run, text: str, instead: str) -> str:
@@ -90,16 +85,12 @@ def drawn_values(run: Run) -> Iterator[Any]:
     """Yield the values in the inputs, and the fractional numbers in the service requests."""
     for event in run.recording.of('input'):
         yield from _leaves(event['data'])
-    for event in recorded_requests(run):
+    for event in run.recording.of('answer') + run.recording.of('no_answer'):
         # Omit integers: they are also ids of transitions, or part of texts such as 'takes 0
         # arguments'.
-        yield from (one for one in _leaves(event['request']) if isinstance(one, float) and one % 1)
-
-
-def recorded_requests(run: Run) -> list[Event]:
-    """Return the service calls with a recorded request, in order."""
-    calls = run.recording.of('answer') + run.recording.of('no_answer')
-    return [event for event in calls if event.get('request')]
+        yield from (
+            one for one in _leaves(event.get('request')) if isinstance(one, float) and one % 1
+        )
 
 
 def _leaves(value: Any) -> Iterator[Any]:

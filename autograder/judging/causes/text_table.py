@@ -103,11 +103,6 @@ def _destroyed_first(code: Code) -> bool:
     return len(at) == 2 and at[0] < at[1]
 
 
-def _creates_node(code: Code) -> bool:
-    made = (name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls)
-    return any(made)
-
-
 _FACTS: Mapping[str, Callable[[Code], bool]] = {
     'catches_all': lambda code: bool(find(code, 'catch_all')),
     'chooses_domain': lambda code: 'ROS_DOMAIN_ID' in code.texts or bool(find(code, 'domain_id=')),
@@ -120,7 +115,9 @@ _FACTS: Mapping[str, Callable[[Code], bool]] = {
         'on_activate' in code.functions and 'on_activate' not in code.calls
     ),
     'counted_spins': lambda code: bool(find(code, 'for:spin_once()')) and not find(code, 'while'),
-    'creates_node': _creates_node,
+    'creates_node': lambda code: any(
+        name.endswith('Node') or name in ('__init__', 'create_node') for name in code.calls
+    ),
     'has_callbacks': _has_callbacks,
     'main_unused': _main_unused,
     'destroyed_first': _destroyed_first,

@@ -16,7 +16,6 @@ from autograder.judging.causes.text_table import cause_of
 from autograder.judging.causes.tracebacks import Traceback
 from autograder.layout import Layout
 
-NO_NAMES = Names()
 _NAME = re.compile(r"name '(\w{1,60})' is not defined")
 _MEANT = re.compile(r"Did you mean: '([\w.]{1,60})'")
 _FROM = re.compile(r"cannot import name '(?P<name>\w{1,60})' from .*?'(?P<module>[\w.]{1,80})'")
@@ -52,7 +51,7 @@ HOMES = {
 """Names from the lessons, common messages and everyday Python, by module."""
 
 
-def homes(names: Names = NO_NAMES) -> Mapping[str, str]:
+def homes(names: Names) -> Mapping[str, str]:
     """
     Return the module of each name in the exam, the lessons or the course's messages.
 
