@@ -122,18 +122,10 @@ def delivers_once(run: Run) -> None:
     """It delivers exactly once: no later subscription gets a second message."""
     ends = run.recording.endpoints('publisher', TOPIC)
     if any(end['qos']['durability'] != 'VOLATILE' for end in ends):
-        raise Failed(
-            expected='a publisher that keeps no messages for late subscriptions',
-            observed='durability TRANSIENT_LOCAL',
-            why=WHY['qos_durability'],
-        )
+        raise WHY.failed('qos_durability')
     early = sum(one['number'] - 1 for one in parcels(run, 'first')[:1])
     if early:
-        raise Failed(
-            expected='nothing before a subscription is connected',
-            observed=f'{counted(early, "parcel")} before a subscription connected',
-            why=WHY['also_early'],
-        )
+        raise WHY.failed('also_early', parcels=counted(early, 'parcel'))
     counts = [len(parcels(run, listener)) for listener in ('first', 'second', 'third')]
     first, second, third = counts
     lives = run.recording.end_reason == 'complete' and _lives(run, 'end')

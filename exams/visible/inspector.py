@@ -114,17 +114,9 @@ def inspects_one_at_a_time(run: Run) -> None:
     alone = [*zip(sent[:1], ends), *pairwise(ends[-2:])]
     takes_s = min((end - begun for begun, end in alone), default=0.0)
     if takes_s > 2 * INSPECT_S - GRAIN_S:
-        raise Failed(
-            expected=f'{INSPECT_S:g} s for each picture',
-            observed=f'{takes_s:.3g} s for each picture',
-            why=WHY['inspects_twice'],
-        )
+        raise WHY.failed('inspects_twice', takes_s=takes_s)
     if any(later - earlier < LEAST_S for earlier, later in pairwise(ends)):
-        raise Failed(
-            expected=f'{INSPECT_S:g} s or more between two results',
-            observed=f'two results less than {INSPECT_S:g} s apart',
-            why=WHY['overlaps'],
-        )
+        raise WHY.failed('overlaps')
 
 
 def build(pictures: Sequence[str], burst: int) -> Exam:

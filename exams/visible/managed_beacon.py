@@ -72,17 +72,9 @@ def creates_its_publisher(run: Run) -> None:
         _require_transitions(run, 1)
     require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
     if publishers(run, 'unconfigured'):
-        raise Failed(
-            expected='no publisher on beacon_signal before the node is configured',
-            observed='a publisher before the node is configured',
-            why=WHY['published_too_early'],
-        )
+        raise WHY.failed('published_too_early')
     if not publishers(run, 'configured'):
-        raise Failed(
-            expected='a publisher on beacon_signal after the node was configured',
-            observed='no publisher yet',
-            why=why_silent(run) or WHY['too_late'],
-        )
+        raise WHY.failed('too_late', why_silent(run))
 
 
 def takes_every_transition(run: Run) -> None:
@@ -153,22 +145,13 @@ def is_silent_otherwise(run: Run) -> None:
             )
     kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:
-        raise Failed(
-            expected='no message for a subscription that connects while the node is inactive',
-            observed=f'{counted(len(kept), "message")} from the active phase',
-            why=WHY['keeps_old'],
-        )
+        raise WHY.failed('keeps_old', messages=counted(len(kept), 'message'))
 
 
 def cleans_up(run: Run) -> None:
     """Cleanup destroys the publisher, and the next configuration creates a new one."""
-    left = len(publishers(run, 'cleaned'))
-    if left:
-        raise Failed(
-            expected='no publisher on beacon_signal after cleanup',
-            observed=f'{counted(left, "publisher")} after cleanup',
-            why=WHY['not_cleaned'],
-        )
+    if left := len(publishers(run, 'cleaned')):
+        raise WHY.failed('not_cleaned', publishers=counted(left, 'publisher'))
     again = len(publishers(run, 'configured again'))
     if again != 1:
         raise Failed(

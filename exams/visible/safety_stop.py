@@ -218,11 +218,7 @@ def passes_commands_on(run: Run) -> None:
     plain = places(asked, silent=False)
     for place in plain:
         if STOP in (came[place] or ())[1:] and asked.inputs[place][:2] != STOP:
-            raise Failed(
-                expected='no stop while the commands are less than 0.5 s apart',
-                observed='a stop between commands less than 0.5 s apart',
-                why=asked.cause(came, place, plain) or WHY['early_stop'],
-            )
+            raise WHY.failed('early_stop', asked.cause(came, place, plain))
     require_one_for_one(run, 'commands', TARGET, came, plain)
     require_values(run, asked, came, plain, fields=FIELDS)
 
@@ -240,9 +236,8 @@ def stops_in_silence(run: Run) -> None:
     for place in silent:
         stops = (came[place] or ()).count(STOP)
         if stops > asked.answers[place].count(STOP):
-            why = asked.cause(came, place, silent) or WHY['repeats_stop']
-            after = f'after message {place + 1}'
-            raise Failed(expected=f'one stop {after}', observed=f'{stops} stops {after}', why=why)
+            why = asked.cause(came, place, silent)
+            raise WHY.failed('repeats_stop', why, stops=stops, number=place + 1)
     require_values(run, asked, came, silent, fields=FIELDS)
     require_all_sent(run, came)
 
@@ -257,11 +252,7 @@ def keeps_its_times(run: Run) -> None:
         late_s = (message['clock_ns'] - sent[message['after_input']]) / SECOND
         values = tuple(field_of(message, one) for one in FIELDS)
         if values != STOP and late_s > GRAIN_S:
-            raise Failed(
-                expected='a command that is published when it arrives',
-                observed=f'a command that is published {late_s:.2g} s after it arrives',
-                why=WHY['passed_late'],
-            )
+            raise WHY.failed('passed_late', late_s=late_s)
         if values == STOP and late_s > GRAIN_S:
             stops_s.append(late_s)
     least_s, most_s = SILENCE_S - GRAIN_S, SILENCE_S + LATE_S + GRAIN_S

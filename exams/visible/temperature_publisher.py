@@ -180,11 +180,7 @@ def readings_are_plausible(run: Run) -> None:
             why=WHY['implausible'] if math.isfinite(odd[0]) else WHY['not_finite'],
         )
     if len(set(values)) == 1:
-        raise Failed(
-            expected='readings that change from one to the next, as with a real sensor',
-            observed=f'{values[0]:.4g} °C in all {len(values)} readings',
-            why=WHY['constant'],
-        )
+        raise WHY.failed('constant', value=values[0], count=len(values))
 
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:

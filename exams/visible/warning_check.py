@@ -270,21 +270,14 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
     if wrong:
         right = len(places) - len(wrong)
         raise Failed(
-            expected=f'{due} for {len(places)} runs of {_kind(due)} nodes',
+            expected=f'{due} for {len(places)} runs of {"correct" if due else "wrong"} nodes',
             observed=f'{due} for {right} of {len(places)} runs; not for {_name(run, wrong[0])}',
             why=_why(run, asked, came, wrong[0]),
             share=0.0 if due or one_sided else round(right / len(places), 2),
         )
     if one_sided:
-        raise Failed(
-            expected=f'{due} for these and {not due} for most runs of {_kind(not due)} nodes',
-            observed=f'{not due} for {known} of {len(others)} runs of {_kind(not due)} nodes',
-            why=WHY['one_sided'],
-        )
-
-
-def _kind(right: bool) -> str:
-    return 'correct' if right else 'wrong'
+        kind, count = 'wrong' if due else 'correct', len(others)
+        raise WHY.failed('one_sided', due=due, other=not due, kind=kind, right=known, count=count)
 
 
 def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
