@@ -8,13 +8,12 @@ from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 t
 """
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from functools import partial
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Exam, Failed, Run
+from autograder.exam.exam import Exam, Failed, Run, Scenario
 from autograder.exam.ranges import Limit, limiting_slips, within
-from autograder.exam.scenario import Scenario
-from autograder.exam.slips import changing, SKIPS_EQUAL
+from autograder.exam.slips import Change, changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exam.steps import Advance, Feed, Leave
 from autograder.exam.words import Causes
@@ -100,30 +99,32 @@ def limiting(cut: Limit) -> Rule:
     return guarding(pair)
 
 
-def limiting_turns(most: float) -> Rule:
-    """Return the rule of a safety stop that also limits the turn."""
-    return guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, most)))
+def turning(change: Change) -> Rule:
+    """Return the rule of a safety stop that changes the turn."""
+    return guarding(lambda one: (within(one.speed, LIMIT), change(one.turn)))
 
 
-def skipping(instead: Sequence[Pair]) -> Rule:
-    """Return the rule of a safety stop that skips a command that equals the previous one."""
+def skipping(skips: Callable[[Command, Command], bool], *instead: Pair) -> Rule:
+    """
+    Return the rule of a safety stop that skips some commands.
+
+    :param skips: returns whether a command is skipped, given the previous one
+    :param instead: published in place of such a command
+    """
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
-        again = [False, *(one[:2] == two[:2] for one, two in pairwise(inputs))]
-        return [tuple(instead) if equal else row for equal, row in zip(again, guarding()(inputs))]
+        before = (Command(*STOP, LONG_S), *inputs)
+        return [
+            (*instead, *row[1:]) if skips(one, last) else row
+            for one, last, row in zip(inputs, before, guarding()(inputs))
+        ]
 
     return rule
 
 
-def skipping_zeros(always: bool) -> Rule:
-    """Return the rule of a safety stop that skips all commands of zeros, or those after a stop."""
-
-    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
-        stopped = [True, *(one.lasts_s > SILENCE_S for one in inputs)]
-        skip = [one[:2] == STOP and (always or after) for one, after in zip(inputs, stopped)]
-        return [row[1:] if out else row for out, row in zip(skip, guarding()(inputs))]
-
-    return rule
+def repeated(one: Command, last: Command) -> bool:
+    """Return whether a command equals the previous one."""
+    return one[:2] == last[:2]
 
 
 def bursting(kept: int) -> Rule:
@@ -140,8 +141,12 @@ def bursting(kept: int) -> Rule:
 
 
 SLIPS = (
-    Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
-    WHY.slip('skips_zeros', skipping_zeros(always=True), skipping_zeros(always=False)),
+    Slip.of(SKIPS_EQUAL, skipping(repeated), skipping(repeated, STOP)),
+    WHY.slip(
+        'skips_zeros',
+        skipping(lambda one, last: one[:2] == STOP),
+        skipping(lambda one, last: one[:2] == STOP and last.lasts_s > SILENCE_S),
+    ),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
     WHY.slip(
         'speed_scaled',
@@ -152,18 +157,15 @@ SLIPS = (
     WHY.slip(
         'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))
     ),
-    WHY.slip('turn_limited', *map(limiting_turns, (LIMIT, 1.0, 2.0))),
+    WHY.slip('turn_limited', *(turning(partial(within, most=one)) for one in (LIMIT, 1.0, 2.0))),
     WHY.slip(
         'turn_scaled',
         guarding(
             lambda one: (right_pair(one)[0], one.turn * right_pair(one)[0] / (one.speed or 1.0))
         ),
     ),
-    WHY.slip('turn_lost', guarding(lambda one: (right_pair(one)[0], 0.0))),
-    *changing(
-        lambda change: guarding(lambda one: (change(within(one.speed, LIMIT)), one.turn)),
-        lambda change: guarding(lambda one: (within(one.speed, LIMIT), change(one.turn))),
-    ),
+    WHY.slip('turn_lost', turning(lambda turn: 0.0)),
+    *changing(lambda change: limiting(lambda speed, most: change(within(speed, most))), turning),
     WHY.slip('no_stop', guarding(stops=lambda one, silence: [])),
     WHY.slip(
         'half_a_stop',
