@@ -6,8 +6,7 @@ the first logs one INFO line per second and the second logs one every two second
 own logger; one executor serves both.
 """
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent

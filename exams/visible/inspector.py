@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.steps import Advance, Feed, feeds

@@ -12,9 +12,8 @@ from dataclasses import replace
 import math
 from typing import NamedTuple
 
-from autograder.exam.exam import Exam, Run
+from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.scenario import Scenario
 from autograder.exam.slips import warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import feeds, set_parameters, Step

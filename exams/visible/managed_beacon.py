@@ -7,8 +7,7 @@ otherwise nothing; ``on_cleanup`` destroys the publisher, so that the node can b
 The command line sets the namespace.
 """
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import (
     Advance,
     Join,

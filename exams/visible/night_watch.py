@@ -8,8 +8,7 @@ code.
 
 from collections.abc import Sequence
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes

@@ -16,12 +16,10 @@ from itertools import groupby
 import math
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Exam, Run
+from autograder.exam.exam import Advance, Exam, Feed, Run, Scenario
 from autograder.exam.ranges import within
-from autograder.exam.scenario import Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Specification
-from autograder.exam.steps import Advance, Feed
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers

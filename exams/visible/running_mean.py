@@ -14,8 +14,7 @@ import operator
 from statistics import fmean
 import struct
 
-from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Exam, Failed, Run, Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Specification
 from autograder.exam.steps import Advance, Feed, feeds

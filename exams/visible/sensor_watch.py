@@ -18,8 +18,7 @@ from itertools import takewhile
 import math
 import re
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.steps import Advance, Feed, Leave, Mark, Offer, Qos, Step

@@ -11,8 +11,7 @@ The probe subscribes to ``chatter`` in the namespace, after a while, and to the 
 
 import re
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, get_parameters, Join, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent

@@ -9,9 +9,7 @@ from collections.abc import Sequence
 import random
 from typing import Any
 
-from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Feed
+from autograder.exam.exam import Exam, Failed, Feed, Run, Scenario
 from autograder.exam.words import Causes
 from autograder.judging.message_package import (
     commands_of,

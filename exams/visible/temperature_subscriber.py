@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 import math
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exam.steps import feeds

@@ -20,10 +20,8 @@ import math
 import operator
 
 from autograder.errors import ExamInvalid
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Feed, Run, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
-from autograder.exam.steps import Feed
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
