@@ -134,13 +134,13 @@ def is_silent_otherwise(run: Run) -> None:
     """In any other state it publishes nothing."""
     for phase in SILENT:
         found = run.recording.phase(phase).messages(run.facts['topic'])
+        paused = phase == 'paused'
         if found:
-            raise Failed(
-                expected='no message while the node is not active',
-                observed=f'{counted(len(found), "message")} while the node was {phase}',
-                why=WHY['not_managed']
-                if phase != 'paused'
-                else why_no_method(Code(run.files), 'on_deactivate') or WHY['stays_on'],
+            raise WHY.failed(
+                'stays_on' if paused else 'not_managed',
+                why_no_method(Code(run.files), 'on_deactivate') if paused else None,
+                messages=counted(len(found), 'message'),
+                phase=phase,
             )
     kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Exam, Failed, Run, Scenario
+from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.ranges import Limit, limiting_slips, within
 from autograder.exam.slips import Change, changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
@@ -262,11 +262,7 @@ def keeps_its_times(run: Run) -> None:
         if not least_s <= late_s <= most_s:
             # A timer that each command resets is equally late in each silence.
             rarely = min(stops_s) >= least_s and max(stops_s) - min(stops_s) > GRAIN_S
-            raise Failed(
-                expected=f'a stop {SILENCE_S:g} s to {SILENCE_S + LATE_S:g} s after the command',
-                observed=f'a stop {late_s:.2g} s after the command',
-                why=WHY['looks_rarely'] if rarely else WHY['other_moment'],
-            )
+            raise WHY.failed('looks_rarely' if rarely else 'other_moment', late_s=late_s)
 
 
 def build(commands: Sequence[Command]) -> Exam:

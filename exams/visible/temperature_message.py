@@ -73,14 +73,9 @@ def generates_the_interface(run: Run) -> None:
     )
     missing = [text for text, there in wanted if not there]
     if missing:
-        raise Failed(
-            expected='all CMake commands that a message package needs',
-            observed='missing commands: ' + ', '.join(missing),
-            share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
-            why=why_no_build(run)
-            if CMAKE in mistake_in_build(run).where
-            else WHY.of('cmake', missing=missing[0]),
-        )
+        known = why_no_build(run) if CMAKE in mistake_in_build(run).where else None
+        share = round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0
+        raise WHY.failed('cmake', known, share=share, first=missing[0], all=', '.join(missing))
 
 
 def _after(word: str, words: list[str]) -> list[str]:
