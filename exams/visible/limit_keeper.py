@@ -10,11 +10,12 @@ unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/F
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 import math
+import operator
 from typing import NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.slips import warning_slips
+from autograder.exam.slips import Compare, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import feeds, set_parameters, Step
 from autograder.exam.words import Causes
@@ -94,13 +95,11 @@ def deciding(
     return each(lambda change: {ACCEPTED: decide(change)})
 
 
-def warning(above: Callable[[Reading], bool] = lambda one: one.value > one.limit) -> Rule:
-    """
-    Return the rule of a program that judges each temperature independently.
-
-    :param above: returns whether the program warns; by default, the correct comparison
-    """
-    return each(lambda one: int(above(one)))
+def warns(
+    above: Compare = operator.gt, limit: Callable[[Reading], float] = lambda one: one.limit
+) -> Rule:
+    """Return the rule of a program with the given parts, by default the correct ones."""
+    return each(lambda one: int(above(one.value, limit(one))))
 
 
 def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
@@ -152,10 +151,8 @@ DECISIONS = (
 
 
 WARNINGS = (
-    *in_force_slips(lambda limit: warning(lambda one: one.value > limit(one)), LIMIT, DEFAULT_C),
-    *warning_slips(
-        lambda compare: warning(lambda one: compare(one.value, one.limit)), LIMIT, BURST
-    ),
+    *in_force_slips(lambda limit: warns(limit=limit), LIMIT, DEFAULT_C),
+    *warning_slips(warns, LIMIT, BURST),
 )
 
 
@@ -224,7 +221,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
         read='Part 5: A threshold that can be changed',
         asks={
             'changes': Specification(tuple(changes), deciding(), DECISIONS),
-            'warnings': Specification(sent, warning(), WARNINGS, BURST),
+            'warnings': Specification(sent, warns(), WARNINGS, BURST),
         },
     )
     exam.check(points=1)(node(NODE))
