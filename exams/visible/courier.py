@@ -73,7 +73,15 @@ def delivers_to_who_comes_late(run: Run) -> None:
     late_s = seconds_after_join(run, TOPIC, 'first')
     if late_s > LATEST_S:  # longer than the period of any usual timer
         when = 'seconds' if run.secret else f'{late_s:.2g} s'
-        raise WHY.failed('late', near=late_s, when=when)
+        raise WHY.failed('late', _why_late(run, late_s), when=when)
+
+
+def _why_late(run: Run, late_s: float) -> Cause:
+    """Explain a parcel that arrives some time after a subscription has connected."""
+    programs = Code(run.files).programs
+    periods = [one for program in programs for one in program.numbers('create_timer')]
+    often = periods and min(periods) < late_s / 2
+    return WHY.of('waits' if often else 'late', about=[str(late_s)])
 
 
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
