@@ -10,6 +10,7 @@ import re
 from typing import Any
 
 from autograder.errors import ExamInvalid
+from autograder.exam.exam import Failed
 from autograder.exam.specification import Cause, Rule, Slip
 
 _ABOUT = ('near', 'seen', 'topic', 'base', 'name')
@@ -39,7 +40,8 @@ class Causes:
     A row of the file has these lines: ``cause``, or ``cause|name`` if several rows have the same
     cause id; what is wrong; the fix.  Further lines are fields of
     :class:`autograder.exam.specification.Cause`: ``act: ...``, ``about:`` and ``closer:`` with
-    words, or names of causes, separated by spaces.
+    words, or names of causes, separated by spaces; ``expected:`` and ``observed:`` with the other
+    sentences of a check that fails for this cause, see :meth:`failed`.
 
     :param module: path of the module or of its text file, which has the same name
     :param words: values for the names in braces
@@ -85,13 +87,39 @@ class Causes:
             raise ExamInvalid(
                 f'{self._file.name}: there is no cause {name!r}.', f'Known: {known}.'
             )
-        cause_id, *lines = self._rows[name]
-        text, try_this, *more = (one.format(**self._words, **words) for one in lines)
-        fields = dict(one.split(': ', 1) for one in more)
-        about = about or fields.get('about', '').split() or about_of(words)
-        closer = closer or [self.of(one, **words) for one in fields.get('closer', '').split()]
-        act = act or fields.get('act', '')
-        return Cause(cause_id.format(**words), text, try_this, about, act, line, closer)
+        head = (one.format(**self._words, **words) for one in self._rows[name][:3])
+        cause_id, text, try_this = head
+        about = about or self._field(name, 'about', words).split() or about_of(words)
+        others = self._field(name, 'closer', words).split()
+        closer = closer or [self.of(one, **words) for one in others]
+        act = act or self._field(name, 'act', words)
+        return Cause(cause_id, text, try_this, about, act, line, closer)
+
+    def _field(self, name: str, field: str, words: Mapping[str, Any]) -> str:
+        """Return a further line of a row, empty if the row lacks it."""
+        lines = (one.partition(': ') for one in self._rows[name][3:])
+        found = (said for key, _, said in lines if key == field)
+        return next(found, '').format(**self._words, **words)
+
+    def failed(
+        self,
+        name: str,
+        /,
+        known: Cause | None = None,
+        place: int | None = None,
+        share: float = 0.0,
+        **words: Any,
+    ) -> Failed:
+        """
+        Return the failure of a check: what was expected, what was observed, and the cause.
+
+        :param known: a more certain cause, which replaces the one of the row
+        :param words: see :meth:`of`; the other parameters are fields of
+            :class:`autograder.exam.exam.Failed`
+        """
+        expected, observed = (self._field(name, one, words) for one in ('expected', 'observed'))
+        why = known or self.of(name, **words)
+        return Failed(expected=expected, observed=observed, why=why, place=place, share=share)
 
     def slip(self, name: str, /, *rules: Rule, sometimes: bool = False, **words: Any) -> Slip:
         """Return a cause with its rules, see :class:`autograder.exam.specification.Slip`."""

@@ -10,10 +10,7 @@ messages published after they joined.  The second joins while the first is conne
 after both have left: a node that only checks whether any subscription exists delivers again.
 """
 
-from dataclasses import replace
-
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, Join, Leave, Look, Mark, Step
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_message, why_silent, why_thread_ended
@@ -48,19 +45,18 @@ def _lives(run: Run, when: str) -> bool:
     return bool(endpoints_at(run, when, 'publisher', TOPIC))
 
 
-def _why_gone(run: Run, text: str) -> Cause | None:
+def _why_gone(run: Run, name: str) -> Cause | None:
     """
     Explain why a node ended.
 
-    :param text: the explanation for a node that ended without an error
+    :param name: of the cause for a node that ended without an error
     """
     recording = run.recording
     if recording.process.get('exit') or recording.end_reason not in ('complete', 'student_exited'):
         return why_silent(run)
     if recording.process.get('exit') is None:
         return why_thread_ended(run) or WHY['destroyed']
-    advice = 'Keep the node running until it is stopped; self.timer.cancel() is enough to stop '
-    return Cause('exited_early', text, f'{advice}checking.')
+    return WHY[name]
 
 
 def delivers_to_who_comes_late(run: Run) -> None:
@@ -77,26 +73,20 @@ def delivers_to_who_comes_late(run: Run) -> None:
     late_s = seconds_after_join(run, TOPIC, 'first')
     if late_s > LATEST_S:  # longer than the period of any usual timer
         when = 'seconds' if run.secret else f'{late_s:.2g} s'
-        raise Failed(
-            expected='the parcel as soon as a subscription is connected',
-            observed=f'a parcel that arrives {when} after the subscription has connected',
-            why=replace(_why_late(run, late_s), about=[str(late_s)]),
-        )
+        raise WHY.failed('late', _why_late(run, late_s), when=when)
 
 
 def _why_late(run: Run, late_s: float) -> Cause:
     """Explain a parcel that arrives some time after a subscription has connected."""
     periods = Code(run.files).numbers('create_timer')
-    return WHY['waits'] if periods and min(periods) < late_s / 2 else WHY['late']
+    often = periods and min(periods) < late_s / 2
+    return WHY.of('waits' if often else 'late', about=[str(late_s)])
 
 
 def _why_nothing_first(run: Run, lives: bool) -> Cause | None:
     """Explain why the first subscription receives nothing at first, or why the node ended."""
     if run.recording.of('joined', listener='first') and not lives:
-        text = (
-            'Your node ended after a subscription connected, perhaps before its message was sent.'
-        )
-        return _why_gone(run, text)
+        return _why_gone(run, 'ended_before')
     if found := parcels(run, 'first'):
         second = run.recording.of('joined', listener='second')
         waited_ns = found[0]['clock_ns'] - second[0]['clock_ns'] if second else -1
@@ -121,18 +111,10 @@ def delivers_once(run: Run) -> None:
     """It delivers exactly once: no later subscription gets a second message."""
     ends = run.recording.endpoints('publisher', TOPIC)
     if any(end['qos']['durability'] != 'VOLATILE' for end in ends):
-        raise Failed(
-            expected='a publisher that keeps no messages for late subscriptions',
-            observed='durability TRANSIENT_LOCAL',
-            why=WHY['qos_durability'],
-        )
+        raise WHY.failed('qos_durability')
     early = sum(one['number'] - 1 for one in parcels(run, 'first')[:1])
     if early:
-        raise Failed(
-            expected='nothing before a subscription is connected',
-            observed=f'{counted(early, "parcel")} before a subscription connected',
-            why=WHY['also_early'],
-        )
+        raise WHY.failed('also_early', parcels=counted(early, 'parcel'))
     counts = [len(parcels(run, listener)) for listener in ('first', 'second', 'third')]
     first, second, third = counts
     lives = run.recording.end_reason == 'complete' and _lives(run, 'end')
@@ -145,8 +127,7 @@ def delivers_once(run: Run) -> None:
         observed = f'messages for the third subscription: {third}'
     elif counts == [1, 0, 0]:
         expected, observed = 'a node that keeps running after the delivery', GONE
-    ended = 'Your node delivered the parcel, and ended some time later.'
-    why = _why_again(run, *counts) if lives else _why_gone(run, ended)
+    why = _why_again(run, *counts) if lives else _why_gone(run, 'ended_later')
     raise Failed(expected=expected, observed=observed, why=why)
 
 
@@ -172,20 +153,10 @@ def build(alone_s: float, between_s: float = 1.0, others: int = 0) -> Exam:
     steps: tuple[Step, ...] = (
         Advance(alone_s),
         # A subscription of a different type exists, but cannot connect.
-        Join('stranger', TOPIC, 'std_msgs/msg/Int32'),
-        Leave('stranger'),
-        Mark('first'),
-        Join('first', TOPIC, TYPE),
-        Advance(AFTER_S),
-        Look('delivered'),
-        Advance(between_s),
-        Mark('second'),
-        Join('second', TOPIC, TYPE),
-        Advance(QUIET_S),
-        Mark('third'),
-        Leave('first'),
-        Leave('second'),
-        Advance(ALONE_S),
+        *(Join('stranger', TOPIC, 'std_msgs/msg/Int32'), Leave('stranger')),
+        *(Mark('first'), Join('first', TOPIC, TYPE), Advance(AFTER_S), Look('delivered')),
+        *(Advance(between_s), Mark('second'), Join('second', TOPIC, TYPE), Advance(QUIET_S)),
+        *(Mark('third'), Leave('first'), Leave('second'), Advance(ALONE_S)),
         Join('third', TOPIC, TYPE),
         *(Join(f'other_{number}', TOPIC, TYPE) for number in range(others)),
         Advance(AFTER_S),

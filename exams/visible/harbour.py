@@ -6,8 +6,7 @@ the first logs one INFO line per second and the second logs one every two second
 own logger; one executor serves both.
 """
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_no_node, why_silent
@@ -38,18 +37,10 @@ def both_nodes_exist(run: Run) -> None:
                 why=_why_missing(run, node),
             )
     if others := [name for name in run.recording.nodes if name not in (LOOKOUT, KEEPER)]:
-        raise Failed(
-            expected='exactly two nodes',
-            observed=f'an additional node: {others[0][:60]}',
-            why=WHY.of('further_node', about=[others[0]]),
-        )
+        raise WHY.failed('further_node', name=others[0])
     ends = run.recording.endpoints('publisher', '/rosout')
     if len({end['process'] for end in ends if end['node'] in (LOOKOUT, KEEPER)}) > 1:
-        raise Failed(
-            expected='both nodes in one process',
-            observed='a separate process for each node',
-            why=WHY['two_processes'],
-        )
+        raise WHY.failed('two_processes')
 
 
 def _why_missing(run: Run, node: str) -> Cause:

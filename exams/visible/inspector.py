@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Run, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.steps import Advance, Feed, feeds
@@ -105,26 +104,14 @@ def inspects_one_at_a_time(run: Run) -> None:
     if short:
         pictures = run.asked('pictures').inputs
         known = all(pictures[place] in pictures[:place] for place in short)
-        raise Failed(
-            expected=f'a result {INSPECT_S:g} s after its picture, or later',
-            observed=f'a result less than {INSPECT_S:g} s after its picture',
-            why=WHY['remembers' if known else 'not_inspected'],
-        )
+        raise WHY.failed('remembers' if known else 'not_inspected')
     # A thread that polls may begin late with the first picture, but not between those of a burst.
     alone = [*zip(sent[:1], ends), *pairwise(ends[-2:])]
     takes_s = min((end - begun for begun, end in alone), default=0.0)
     if takes_s > 2 * INSPECT_S - GRAIN_S:
-        raise Failed(
-            expected=f'{INSPECT_S:g} s for each picture',
-            observed=f'{takes_s:.3g} s for each picture',
-            why=WHY['inspects_twice'],
-        )
+        raise WHY.failed('inspects_twice', takes_s=takes_s)
     if any(later - earlier < LEAST_S for earlier, later in pairwise(ends)):
-        raise Failed(
-            expected=f'{INSPECT_S:g} s or more between two results',
-            observed=f'two results less than {INSPECT_S:g} s apart',
-            why=WHY['overlaps'],
-        )
+        raise WHY.failed('overlaps')
 
 
 def build(pictures: Sequence[str], burst: int) -> Exam:

@@ -10,12 +10,12 @@ unless it is from -40.0 to 125.0, and keeps the old limit; each ``std_msgs/msg/F
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 import math
+import operator
 from typing import NamedTuple
 
-from autograder.exam.exam import Exam, Failed, Run
+from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.ranges import Accepts, in_force_slips, range_slips
-from autograder.exam.scenario import Scenario
-from autograder.exam.slips import warning_slips
+from autograder.exam.slips import Compare, warning_slips
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import feeds, set_parameters, Step
 from autograder.exam.words import Causes
@@ -95,13 +95,11 @@ def deciding(
     return each(lambda change: {ACCEPTED: decide(change)})
 
 
-def warning(above: Callable[[Reading], bool] = lambda one: one.value > one.limit) -> Rule:
-    """
-    Return the rule of a program that judges each temperature independently.
-
-    :param above: returns whether the program warns; by default, the correct comparison
-    """
-    return each(lambda one: int(above(one)))
+def warns(
+    above: Compare = operator.gt, limit: Callable[[Reading], float] = lambda one: one.limit
+) -> Rule:
+    """Return the rule of a program with the given parts, by default the correct ones."""
+    return each(lambda one: int(above(one.value, limit(one))))
 
 
 def readings(start: float, changes: Sequence[Change]) -> Iterator[Reading]:
@@ -153,10 +151,8 @@ DECISIONS = (
 
 
 WARNINGS = (
-    *in_force_slips(lambda limit: warning(lambda one: one.value > limit(one)), LIMIT, DEFAULT_C),
-    *warning_slips(
-        lambda compare: warning(lambda one: compare(one.value, one.limit)), LIMIT, BURST
-    ),
+    *in_force_slips(lambda limit: warns(limit=limit), LIMIT, DEFAULT_C),
+    *warning_slips(warns, LIMIT, BURST),
 )
 
 
@@ -186,16 +182,10 @@ def follows_the_limit(run: Run) -> None:
 def gives_a_reason(run: Run) -> None:
     """It gives a reason for each refusal."""
     pairs = zip(run.recording.answers(SERVICE), run.asked('changes').inputs)
-    refused = [(one, value) for one, (_, value) in pairs if field_of(one, ACCEPTED) is False]
-    for one, value in refused:
-        if not str(field_of(one, 'results.0.reason')).strip():
-            raise Failed(
-                expected='a reason in each refusal',
-                observed='a refusal with an empty reason',
-                why=WHY.of('no_reason', value=kind_of(value)),
-            )
-    if not refused:
-        raise Failed(expected='a reason in each refusal', observed='no refusal')
+    for one, (_, value) in pairs:
+        refused = field_of(one, ACCEPTED) is False
+        if refused and not str(field_of(one, 'results.0.reason')).strip():
+            raise WHY.failed('no_reason', value=kind_of(value))
     both = [{RESULT: False}] * 2
     what = f'a call that sets {PLACE} and a limit that makes no sense'
     require_answers(run, f'{NODE}/{ATOMIC}', both, what, explain=lambda place: WHY['looks_at_one'])
@@ -231,7 +221,7 @@ def build(start: float, changes: Sequence[Change]) -> Exam:
         read='Part 5: A threshold that can be changed',
         asks={
             'changes': Specification(tuple(changes), deciding(), DECISIONS),
-            'warnings': Specification(sent, warning(), WARNINGS, BURST),
+            'warnings': Specification(sent, warns(), WARNINGS, BURST),
         },
     )
     exam.check(points=1)(node(NODE))

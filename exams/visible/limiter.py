@@ -11,9 +11,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.ranges import in_force_slips, Limit, limiting_slips, within
-from autograder.exam.scenario import Scenario
 from autograder.exam.slips import changing, leaving_out
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import feeds, get_parameters, set_parameters

@@ -7,8 +7,7 @@ otherwise nothing; ``on_cleanup`` destroys the publisher, so that the node can b
 The command line sets the namespace.
 """
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import (
     Advance,
     Join,
@@ -76,17 +75,9 @@ def creates_its_publisher(run: Run) -> None:
         _require_transitions(run, 1)
     require_partner(require_endpoint(run, 'publisher', run.facts['topic'], TYPE))
     if publishers(run, 'unconfigured'):
-        raise Failed(
-            expected='no publisher on beacon_signal before the node is configured',
-            observed='a publisher before the node is configured',
-            why=WHY['published_too_early'],
-        )
+        raise WHY.failed('published_too_early')
     if not publishers(run, 'configured'):
-        raise Failed(
-            expected='a publisher on beacon_signal after the node was configured',
-            observed='no publisher yet',
-            why=why_silent(run) or WHY['too_late'],
-        )
+        raise WHY.failed('too_late', why_silent(run))
 
 
 def takes_every_transition(run: Run) -> None:
@@ -147,32 +138,23 @@ def is_silent_otherwise(run: Run) -> None:
     """In any other state it publishes nothing."""
     for phase in SILENT:
         found = run.recording.phase(phase).messages(run.facts['topic'])
+        paused = phase == 'paused'
         if found:
-            raise Failed(
-                expected='no message while the node is not active',
-                observed=f'{counted(len(found), "message")} while the node was {phase}',
-                why=WHY['not_managed']
-                if phase != 'paused'
-                else why_no_method(Code(run.files), 'on_deactivate') or WHY['stays_on'],
+            raise WHY.failed(
+                'stays_on' if paused else 'not_managed',
+                why_no_method(Code(run.files), 'on_deactivate') if paused else None,
+                messages=counted(len(found), 'message'),
+                phase=phase,
             )
     kept = run.recording.messages(run.facts['topic'], 'latecomer')
     if kept:
-        raise Failed(
-            expected='no message for a subscription that connects while the node is inactive',
-            observed=f'{counted(len(kept), "message")} from the active phase',
-            why=WHY['keeps_old'],
-        )
+        raise WHY.failed('keeps_old', messages=counted(len(kept), 'message'))
 
 
 def cleans_up(run: Run) -> None:
     """Cleanup destroys the publisher, and the next configuration creates a new one."""
-    left = len(publishers(run, 'cleaned'))
-    if left:
-        raise Failed(
-            expected='no publisher on beacon_signal after cleanup',
-            observed=f'{counted(left, "publisher")} after cleanup',
-            why=WHY['not_cleaned'],
-        )
+    if left := len(publishers(run, 'cleaned')):
+        raise WHY.failed('not_cleaned', publishers=counted(left, 'publisher'))
     again = len(publishers(run, 'configured again'))
     if again != 1:
         raise Failed(

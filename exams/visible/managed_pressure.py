@@ -211,19 +211,12 @@ def ignores_while_not_active(run: Run) -> None:
         asked, came = run.asked('warnings'), warnings_after(_followed(run))
         quiet = [place for place, one in enumerate(asked.inputs) if not one.active]
         causes = (asked.cause(came, place, quiet) for place in asked.wrong(came, quiet)[:1])
-        raise Failed(
-            expected='no WARN line while the node is inactive',
-            observed=f'{lines(len(found), WARN)} while the node is inactive',
-            why=next(causes, None) or WHY['subscription_not_managed'],
-        )
+        count = lines(len(found), WARN)
+        raise WHY.failed('subscription_not_managed', next(causes, None), lines=count)
     sent = {one['index'] for phase in INACTIVE for one in run.recording.phase(phase).of('input')}
     later = [line for line in own_logs(run, NODE, WARN) if line['after_input'] in sent]
     if later:
-        raise Failed(
-            expected='no WARN line for a pressure that arrives while the node is inactive',
-            observed=f'{lines(len(later), WARN)} as soon as the node is active again',
-            why=WHY['judged_later'],
-        )
+        raise WHY.failed('judged_later', lines=lines(len(later), WARN))
 
 
 def takes_the_new_limit(run: Run) -> None:

@@ -8,8 +8,7 @@ code.
 
 from collections.abc import Sequence
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.specification import each, Rule, Specification
 from autograder.exam.steps import Advance, get_parameters, Mark
 from autograder.exam.words import Causes
@@ -143,12 +142,7 @@ def lines_are_numbered(run: Run) -> None:
             )
     first = [entry for entry in own_logs(run, run.facts['node']) if entry['text'] == texts[0]]
     if len(first) > 1:
-        raise Failed(
-            expected='one line for watch 1',
-            observed=f'{len(first)} lines for watch 1',
-            why=WHY.of('first_twice', line=first[0]['line']),
-            shown_by=first,
-        )
+        raise WHY.failed('first_twice', line=first[0]['line'], count=len(first))
 
 
 def _why_shifted(run: Run) -> Cause | None:

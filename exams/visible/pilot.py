@@ -16,12 +16,10 @@ from itertools import groupby
 import math
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Exam, Failed, Run
+from autograder.exam.exam import Advance, Exam, Feed, Run, Scenario
 from autograder.exam.ranges import within
-from autograder.exam.scenario import Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Specification
-from autograder.exam.steps import Advance, Feed
 from autograder.exam.words import Causes
 from autograder.judging.checks import require_messages
 from autograder.judging.claims import hears, node, offers
@@ -254,11 +252,7 @@ def waits_for_both(run: Run) -> None:
     what = 'a command once a speed and a turn have arrived'
     first = require_messages(run, what=what, topic=TARGET)[0]['after_input']
     if first is None or first < first_complete(asked):
-        raise Failed(
-            expected='no command before a speed and a turn have arrived',
-            observed='a command before both have arrived',
-            why=WHY['begins_early'],
-        )
+        raise WHY.failed('begins_early')
 
 
 def keeps_its_rhythm(run: Run) -> None:
@@ -281,12 +275,7 @@ def _require_commands(run: Run, stops: bool) -> None:
         moves = any(set(row or ()) - {STOP} for row in found)
         stops_early = moves and STOP in (found[place] or ())
         if stops_early and not asked.cause(found, place, places):
-            raise Failed(
-                expected=f'no stop after message {place + 1}',
-                observed=f'a stop after message {place + 1}',
-                why=WHY['stops_early'],
-                place=place,
-            )
+            raise WHY.failed('stops_early', place=place, number=place + 1)
     require_values(run, asked, found, places)
     require_all_sent(run, found)
 

@@ -14,8 +14,7 @@ import operator
 from statistics import fmean
 import struct
 
-from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Exam, Failed, Run, Scenario
 from autograder.exam.slips import Change, changing
 from autograder.exam.specification import Rule, Specification
 from autograder.exam.steps import Advance, Feed, feeds
@@ -187,9 +186,7 @@ def ignores_nan(run: Run) -> None:
     if not wrong and found[-1] is not None:
         return
     if any(found[place] for place in wrong if asked.answers[place] == ()):
-        raise Failed(
-            expected='nothing after NaN', observed='a message after NaN', why=WHY['answers_nan']
-        )
+        raise WHY.failed('answers_nan')
     due = sum(map(len, asked.answers[first:]))
     count = sum(len(one or ()) for one in found[first:])
     how_many = f'mean values: {count or "none"}' + (', not all correct' if count == due else '')

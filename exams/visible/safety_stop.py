@@ -8,13 +8,12 @@ from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 t
 """
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from functools import partial
 from typing import Any, NamedTuple
 
-from autograder.exam.exam import Exam, Failed, Run
+from autograder.exam.exam import Exam, Run, Scenario
 from autograder.exam.ranges import Limit, limiting_slips, within
-from autograder.exam.scenario import Scenario
-from autograder.exam.slips import changing, SKIPS_EQUAL
+from autograder.exam.slips import Change, changing, SKIPS_EQUAL
 from autograder.exam.specification import Rule, Slip, Specification
 from autograder.exam.steps import Advance, Feed, Leave
 from autograder.exam.words import Causes
@@ -100,30 +99,32 @@ def limiting(cut: Limit) -> Rule:
     return guarding(pair)
 
 
-def limiting_turns(most: float) -> Rule:
-    """Return the rule of a safety stop that also limits the turn."""
-    return guarding(lambda one: (within(one.speed, LIMIT), within(one.turn, most)))
+def turning(change: Change) -> Rule:
+    """Return the rule of a safety stop that changes the turn."""
+    return guarding(lambda one: (within(one.speed, LIMIT), change(one.turn)))
 
 
-def skipping(instead: Sequence[Pair]) -> Rule:
-    """Return the rule of a safety stop that skips a command that equals the previous one."""
+def skipping(skips: Callable[[Command, Command], bool], *instead: Pair) -> Rule:
+    """
+    Return the rule of a safety stop that skips some commands.
+
+    :param skips: returns whether a command is skipped, given the previous one
+    :param instead: published in place of such a command
+    """
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
-        again = [False, *(one[:2] == two[:2] for one, two in pairwise(inputs))]
-        return [tuple(instead) if equal else row for equal, row in zip(again, guarding()(inputs))]
+        before = (Command(*STOP, LONG_S), *inputs)
+        return [
+            (*instead, *row[1:]) if skips(one, last) else row
+            for one, last, row in zip(inputs, before, guarding()(inputs))
+        ]
 
     return rule
 
 
-def skipping_zeros(always: bool) -> Rule:
-    """Return the rule of a safety stop that skips all commands of zeros, or those after a stop."""
-
-    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
-        stopped = [True, *(one.lasts_s > SILENCE_S for one in inputs)]
-        skip = [one[:2] == STOP and (always or after) for one, after in zip(inputs, stopped)]
-        return [row[1:] if out else row for out, row in zip(skip, guarding()(inputs))]
-
-    return rule
+def repeated(one: Command, last: Command) -> bool:
+    """Return whether a command equals the previous one."""
+    return one[:2] == last[:2]
 
 
 def bursting(kept: int) -> Rule:
@@ -140,8 +141,12 @@ def bursting(kept: int) -> Rule:
 
 
 SLIPS = (
-    Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
-    WHY.slip('skips_zeros', skipping_zeros(always=True), skipping_zeros(always=False)),
+    Slip.of(SKIPS_EQUAL, skipping(repeated), skipping(repeated, STOP)),
+    WHY.slip(
+        'skips_zeros',
+        skipping(lambda one, last: one[:2] == STOP),
+        skipping(lambda one, last: one[:2] == STOP and last.lasts_s > SILENCE_S),
+    ),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
     WHY.slip(
         'speed_scaled',
@@ -152,18 +157,15 @@ SLIPS = (
     WHY.slip(
         'stops_fast', guarding(lambda one: STOP if abs(one.speed) > LIMIT else right_pair(one))
     ),
-    WHY.slip('turn_limited', *map(limiting_turns, (LIMIT, 1.0, 2.0))),
+    WHY.slip('turn_limited', *(turning(partial(within, most=one)) for one in (LIMIT, 1.0, 2.0))),
     WHY.slip(
         'turn_scaled',
         guarding(
             lambda one: (right_pair(one)[0], one.turn * right_pair(one)[0] / (one.speed or 1.0))
         ),
     ),
-    WHY.slip('turn_lost', guarding(lambda one: (right_pair(one)[0], 0.0))),
-    *changing(
-        lambda change: guarding(lambda one: (change(within(one.speed, LIMIT)), one.turn)),
-        lambda change: guarding(lambda one: (within(one.speed, LIMIT), change(one.turn))),
-    ),
+    WHY.slip('turn_lost', turning(lambda turn: 0.0)),
+    *changing(lambda change: limiting(lambda speed, most: change(within(speed, most))), turning),
     WHY.slip('no_stop', guarding(stops=lambda one, silence: [])),
     WHY.slip(
         'half_a_stop',
@@ -218,11 +220,7 @@ def passes_commands_on(run: Run) -> None:
     plain = places(asked, silent=False)
     for place in plain:
         if STOP in (came[place] or ())[1:] and asked.inputs[place][:2] != STOP:
-            raise Failed(
-                expected='no stop while the commands are less than 0.5 s apart',
-                observed='a stop between commands less than 0.5 s apart',
-                why=asked.cause(came, place, plain) or WHY['early_stop'],
-            )
+            raise WHY.failed('early_stop', asked.cause(came, place, plain))
     require_one_for_one(run, 'commands', TARGET, came, plain)
     require_values(run, asked, came, plain, fields=FIELDS)
 
@@ -240,9 +238,8 @@ def stops_in_silence(run: Run) -> None:
     for place in silent:
         stops = (came[place] or ()).count(STOP)
         if stops > asked.answers[place].count(STOP):
-            why = asked.cause(came, place, silent) or WHY['repeats_stop']
-            after = f'after message {place + 1}'
-            raise Failed(expected=f'one stop {after}', observed=f'{stops} stops {after}', why=why)
+            why = asked.cause(came, place, silent)
+            raise WHY.failed('repeats_stop', why, stops=stops, number=place + 1)
     require_values(run, asked, came, silent, fields=FIELDS)
     require_all_sent(run, came)
 
@@ -257,11 +254,7 @@ def keeps_its_times(run: Run) -> None:
         late_s = (message['clock_ns'] - sent[message['after_input']]) / SECOND
         values = tuple(field_of(message, one) for one in FIELDS)
         if values != STOP and late_s > GRAIN_S:
-            raise Failed(
-                expected='a command that is published when it arrives',
-                observed=f'a command that is published {late_s:.2g} s after it arrives',
-                why=WHY['passed_late'],
-            )
+            raise WHY.failed('passed_late', late_s=late_s)
         if values == STOP and late_s > GRAIN_S:
             stops_s.append(late_s)
     least_s, most_s = SILENCE_S - GRAIN_S, SILENCE_S + LATE_S + GRAIN_S
@@ -269,11 +262,7 @@ def keeps_its_times(run: Run) -> None:
         if not least_s <= late_s <= most_s:
             # A timer that each command resets is equally late in each silence.
             rarely = min(stops_s) >= least_s and max(stops_s) - min(stops_s) > GRAIN_S
-            raise Failed(
-                expected=f'a stop {SILENCE_S:g} s to {SILENCE_S + LATE_S:g} s after the command',
-                observed=f'a stop {late_s:.2g} s after the command',
-                why=WHY['looks_rarely'] if rarely else WHY['other_moment'],
-            )
+            raise WHY.failed('looks_rarely' if rarely else 'other_moment', late_s=late_s)
 
 
 def build(commands: Sequence[Command]) -> Exam:

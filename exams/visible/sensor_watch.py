@@ -18,8 +18,7 @@ from itertools import takewhile
 import math
 import re
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.slips import leaving_out
 from autograder.exam.specification import each, Specification
 from autograder.exam.steps import Advance, Feed, Leave, Mark, Offer, Qos, Step
@@ -228,11 +227,7 @@ def names_the_policy(run: Run) -> None:
     for publisher in LAZY:
         lazy = run.recording.of('offered', publisher=publisher)
         if lazy and lazy[0]['matched']:
-            raise Failed(
-                expected='a subscription that refuses a publisher without a deadline',
-                observed='a subscription that accepts a publisher without a deadline',
-                why=WHY['nothing_refused'],
-            )
+            raise WHY.failed('nothing_refused')
         found = own_logs(run.during(publisher), NODE)
         errors = [str(line['text']) for line in found if line['level'] == ERROR]
         if len(errors) != 1:
@@ -246,11 +241,8 @@ def names_the_policy(run: Run) -> None:
             )
         policies = lazy[0]['refused'] if lazy else ['DEADLINE']
         if not any(policy in errors[0].upper() for policy in policies):
-            raise Failed(
-                expected=f'the name {" or ".join(policies)} in the ERROR line',
-                observed=repr(shortened(errors[0], 80)),
-                why=WHY['policy_not_named'],
-            )
+            said = shortened(errors[0], 80)
+            raise WHY.failed('policy_not_named', policies=' or '.join(policies), said=said)
 
 
 def _why_no_error(run: Run, found: Sequence[Event]) -> Cause | None:

@@ -10,8 +10,7 @@ from collections.abc import Mapping, Sequence
 import re
 from typing import Any
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import close_name
 from autograder.judging.message_package import (

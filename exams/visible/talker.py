@@ -11,8 +11,7 @@ The probe subscribes to ``chatter`` in the namespace, after a while, and to the 
 
 import re
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.steps import Advance, get_parameters, Join, unheard
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
@@ -53,13 +52,8 @@ def publishes_greetings(run: Run) -> None:
 
 def moves_with_its_namespace(run: Run) -> None:
     """Its topic is relative: it moves along with the namespace of the node."""
-    if heard_on(run) == run.facts['topic']:
-        return
-    raise Failed(
-        expected='the topic chatter in the namespace in which the node was started',
-        observed=f'the topic {ABSOLUTE}, in no namespace',
-        why=WHY['absolute_name'],
-    )
+    if heard_on(run) != run.facts['topic']:
+        raise WHY.failed('absolute_name')
 
 
 def speaks_twice_a_second(run: Run) -> None:
@@ -77,11 +71,8 @@ def counts_its_greetings(run: Run) -> None:
     """The texts are hello 1, hello 2 and so on, without gaps."""
     found, least = greetings(run), int(run.facts['seconds'] - UNHEARD_S) // 2
     if len(found) < least:
-        raise Failed(
-            expected=f'at least {least} messages, enough to check the count',
-            observed=counted(len(found), 'message'),
-            why=why_silent(run) or WHY['wrong_rate'],
-        )
+        messages = counted(len(found), 'message')
+        raise WHY.failed('wrong_rate', why_silent(run), least=least, messages=messages)
     texts = [str(event['data']['data']) for event in found]
     # Greetings sent before the subscription connected are lost, so the count may begin above 1.
     first = found[0]['number']

@@ -9,9 +9,7 @@ from collections.abc import Sequence
 import random
 from typing import Any
 
-from autograder.exam.exam import Exam, Failed, Run
-from autograder.exam.scenario import Scenario
-from autograder.exam.steps import Feed
+from autograder.exam.exam import Exam, Failed, Feed, Run, Scenario
 from autograder.exam.words import Causes
 from autograder.judging.message_package import (
     commands_of,
@@ -48,12 +46,7 @@ def _require_required(found: Sequence[tuple[str, list[str]]]) -> None:
     """Fail if ``find_package`` looks for a needed package without ``REQUIRED``."""
     for name, words in found:
         if name == 'find_package' and words[:1] and words[0] in NEEDED and 'REQUIRED' not in words:
-            raise Failed(
-                expected=f'find_package({words[0]} REQUIRED)',
-                observed=f'find_package({" ".join(words)[:60]})',
-                share=0.5,
-                why=WHY.of('not_required', package=words[0]),
-            )
+            raise WHY.failed('not_required', share=0.5, package=words[0], words=' '.join(words))
 
 
 def generates_the_interface(run: Run) -> None:
@@ -82,12 +75,9 @@ def generates_the_interface(run: Run) -> None:
     if missing:
         mistake = mistake_in_build(run)
         here = mistake.cause_id and mistake.text.startswith(CMAKE)
-        raise Failed(
-            expected='all CMake commands that a message package needs',
-            observed='missing commands: ' + ', '.join(missing),
-            share=round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0,
-            why=why_no_build(run) if here else WHY.of('cmake', missing=missing[0]),
-        )
+        known = why_no_build(run) if here else None
+        share = round(0.5 * (1 - len(missing) / len(wanted)), 2) if len(missing) < 3 else 0
+        raise WHY.failed('cmake', known, share=share, first=missing[0], all=', '.join(missing))
 
 
 def _after(word: str, words: list[str]) -> list[str]:
@@ -103,21 +93,16 @@ def travelled(run: Run) -> bool:
 
 def builds_and_travels(run: Run) -> None:
     """The package builds with colcon, and its message travels between two programs unchanged."""
-    recording = run.recording
     if travelled(run):
         return
-    echoed = recording.messages('/echo_out')
-    expected = f'{len(run.facts["sent"])} messages sent and received back unchanged'
-    if not recording.nodes:
+    if not run.recording.nodes:
         raise Failed(
             expected='a package that builds', observed='no built message', why=why_no_build(run)
         )
-    ends = recording.endpoints('subscription', '/echo_in')
-    raise Failed(
-        expected=expected,
-        observed=f'the package builds, but {len(echoed)} messages come back',
-        why=WHY.of('different_type', type=ends[0]['type'] if ends else 'no Temperature'),
-    )
+    ends = run.recording.endpoints('subscription', '/echo_in')
+    kind = ends[0]['type'] if ends else 'no Temperature'
+    sent, back = run.facts['sent'], run.recording.messages('/echo_out')
+    raise WHY.failed('different_type', type=kind, sent=len(sent), back=len(back))
 
 
 def random_reading(draw: random.Random) -> dict[str, Any]:

@@ -172,19 +172,10 @@ def readings_are_plausible(run: Run) -> None:
     due = int(run.facts['seconds'])
     first = values[:due] if is_far_too_many(len(values), due) else values
     odd = [value for value in first if not COLDEST_C <= value <= HOTTEST_C]
-    if odd:
-        shown = f'{odd[0]:.4g}' if math.isfinite(odd[0]) else str(odd[0])
-        raise Failed(
-            expected=f'values from {COLDEST_C:g} to {HOTTEST_C:g} °C',
-            observed=f'a reading of {shown} °C',
-            why=WHY['implausible'] if math.isfinite(odd[0]) else WHY['not_finite'],
-        )
+    for value in odd[:1]:
+        raise WHY.failed('implausible' if math.isfinite(value) else 'not_finite', value=value)
     if len(set(values)) == 1:
-        raise Failed(
-            expected='readings that change from one to the next, as with a real sensor',
-            observed=f'{values[0]:.4g} °C in all {len(values)} readings',
-            why=WHY['constant'],
-        )
+        raise WHY.failed('constant', value=values[0], count=len(values))
 
 
 def build(seconds: int, begins_s: float, rate: float) -> Exam:

@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 import math
 
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Run, Scenario
 from autograder.exam.slips import NO_WARNING, REPEATED, SKIPS_EQUAL
 from autograder.exam.specification import Specification
 from autograder.exam.steps import feeds
@@ -79,11 +78,7 @@ def logs_every_reading(run: Run) -> None:
     # A warning at the wrong level would be a second INFO line for a hot reading.
     plain = [one for one in sent(run, 'cool') if len(one.inputs) == 1]
     if plain and all(one.showing(one.inputs[0]) > 1 for one in plain):
-        raise Failed(
-            expected='one INFO line with the value for each reading',
-            observed='more than one INFO line with the value for each cool reading',
-            why=WHY['logged_twice'],
-        )
+        raise WHY.failed('logged_twice')
 
 
 def _why_not_logged(
@@ -257,11 +252,8 @@ def reports_an_unknown_unit(run: Run) -> None:
     known = {one.unit for group in right for one in group.inputs if one.hot}
     for group in right:
         if group.count(ERROR) and group.inputs[0].unit in known:
-            raise Failed(
-                expected=f'no ERROR line after {group.inputs[0].kind}',
-                observed=lines(group.count(ERROR), ERROR),
-                why=WHY['needless_error'],
-            )
+            said = lines(group.count(ERROR), ERROR)
+            raise WHY.failed('needless_error', kind=group.inputs[0].kind, lines=said)
     _goes_on(run)
 
 

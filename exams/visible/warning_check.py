@@ -20,10 +20,8 @@ import math
 import operator
 
 from autograder.errors import ExamInvalid
-from autograder.exam.exam import Cause, Exam, Failed, Run
-from autograder.exam.scenario import Scenario
+from autograder.exam.exam import Cause, Exam, Failed, Feed, Run, Scenario
 from autograder.exam.specification import each, Rule, Slip, Specification
-from autograder.exam.steps import Feed
 from autograder.exam.words import Causes
 from autograder.judging.causes.ended import why_silent
 from autograder.judging.causes.exceptions import exception_cause
@@ -59,11 +57,7 @@ UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
     *('first_letter', 'part_of_a_unit', 'any_case'),
 )
-WRONG = (
-    *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'warns_ever_after'),
-    *('repeated_warning', 'one_late', 'warns_later', 'nan'),
-)
-"""Names of slips that leave out a warning, misread a unit, or give a wrong warning."""
+"""Names of slips that leave out a warning or misread a unit; all others give a wrong warning."""
 OWN = (
     *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'upper_bound', 'cut_off'),
     *('nan', *UNITS),
@@ -73,8 +67,6 @@ OWN = (
 BY_READING = 'For each reading, compare the warnings at its time with the expected ones.'
 UNHELPFUL = ('exception', 'assertion')
 """Causes whose text is about a node that ended with an exception."""
-ACCEPTS_ALL = WHY.slip('accepts_all', each(lambda run: True))
-REFUSES_ALL = WHY.slip('refuses_all', each(lambda run: False))
 OTHER_FIXES = {'unknown_unit': 'Expect no warning for a unit other than Celsius and Fahrenheit.'}
 
 
@@ -187,8 +179,8 @@ def compares_first(run: MadeRun) -> bool:
 
 
 SLIPS = (
-    ACCEPTS_ALL,
-    REFUSES_ALL,
+    WHY.slip('accepts_all', each(lambda run: True)),
+    WHY.slip('refuses_all', each(lambda run: False)),
     WHY.slip(
         'keeps_lists',
         lambda runs: list(accumulate((run.slip is None for run in runs), operator.and_)),
@@ -272,21 +264,14 @@ def _require(run: Run, places: Collection[int], due: bool) -> None:
     if wrong:
         right = len(places) - len(wrong)
         raise Failed(
-            expected=f'{due} for {len(places)} runs of {_kind(due)} nodes',
+            expected=f'{due} for {len(places)} runs of {"correct" if due else "wrong"} nodes',
             observed=f'{due} for {right} of {len(places)} runs; not for {_name(run, wrong[0])}',
             why=_why(run, asked, came, wrong[0]),
             share=0.0 if due or one_sided else round(right / len(places), 2),
         )
     if one_sided:
-        raise Failed(
-            expected=f'{due} for these and {not due} for most runs of {_kind(not due)} nodes',
-            observed=f'{not due} for {known} of {len(others)} runs of {_kind(not due)} nodes',
-            why=WHY['one_sided'],
-        )
-
-
-def _kind(right: bool) -> str:
-    return 'correct' if right else 'wrong'
+        kind, count = 'wrong' if due else 'correct', len(others)
+        raise WHY.failed('one_sided', due=due, other=not due, kind=kind, right=known, count=count)
 
 
 def _why(run: Run, asked: Specification, came: Sequence[bool | str], place: int) -> Cause | None:
@@ -326,15 +311,10 @@ def build(runs: Sequence[MadeRun]) -> Exam:
     )
     right = [place for place, one in enumerate(runs) if one.slip is None]
     named = {place: one.slip.cause_id for place, one in enumerate(runs) if one.slip}
-    if unknown := sorted({*named.values()} - {*MISSES, *UNITS, *WRONG}):
-        raise ExamInvalid(
-            f'warning_check: no check refuses a run with the slip {unknown[0]}.',
-            'Try: add its name to MISSES, UNITS or WRONG',
-        )
-    missing, units, other = (
-        [place for place, name in named.items() if name in names]
-        for names in (MISSES, UNITS, WRONG)
+    missing, units = (
+        [place for place, name in named.items() if name in names] for names in (MISSES, UNITS)
     )
+    other = sorted(named.keys() - {*missing, *units})
     exam.check(points=1)(returns_true_or_false)
     for points, name, places, sentence in (
         (4, 'accepts_right_nodes', right, 'It accepts each run of a correct node.'),

@@ -173,7 +173,7 @@ def test_the_samples_are_graded_once_there_are_three_right_ones(released, tmp_pa
         ),
         ('points=4, ', 'points=0, ', 'check publishes_visitors: expected points > 0'),
         ("needs=['one_", "needs=['on_", "needs 'on_for_one', which is not an earlier check"),
-        ('= build((True', '= biuld((True', 'exams/visible/visitor_counter.py, line 32: NameError'),
+        ('= build((True', '= biuld((True', 'exams/visible/visitor_counter.py, line 30: NameError'),
         ('or not before)', 'or before)', 'visitor_counter/publishes_visitors: FAILED'),
     ],
 )

@@ -153,7 +153,7 @@ class TestLimits:
         """A node that accepts NaN never warns again, and loses points only once."""
         changes = [(LIMIT, 35.0), (LIMIT, float('nan')), ('place', 'pump')]
         sent = [Reading(50.0, '', 28.0, 28.0, 28.0, number) for number in range(4)]
-        rule = limit_keeper.warning()
+        rule = limit_keeper.warns()
         asked = Specification(sent, rule)
 
         def due(*accepted):

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 
 import pytest
 
@@ -17,6 +18,7 @@ USERS = {
     'check_your_understanding': [ROOT / 'autograder/submission/cells.py'],
 }
 """Other modules that use the causes in a table."""
+NAMES = r'WHY\.(of|slip|failed)'
 
 
 def words_in(module):
@@ -28,7 +30,7 @@ def words_in(module):
             strings.add(node.value)
         elif isinstance(node, ast.Subscript) and ast.unparse(node.value).endswith('WHY'):
             key = node.slice
-        elif isinstance(node, ast.Call) and ast.unparse(node.func) in ('WHY.of', 'WHY.slip'):
+        elif isinstance(node, ast.Call) and re.fullmatch(NAMES, ast.unparse(node.func)):
             key = node.args[0]
         if isinstance(key, ast.Constant):
             names.add(key.value)
@@ -40,11 +42,25 @@ def test_table_has_the_causes_of_its_module_and_no_other(table):
     """Without a row for a cause, the check would break as soon as a learner makes the mistake."""
     users = [table.with_suffix('.py'), *USERS.get(table.stem, ())]
     rows = importlib.import_module(_name_of(table)).WHY._rows
-    closer = {name for row in rows.values() for name in ' '.join(row[3:]).split()}
+    closer = {name for row in rows.values() for name in _words(row, 'closer')}
     names, strings = (set().union(*some) for some in zip(*map(words_in, users)))
 
     assert names <= set(rows)
     assert set(rows) <= strings | closer
+
+
+def test_failed_check_has_all_its_sentences():
+    """Without them, the learner would read nothing in their place."""
+    for table in TABLES:
+        rows = importlib.import_module(_name_of(table)).WHY._rows
+        for module in (table.with_suffix('.py'), *USERS.get(table.stem, ())):
+            for name in re.findall(r"WHY\.failed\(\s*'(\w+)'", module.read_text(encoding='utf-8')):
+                assert _words(rows[name], 'expected')
+                assert _words(rows[name], 'observed')
+
+
+def _words(row, field):
+    return [word for line in row if line.startswith(f'{field}: ') for word in line.split()[1:]]
 
 
 def _name_of(table):
@@ -55,7 +71,8 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
     """The exam's constants and the given values are inserted; double braces become braces."""
     (tmp_path / 'exam.txt').write_text(
         'late\nIt is\n  {how} late.\nRun {TOPIC}.\n'
-        'act: reset()\nabout: a {TOPIC}\ncloser: late_too\n\n'
+        'act: reset()\nabout: a {TOPIC}\ncloser: late_too\n'
+        'expected: {count} on {TOPIC}\nobserved: nothing\n\n'
         'late|late_too\nIt is {{late}}.\nRun.\n',
         encoding='utf-8',
     )
@@ -72,6 +89,12 @@ def test_row_gives_all_fields_of_a_cause(tmp_path):
     assert (found.act, found.about, found.line) == ('reset()', ['a', '/map'], 3)
     assert [one.text for one in found.closer] == [slip.text] == ['It is {late}.']
     assert (slip.cause_id, slip.rules) == ('late', (list,))
+
+    failed = causes.failed('late', how='very', count=3, place=1)
+
+    assert (failed.expected, failed.observed, failed.place) == ('3 on /map', 'nothing', 1)
+    assert failed.why.text == 'It is very late.'
+    assert causes.failed('late', slip, how='very', count=3).why is slip
 
 
 def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
