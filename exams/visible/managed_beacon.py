@@ -175,9 +175,9 @@ def build(namespace: str = '', seconds: float = 4.0) -> Exam:
     :param seconds: duration of each active phase [s]
     """
     name, topic = f'{namespace}/beacon', f'{namespace}/beacon_signal'
-    # Add 0.05 s, so that an active phase does not end exactly at a tick of a timer that a
-    # transition started.
-    pause, work = Advance(2.0), Advance(seconds + 0.05)
+    # Add some hundredths of a second, so that no transition falls exactly on a tick of a timer
+    # that an earlier transition started: at such a moment, either may be first.
+    pause, work = Advance(2.03), Advance(seconds + 0.05)
     alone, rest = Advance(UNHEARD_S), Advance(seconds + 0.05 - UNHEARD_S)
     changes = {way: transition(name, way) for way in WAYS}
     configure, activate = changes['configure'], changes['activate']
