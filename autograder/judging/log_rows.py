@@ -108,7 +108,7 @@ def require_warnings(
         observed='the run ended before this input' if came[place] is None else lines(count, WARN),
         why=why_silent(then)
         or (why_missing(place) if why_missing and short else None)
-        or (why_left_out(run, WARN, _warnings(followed)) if short else None)
+        or (why_left_out(run, WARN, warn_lines(followed)) if short else None)
         or (slip if any(came) else None)
         or (why_not_logged(then, row, WARN) if short and not count and not why_missing else None)
         or slip
@@ -126,7 +126,7 @@ def require_warnings(
 def _warns_later(run: Run, row: Row | None) -> bool:
     """Return whether a WARN line comes some time after the last input before it."""
     sent = [one['clock_ns'] for one in run.recording.of('input')]
-    delays_ns = [line['clock_ns'] - sent[line['after_input']] for line in _warnings([row])]
+    delays_ns = [line['clock_ns'] - sent[line['after_input']] for line in warn_lines([row])]
     return max(delays_ns, default=0) > LATE_S * SECOND
 
 
@@ -135,12 +135,13 @@ def _why_from_elsewhere(
 ) -> Cause | None:
     """Explain a needless WARN line whose line of code never logs a correct warning."""
     exact = [row for row, count, wanted in zip(followed, came, due) if count == wanted]
-    right = lines_of_code(_warnings(exact))
-    others = sorted(lines_of_code(_warnings([followed[place]])) - right)
+    right = lines_of_code(warn_lines(exact))
+    others = sorted(lines_of_code(warn_lines([followed[place]])) - right)
     return cause_of('other_warning', line=others[0]) if right and others else None
 
 
-def _warnings(followed: Iterable[Row | None]) -> Row:
+def warn_lines(followed: Iterable[Row | None]) -> Row:
+    """Return the WARN lines of all rows."""
     return [line for row in followed for line in row or () if line['level'] == WARN]
 
 
@@ -158,4 +159,4 @@ def share(run: Run, followed: Sequence[Row | None], right: int, due: int) -> flo
 
 def warnings_after(followed: Iterable[Row | None]) -> list[int | None]:
     """Return the number of WARN lines after each input, None if the input was not sent."""
-    return [row if row is None else len(_warnings([row])) for row in followed]
+    return [row if row is None else len(warn_lines([row])) for row in followed]

@@ -22,6 +22,7 @@ from autograder.judging.causes.ended import (
     why_silent,
 )
 from autograder.judging.causes.missing_logs import (
+    lines_of_code,
     why_elsewhere,
     why_error_logged,
     why_exception_logged,
@@ -30,7 +31,14 @@ from autograder.judging.causes.missing_logs import (
 )
 from autograder.judging.checks import lines
 from autograder.judging.claims import hears, node
-from autograder.judging.log_rows import Followed, followed, require_warnings, share, warnings_after
+from autograder.judging.log_rows import (
+    Followed,
+    followed,
+    require_warnings,
+    share,
+    warn_lines,
+    warnings_after,
+)
 from autograder.judging.numbers import shown
 from autograder.recording import ERROR, Event, INFO, WARN
 from autograder.submission.code.source_code import Code
@@ -272,6 +280,12 @@ def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
     then = while_running(run, asked, groups.index(group), not group.count(WARN))
     if why := why_silent(then) if run.recording.logs() else why_elsewhere(run, ERROR):
         return why
+    refused = warn_lines(one.row for one in sent(run, 'unknown'))
+    hot = lines_of_code(warn_lines(one.row for one in sent(run, 'hot')))
+    if all(one.count(WARN) > one.count(ERROR) for one in sent(run, 'unknown')) and not (
+        hot & lines_of_code(refused)
+    ):
+        return why_not_logged(run, refused, ERROR)
     if group.count(WARN):
         came = warnings_after([one.row for one in groups])
         return asked.cause(came, groups.index(group)) or WHY['unknown_unit']
