@@ -93,13 +93,13 @@ class Slip(Cause):
         self,
         cause_id: str,
         text: str,
-        fix: str,
+        try_this: str,
         *rules: Rule,
         sometimes: bool = False,
         **more: Any,
     ) -> None:
         """Create a slip from its rules, its sentences and other fields of a cause."""
-        super().__init__(cause_id, text, fix, **more)
+        super().__init__(cause_id, text, try_this, **more)
         object.__setattr__(self, 'rules', rules)
         object.__setattr__(self, 'sometimes', sometimes)
 

@@ -82,12 +82,7 @@ class Causes:
             :class:`autograder.exam.specification.Cause`
         :raises ExamInvalid: if the file has no such row
         """
-        if name not in self._rows:
-            known = ', '.join(self._rows)
-            raise ExamInvalid(
-                f'{self._file.name}: there is no cause {name!r}.', f'Known: {known}.'
-            )
-        head = (one.format(**self._words, **words) for one in self._rows[name][:3])
+        head = (one.format(**self._words, **words) for one in self._row(name)[:3])
         cause_id, text, try_this = head
         about = about or self._field(name, 'about', words).split() or about_of(words)
         others = self._field(name, 'closer', words).split()
@@ -95,9 +90,17 @@ class Causes:
         act = act or self._field(name, 'act', words)
         return Cause(cause_id, text, try_this, about, act, line, closer)
 
+    def _row(self, name: str) -> Sequence[str]:
+        if name not in self._rows:
+            known = ', '.join(self._rows)
+            raise ExamInvalid(
+                f'{self._file.name}: there is no cause {name!r}.', f'Known: {known}.'
+            )
+        return self._rows[name]
+
     def _field(self, name: str, field: str, words: Mapping[str, Any]) -> str:
         """Return a further line of a row, empty if the row lacks it."""
-        lines = (one.partition(': ') for one in self._rows[name][3:])
+        lines = (one.partition(': ') for one in self._row(name)[3:])
         found = (said for key, _, said in lines if key == field)
         return next(found, '').format(**self._words, **words)
 
@@ -116,8 +119,11 @@ class Causes:
         :param known: a more certain cause, which replaces the one of the row
         :param words: see :meth:`of`; the other parameters are fields of
             :class:`autograder.exam.exam.Failed`
+        :raises ExamInvalid: if the row lacks one of these sentences
         """
         expected, observed = (self._field(name, one, words) for one in ('expected', 'observed'))
+        if not expected or not observed:
+            raise ExamInvalid(f'{self._file.name}, {name}: add the lines expected: and observed:.')
         why = known or self.of(name, **words)
         return Failed(expected=expected, observed=observed, why=why, place=place, share=share)
 

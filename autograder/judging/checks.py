@@ -12,6 +12,7 @@ Each ``require_...`` function raises :class:`autograder.exam.exam.Failed` or ret
 nodes and topics are full names.
 """
 
+import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -27,7 +28,7 @@ from autograder.judging.causes.ended import (
 from autograder.judging.causes.redaction import safe_quotation
 from autograder.judging.causes.text_table import cause_of
 from autograder.recording import Event, LEVELS
-from autograder.submission.code.acts import find
+from autograder.submission.code.program import argument
 from autograder.submission.code.source_code import Code
 
 SECOND = 1_000_000_000
@@ -74,11 +75,15 @@ def why_other_namespace(run: Run, node: str, repair: str = '') -> Cause | None:
 
 def _own_namespace(code: Code) -> str:
     """Return advice for code that overrides the namespace from the command line."""
+    named = {one.arg for one in code.nodes if isinstance(one, ast.keyword)}
     for name in ('namespace', 'use_global_arguments', 'cli_args'):
-        if find(code, f'{name}='):
+        if name in named:
             return f'Remove {name}=.'
-    if find(code, 'own_arguments'):
-        return 'Write rclpy.init(args=args) in main(args=None).'
+    for call in code.calls_to('init'):
+        given = argument(call, 0, 'args')
+        replaced = (ast.List, ast.Tuple, ast.Call)
+        if given and any(isinstance(part, replaced) for part in ast.walk(given)):
+            return 'Write rclpy.init(args=args) in main(args=None).'
     return 'Give the node a plain name, and write rclpy.init(args=args) in main(args=None).'
 
 

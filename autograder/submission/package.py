@@ -7,7 +7,7 @@ file or an unsafe path is refused, because without the linked file the grader wo
 different program.
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 import re
@@ -54,13 +54,23 @@ def read_package(folder: Path) -> dict[str, str]:
     Return the contents of a package's files, keyed by the paths that exams use.
 
     :param folder: the package, or a folder with the same structure
-    :raises UnusableUploadError: if it is too large, or contains a link or an unreadable file
+    :raises UnusableUploadError: if a file or folder is a link
     """
     found: dict[str, str] = {}
-    for path, text in _texts(folder, NOTEBOOK_KINDS).items():
-        top, _, below = path.partition('/')
-        node = path.endswith('.py') and below and top != 'test'
-        found.setdefault(below if node else path, text)
+    for path in sorted(folder.rglob('*')):
+        inside = path.relative_to(folder)
+        if any(map(is_left_out, inside.parts)):
+            continue
+        if path.is_symlink():
+            fix = 'Try: replace the link with a copy of its target'
+            raise UnusableUploadError(f'{path}: expected a file or folder, got a link.', fix)
+        if path.suffix not in NOTEBOOK_KINDS or not path.is_file():
+            continue
+        if path.suffix == '.py' and len(inside.parts) > 1 and inside.parts[0] != 'test':
+            inside = Path(*inside.parts[1:])
+        data, problems = read_file(path, str(inside))
+        if data is not None and not problems and len(found) < MOST_FILES:
+            found.setdefault(inside.as_posix(), data.decode('utf-8', 'replace'))
     return found
 
 
@@ -91,11 +101,10 @@ def _script(path: Path) -> str:
     return data.decode('utf-8', 'replace')
 
 
-def _texts(path: Path, kinds: Collection[str] = KINDS) -> dict[str, str]:
+def _texts(path: Path) -> dict[str, str]:
     """
     Return the texts of a folder or a zip file by relative path, without following links.
 
-    :param kinds: suffixes of the files to read
     :raises UnusableUploadError: if it is damaged or too large, or has a link, a special file or an
         unsafe path
     """
@@ -107,7 +116,7 @@ def _texts(path: Path, kinds: Collection[str] = KINDS) -> dict[str, str]:
     with opened(path, BOUNDS) as tree:
         for name, trouble in tree.refused:
             raise BOUNDS.refusal(f'{path}, {name[:80]!r}', trouble)
-        files = [file for file in tree.files if PurePosixPath(file.name).suffix in kinds]
+        files = [file for file in tree.files if PurePosixPath(file.name).suffix in KINDS]
         if len(files) > MOST_FILES:
             raise BOUNDS.refusal(str(path), f'more than {MOST_FILES} files')
         for file in files:

@@ -9,6 +9,7 @@ from ``cmd_vel_raw`` at once on ``cmd_vel``, with ``linear.x`` limited to -0.5 t
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Exam, Run, Scenario
@@ -37,7 +38,7 @@ BURST = 3
 Pair = tuple[float, float]
 
 
-WHY = Causes(__file__, LATE_S=LATE_S)
+WHY = Causes(__file__, LATE_S=LATE_S, SILENCE_S=SILENCE_S, LATEST_S=SILENCE_S + LATE_S)
 
 
 class Command(NamedTuple):
@@ -104,27 +105,25 @@ def turning(change: Change) -> Rule:
     return guarding(lambda one: (within(one.speed, LIMIT), change(one.turn)))
 
 
-def skipping(skips: Callable[[Command, Command], bool], *instead: Pair) -> Rule:
-    """
-    Return the rule of a safety stop that skips some commands.
-
-    :param skips: returns whether a command is skipped, given the previous one
-    :param instead: published in place of such a command
-    """
+def skipping(instead: Sequence[Pair]) -> Rule:
+    """Return the rule of a safety stop that skips a command that equals the previous one."""
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
-        before = (Command(*STOP, LONG_S), *inputs)
-        return [
-            (*instead, *row[1:]) if skips(one, last) else row
-            for one, last, row in zip(inputs, before, guarding()(inputs))
-        ]
+        again = [False, *(one[:2] == two[:2] for one, two in pairwise(inputs))]
+        return [tuple(instead) if equal else row for equal, row in zip(again, guarding()(inputs))]
 
     return rule
 
 
-def repeated(one: Command, last: Command) -> bool:
-    """Return whether a command equals the previous one."""
-    return one[:2] == last[:2]
+def skipping_zeros(always: bool) -> Rule:
+    """Return the rule of a safety stop that skips all commands of zeros, or those after a stop."""
+
+    def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
+        stopped = [True, *(one.lasts_s > SILENCE_S for one in inputs)]
+        skip = [one[:2] == STOP and (always or after) for one, after in zip(inputs, stopped)]
+        return [row[1:] if out else row for out, row in zip(skip, guarding()(inputs))]
+
+    return rule
 
 
 def bursting(kept: int) -> Rule:
@@ -141,12 +140,8 @@ def bursting(kept: int) -> Rule:
 
 
 SLIPS = (
-    Slip.of(SKIPS_EQUAL, skipping(repeated), skipping(repeated, STOP)),
-    WHY.slip(
-        'skips_zeros',
-        skipping(lambda one, last: one[:2] == STOP),
-        skipping(lambda one, last: one[:2] == STOP and last.lasts_s > SILENCE_S),
-    ),
+    Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
+    WHY.slip('skips_zeros', skipping_zeros(always=True), skipping_zeros(always=False)),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
     WHY.slip(
         'speed_scaled',

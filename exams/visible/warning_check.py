@@ -57,7 +57,11 @@ UNITS = (
     *('ignores_unit', 'wrong_conversion', 'unknown_unit'),
     *('first_letter', 'part_of_a_unit', 'any_case'),
 )
-"""Names of slips that leave out a warning or misread a unit; all others give a wrong warning."""
+WRONG = (
+    *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'warns_ever_after'),
+    *('repeated_warning', 'one_late', 'warns_later', 'nan'),
+)
+"""Names of slips that leave out a warning, misread a unit, or give a wrong warning."""
 OWN = (
     *('warns_at_threshold', 'comparison_reversed', 'sign_ignored', 'upper_bound', 'cut_off'),
     *('nan', *UNITS),
@@ -311,10 +315,15 @@ def build(runs: Sequence[MadeRun]) -> Exam:
     )
     right = [place for place, one in enumerate(runs) if one.slip is None]
     named = {place: one.slip.cause_id for place, one in enumerate(runs) if one.slip}
-    missing, units = (
-        [place for place, name in named.items() if name in names] for names in (MISSES, UNITS)
+    if unknown := sorted({*named.values()} - {*MISSES, *UNITS, *WRONG}):
+        raise ExamInvalid(
+            f'warning_check: no check refuses a run with the slip {unknown[0]}.',
+            'Try: add its name to MISSES, UNITS or WRONG',
+        )
+    missing, units, other = (
+        [place for place, name in named.items() if name in names]
+        for names in (MISSES, UNITS, WRONG)
     )
-    other = sorted(named.keys() - {*missing, *units})
     exam.check(points=1)(returns_true_or_false)
     for points, name, places, sentence in (
         (4, 'accepts_right_nodes', right, 'It accepts each run of a correct node.'),

@@ -1,6 +1,7 @@
 """Find the place of an act that a cause mentions: a line, a function or none."""
 
 import re
+import time
 
 import pytest
 
@@ -152,6 +153,7 @@ class TestPlace:
             ('truth', 22, ()),
             ('==', 28, ()),  # not the line with __name__
             ('profile', 7, ['survey']),  # the publisher shares the profile, which is correct there
+            ('get_parameter()@def:on_activate', 12, ()),  # on_configure() shares the helper
             ('get_parameter()', 18, ()),
         ],
     )
@@ -275,20 +277,51 @@ class TestKnownActs:
         [
             ('own_arguments', 'rclpy.init(args=[])'),
             ('own_arguments', 'rclpy.init(args=args or None)'),
+            ('wall_clock', 'stamp = datetime.datetime.now()'),
+            ('joined', "value = float(f'{whole}.{rest}')"),
+            ('raised_exit', 'raise KeyboardInterrupt'),
+            ('stored', 'self.values[one.name] = one.value'),
+            ('kept_first', 'self.first = self.first or 3'),
+            ('wrapped_count', 'if done: self.count += 1; self.count %= 4'),
             ('conversion', 'celsius = (value - 32) * 0.5556'),
+            ('conversion', 'celsius = (value + -32) / 1.8'),
+            ('conversion', 'celsius = (value - float(32)) / 1.8'),
             ('slice', 'text = data[:100]'),
         ],
     )
     def test_act_is_found_in_one_statement(self, act, line):
         assert place(act, code=f'rclpy.init(args=args)\n{line}\n') == (2, '')
 
+    @pytest.mark.parametrize(
+        ('act', 'line'),
+        [
+            ('own_arguments', "rclpy.init(args=sys.argv + ['--ros-args'])"),
+            ('own_arguments', 'rclpy.init(args=args if args else list(sys.argv))'),
+            ('raised_exit', 'try: run()\nexcept SystemExit: pass'),
+            ('joined', 'value = float(text)'),
+            ('kept_first', 'args = args or sys.argv'),
+            ('wrapped_count', 'n += 1\nif not (n % 4 or done): pass'),
+            ('wrapped_count', 'n += 1\nif f(n % 4): pass'),
+            ('longer_pause+', 'pause = pause + pause + 1\ncreate_timer(pause, tick)'),
+        ],
+    )
+    def test_statement_that_looks_alike_is_not_found(self, act, line):
+        assert place(act, code=f'{line}\n') is None
+
     @pytest.mark.parametrize('act', sorted(ACTS))
     def test_hostile_code_takes_no_time(self, act):
-        """Chains of names and nested sums are followed only to a small depth."""
+        """Chains of names and sums are followed to a small depth, and searched once."""
         names = '\n'.join(f'a{n} = a{n + 1} + a{n + 1}' for n in range(60))
         deep = f'create_timer({"+".join(["1"] * 500)}, f)\ncreate_timer({10**400}, a0)\n'
 
+        sums = f'self.count = {"+".join(["self.count"] * 400)}\n' * 20
+        dots = f'create_timer(a{".b" * 900}, f)\n' * 60
+        begun_s = time.process_time()
+
         place(act, ['0.5'], code=f'{names}\na60 = 1\n{deep}x{".y" * 500} = 1\n')
+        place(act, ['0.5'], code=sums + dots)
+
+        assert time.process_time() - begun_s < 3.0
 
 
 PILOT = """\

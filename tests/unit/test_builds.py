@@ -172,6 +172,14 @@ def test_line_of_a_command_is_not_that_of_a_comment():
     assert found.text.endswith('is temp, but the project is called temp_monitor_pkg.')
 
 
+def test_line_with_a_place_after_a_hash_is_found_in_other_files():
+    """In package.xml, a hash begins no comment."""
+    output = PRINTED['unknown_type']
+    found = diagnose(output, {'msg/Temperature.msg': 'string unit\n# float temperature_value\n'})
+
+    assert found.text.startswith('msg/Temperature.msg, line 2: ')
+
+
 def test_libraries_named_after_the_package_have_the_right_target():
     output = PRINTED['target_name'].replace('export_temp__', 'export_temp_monitor_pkg__')
 

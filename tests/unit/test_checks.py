@@ -47,6 +47,8 @@ class TestNode:
             ("super().__init__('a', namespace='lab')", 'Remove namespace='),
             ('rclpy.init(args=[])', 'Write rclpy.init(args=args)'),
             ('rclpy.init(args=args)', 'Give the node a plain name'),
+            ('rclpy.init(args=args or sys.argv)', 'Give the node a plain name'),
+            ("self.namespace = 'lab'\nx.cli_args = 3", 'Give the node a plain name'),
         ],
     )
     def test_what_the_code_has_against_the_namespace_is_named(self, line, repair):

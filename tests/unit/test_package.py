@@ -1,5 +1,6 @@
 """Folders, scripts and zips are read safely and completely, or refused."""
 
+import os
 import stat
 import struct
 import zipfile
@@ -298,8 +299,30 @@ def test_link_is_refused_with_its_name(tmp_path, target):
     """If links were skipped, the check would report that no file was saved."""
     (tmp_path / 'pkg').symlink_to(target)
 
-    with pytest.raises(UnusableUploadError, match=r"'pkg': .* got a link .* with copies"):
+    with pytest.raises(UnusableUploadError, match=r'pkg: .* got a link.* replace the link with'):
         read_package(tmp_path)
+
+
+def test_other_entries_of_a_notebooks_folder_are_ignored(tmp_path):
+    """A pipe, a deep folder and a large file do not keep a learner from checking a node."""
+    deep = tmp_path / '/'.join('d' * 20)
+    deep.mkdir(parents=True)
+    os.mkfifo(tmp_path / 'pipe.py')
+    (tmp_path / 'data.csv').write_bytes(bytes(1_100_000))
+    (tmp_path / 'a\\b.txt').write_text('x')
+    (tmp_path / 'package.xml').write_text('<package/>')
+
+    assert read_package(tmp_path)['package.xml'] == '<package/>'
+    assert 'pipe.py' not in read_package(tmp_path)
+
+
+def test_files_of_a_notebook_are_read_up_to_a_limit(tmp_path):
+    """The first files are read; a folder that does not exist has none."""
+    for number in range(package.MOST_FILES + 5):
+        (tmp_path / f'n{number}.py').write_text('x')
+
+    assert len(read_package(tmp_path)) == package.MOST_FILES
+    assert read_package(tmp_path / 'missing') == {}
 
 
 def test_odd_bytes_are_replaced(tmp_path):

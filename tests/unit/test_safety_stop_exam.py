@@ -58,6 +58,20 @@ def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():
     assert failed.value.why == safety_stop.WHY['early_stop']
 
 
+def test_repeated_command_is_skipped_with_its_stop():
+    """A first command of zeros repeats none; the stop after a skipped command is not due."""
+    zero, drive = Command(*STOP, 0.3), Command(0.3, 0.2, 1.6)
+    skips_equal = safety_stop.SLIPS[0].rules[0]
+
+    assert skips_equal([zero, drive, drive]) == [(STOP,), ((0.3, 0.2), STOP), ()]
+
+
+def test_words_of_a_late_stop_have_the_times_of_the_exam():
+    failed = safety_stop.WHY.failed('other_moment', late_s=0.7)
+
+    assert failed.expected == 'a stop 0.5 s to 0.6 s after the command'
+
+
 @pytest.mark.parametrize(
     ('kept', 'cause_id'), [(-1, 'only_the_last'), (0, 'the_rest_dropped'), (1, None)]
 )

@@ -51,6 +51,14 @@ class TestTexts:
         assert Code(files).texts == {'Farenheit'}
         assert set(Code(files).calls) == {'isnan'}
 
+    def test_name_in_a_class_has_no_value_of_the_file(self):
+        """A module variable explains no attribute of the same name."""
+        file = 'rate = 0.5\ncreate_timer(options.rate, f)\n'
+        of_class = 'class N:\n    rate = 0.5\n    def go(self): create_timer(self.rate, f)\n'
+
+        assert Code({'n.py': file}).numbers('create_timer') == []
+        assert Code({'n.py': of_class}).numbers('create_timer') == [0.5]
+
     def test_an_escape_that_python_warns_of_is_the_learners(self):
         """The grader prints no warning about an invalid escape."""
         assert Code({'n.py': "a = '\\d'"}).texts == {'\\d'}
@@ -127,6 +135,17 @@ class TestPauses:
 
         assert pause_in_callback(files) is None
 
+    @pytest.mark.parametrize(
+        'code',
+        [
+            'while True:\n    node.create_timer(1.0, lambda: time.sleep(1.0))\n',
+            'async def main():\n    await f(node.create_timer(1.0, lambda: time.sleep(1.0)))\n',
+        ],
+    )
+    def test_what_surrounds_a_callback_does_not_count(self, code):
+        """Only a loop or an await inside the callback is a cause of its own."""
+        assert pause_in_callback({'n.py': code}) == ('', 2)
+
     def test_a_function_that_ros_does_not_call_may_sleep(self):
         files = {'n.py': 'def work():\n    time.sleep(1.0)\nThread(target=work).start()\n'}
 
@@ -194,3 +213,13 @@ def test_lines_are_left_out_if_all_of_a_level_are_told_to(line, found):
 def test_loggers_of_python_are_distinguished_from_those_of_nodes(line, names, found):
     """A Python logger is blamed only if nothing else logs at that level."""
     assert logs_with_python({'n.py': LOGGING.format(line)}, names) is found
+
+
+def test_logger_of_python_belongs_to_its_file():
+    """A name means the logger of Python only in the file that creates it."""
+    files = {
+        'a.py': "import logging\nlog = logging.getLogger('a')\n",
+        'b.py': "log = node.get_logger()\nlog.warning('b')\n",
+    }
+
+    assert not logs_with_python(files, 'warning')

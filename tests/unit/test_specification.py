@@ -72,6 +72,11 @@ class TestCause:
         assert question.cause([1, 0, 0, 1], 0) is None
         assert question.cause([1, 0, 1, 0], 0) is None
 
+    def test_slip_is_created_with_the_names_of_its_fields(self):
+        slip = Slip('late', text='It is late.', try_this='Run.', act='run()')
+
+        assert (slip.text, slip.try_this, slip.act) == ('It is late.', 'Run.', 'run()')
+
     def test_burst_is_one_row_of_sums(self):
         """The answers to a burst are added, because they cannot be matched to its inputs."""
         found = asked(20.0, 31.0, 45.0, 30.0, burst=3)

@@ -1,5 +1,6 @@
 """The exam of lesson 11: prepared runs, and the causes if a check misjudges them."""
 
+from dataclasses import replace
 import json
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from autograder.errors import ExamInvalid
 from autograder.exam import catalog
 from autograder.exam.exam import Run
+from autograder.exam.specification import Slip
 from autograder.judging.judge import judge
 from autograder.recording import Recording
 from autograder.results import Verdict
@@ -90,8 +92,7 @@ def test_missed_run_is_explained_by_what_its_node_does():
 def test_no_mistake_of_a_node_reads_as_the_learners():
     """The node with the mistake is not the learner's: the learner has written a check."""
     slips = (*warning_check.OF_A_MONITOR, warning_check.LATE, warning_check.LAGS)
-    runs = catalog.load('warning_check').asks['answers'].inputs
-    known = {one.slip.cause_id for one in runs if one.slip}
+    known = {*warning_check.MISSES, *warning_check.UNITS, *warning_check.WRONG}
     texts = [warning_check._of_a_node(slip) for slip in slips if slip.cause_id in known]
 
     assert len(texts) >= len(known)
@@ -174,3 +175,12 @@ def test_run_that_does_not_show_its_slip_is_refused():
     assert made_run('the limit', celsius(30.0), 'warns_at_threshold').answers == [1]
     with pytest.raises(ExamInvalid, match='do not reveal a slip warns_at_threshold'):
         made_run('cool readings', celsius(20.0), 'warns_at_threshold')
+
+
+def test_slip_that_no_check_refuses_is_an_error_of_the_exam():
+    """A new slip does not silently count as a wrong warning."""
+    slip = Slip('new_slip', 'It warns of NaN.', 'Do not.', lambda readings: [1])
+    run = replace(made_run('a reading that is NaN', (warning_check.NAN,)), slip=slip)
+
+    with pytest.raises(ExamInvalid, match=r'with the slip new_slip\. Try: .* MISSES, UNITS or'):
+        warning_check.build((*RUNS, run))

@@ -54,9 +54,18 @@ def test_failed_check_has_all_its_sentences():
     for table in TABLES:
         rows = importlib.import_module(_name_of(table)).WHY._rows
         for module in (table.with_suffix('.py'), *USERS.get(table.stem, ())):
-            for name in re.findall(r"WHY\.failed\(\s*'(\w+)'", module.read_text(encoding='utf-8')):
+            for name in _failed(module):
                 assert _words(rows[name], 'expected')
                 assert _words(rows[name], 'observed')
+
+
+def _failed(module):
+    """Return the names in each first argument of failed(), which may be a condition."""
+    tree = ast.parse(module.read_text(encoding='utf-8'))
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    failed = [node.args[0] for node in calls if ast.unparse(node.func) == 'WHY.failed']
+    parts = [part for one in failed for part in ast.walk(one)]
+    return [part.value for part in parts if isinstance(part, ast.Constant)]
 
 
 def _words(row, field):
@@ -103,6 +112,11 @@ def test_row_that_is_missing_or_incomplete_is_an_error_of_the_exam(tmp_path):
     table.write_text('late\nIt is late.\nRun.\n', encoding='utf-8')
     with pytest.raises(ExamInvalid, match=r"exam\.txt: there is no cause 'early'.*Known: late"):
         Causes(module)['early']
+
+    with pytest.raises(ExamInvalid, match=r"exam\.txt: there is no cause 'early'"):
+        Causes(module).failed('early')
+    with pytest.raises(ExamInvalid, match=r'exam\.txt, late: add the lines expected: and obs'):
+        Causes(module).failed('late')
 
     table.write_text('late\nIt is late.\n', encoding='utf-8')
     with pytest.raises(ExamInvalid, match=r'exam\.txt, late: expected a sentence and a fix'):

@@ -116,14 +116,16 @@ def _where(row: Row, groups: Mapping[str, str], files: Mapping[str, str]) -> str
 
 
 _NO_PLACE = ('', 'CMakeLists.txt')
+_WITH_COMMENTS = ('CMakeLists.txt', 'setup.py', 'setup.cfg')
 
 
 def _line_with(pattern: re.Pattern[str], files: Mapping[str, str], names: Iterable[str]) -> str:
     """Return the first file and line with a match outside comments; empty if there is none."""
     for name in names:
         for number, line in enumerate(files.get(name, '').splitlines(), 1):
-            # The lesson's comments name the commands too.
-            if pattern.search(f' {" ".join(line.partition("#")[0].split())} '):
+            if name in _WITH_COMMENTS:  # the lesson's comments name the commands too
+                line = line.partition('#')[0]
+            if pattern.search(f' {" ".join(line.split())} '):
                 return f'{name}, line {number}'
     return ''
 

@@ -134,12 +134,24 @@ def find(code: Code, word: str) -> list[ast.AST]:
     word, _, outer = word.partition('@')
     found = list(_find(code, word.rstrip('+*')))
     if outer:
-        scopes = set(code.reached(find(code, outer)))
+        bodies = set(find(code, outer))
+        scopes = set(code.reached(bodies))
         found = [node for node in found if not scopes.isdisjoint(code.around(node))]
+        found = _shared(code, found, bodies) or found
     if word.endswith('+') and len(found) < 2:
         return []
     is_value = word.endswith('=') and word not in OPERATORS
     return list(map(code.origin, found)) if is_value or word[-2:-1].isdigit() else found
+
+
+def _shared(code: Code, found: Sequence[ast.AST], bodies: set[ast.AST]) -> list[ast.AST]:
+    """Return the calls from the given functions to helpers that other functions call too."""
+    if any(not bodies.isdisjoint(code.around(node)) for node in found):
+        return []
+    helpers = {one.name for node in found if (one := code.function_around(node))}
+    calls = code.calls_to(*helpers)
+    inside: list[ast.AST] = [one for one in calls if not bodies.isdisjoint(code.around(one))]
+    return inside if len(inside) < len(calls) else []
 
 
 def _find(code: Code, word: str) -> Iterable[ast.AST]:

@@ -24,13 +24,14 @@ from autograder.submission.code.source_code import Code
 Act = Callable[[Code], Iterable[ast.AST]]
 _WAITS = ('create_timer', 'Timer', 'sleep')
 _TIMERS = (*_WAITS, 'create_rate')
+_WALL = ('time', 'time_ns', 'monotonic', 'today', 'utcnow', 'Clock')
 _ENDPOINTS = {'create_publisher': 2, 'create_lifecycle_publisher': 2, 'create_subscription': 3}
 """The functions that create publishers and subscriptions, with the index of the profile."""
 _SHORT = range(10)
 _SHORT_PROFILES = ('qos_profile_sensor_data',)
 """Depths below the usual one, and profiles of rclpy that have such a depth."""
-_CONDITIONS = (ast.Compare, ast.BoolOp, ast.UnaryOp, ast.If, ast.IfExp, ast.While)
 _EVERYTHING = ('Exception', 'BaseException')
+_EXITS = ('SystemExit', 'KeyboardInterrupt', 'ExternalShutdownException')
 _LEVELS = ('debug', 'info', 'warn', 'warning', 'error', 'fatal')
 
 
@@ -150,6 +151,23 @@ def _truths(code: Code) -> Iterator[ast.AST]:
             yield test
 
 
+def _wall_clocks(code: Code) -> Iterator[ast.AST]:
+    """Yield the calls that read the system time."""
+    yield from code.calls_to(*_WALL)
+    for call in code.calls_to('now'):
+        if isinstance(call.func, ast.Attribute) and 'datetime' in names_in(call.func.value):
+            yield call
+
+
+def _conversions(code: Code) -> Iterator[ast.AST]:
+    """Yield the conversions between Celsius and Fahrenheit."""
+    for node in code.nodes:
+        if isinstance(node, ast.BinOp) and not isinstance(code.parents[node], ast.BinOp):
+            parts = (one for one in ast.walk(node) if isinstance(one, ast.expr))
+            if 32.0 in map(code.number, parts):
+                yield node
+
+
 def _publishing_timers(code: Code) -> Iterator[ast.AST]:
     """Yield the calls that create a timer whose callback publishes."""
     publishing = set(code.calls_to('publish'))
@@ -165,37 +183,31 @@ def _own_arguments(code: Code) -> Iterator[ast.AST]:
     yield from code.given('cli_args')
     for call in code.calls_to('init'):
         given = argument(call, 0, 'args')
-        parts = ast.walk(given) if given else ()
-        if any(isinstance(one, (ast.List, ast.Tuple, ast.Call, ast.BoolOp)) for one in parts):
+        if isinstance(given, (ast.List, ast.Tuple, ast.Call, ast.BoolOp)):
             yield call
 
 
 # -- statements that set names and attributes -----------------------------------------------------
 
 
-def _changes(code: Code) -> Iterator[tuple[ast.AST, str, ast.AST]]:
-    """Yield the statements that compute a new value from the old one: its name, and the change."""
+def _counts(code: Code) -> Iterator[ast.AST]:
+    """Yield the statements that add 1 to a name or an attribute."""
     for node in code.nodes:
-        if isinstance(node, ast.AugAssign):
-            yield node, last_name(node.target), node.value
-        if isinstance(node, ast.Assign):
-            name = last_name(node.targets[0])
+        if isinstance(node, ast.AugAssign) and _is_one(node.value):
+            yield node
+        if isinstance(node, ast.Assign) and last_name(node.targets[0]) in names_in(node.value):
             sums = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
-            yield from ((node, name, one.right) for one in sums if name in names_in(one))
+            if any(_is_one(one.right) for one in sums):
+                yield node
 
 
-def _counts(code: Code) -> Mapping[ast.AST, str]:
-    """Return the statements that add 1 to a name or an attribute, each with this name."""
-    return {
-        node: name
-        for node, name, change in _changes(code)
-        if isinstance(change, ast.Constant) and change.value == 1
-    }
+def _is_one(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and node.value == 1
 
 
 def _counted(code: Code) -> set[str]:
     """Return the names that count something."""
-    return {*_counts(code).values()} - {''}
+    return {last_name(target) for one in _counts(code) for target, _ in assigned(one)} - {''}
 
 
 def _recounts(code: Code) -> Iterator[ast.AST]:
@@ -214,16 +226,26 @@ def _compared_counts(code: Code) -> Iterator[ast.AST]:
 def _wrapped_counts(code: Code) -> Iterator[ast.AST]:
     """Yield the modulo operations on a count, except those in conditions."""
     counted = _counted(code)
+    tests = {getattr(one, 'test', None) for one in code.nodes}
     for node in code.operations(ast.Mod):
+        whole = (node, *code.around(node))
+        asked = any(isinstance(one, ast.Compare) or one in tests for one in whole)
         left = getattr(node, 'left', None) or getattr(node, 'target', None)
-        if left and counted & names_in(left) and not isinstance(code.parents[node], _CONDITIONS):
+        if left and not asked and counted & names_in(left):
             yield node
 
 
 def _longer_pauses(code: Code) -> Iterator[ast.AST]:
     """Yield the statements that change the period of a timer or a pause, as ``+=`` does."""
     given = {last_name(one) for name in _WAITS for one in code.arguments(name, 0)} - {''}
-    return (node for node, name, _ in _changes(code) if name in given)
+    for node in code.nodes:
+        if isinstance(node, ast.AugAssign) and last_name(node.target) in given:
+            yield node
+        if isinstance(node, ast.Assign) and last_name(node.targets[0]) in given:
+            target = dotted(node.targets[0])
+            sums = (one for one in ast.walk(node.value) if isinstance(one, ast.BinOp))
+            if any(target in map(dotted, (one.left, one.right)) for one in sums):
+                yield node
 
 
 def _kept_messages(code: Code) -> Iterator[ast.AST]:
@@ -252,6 +274,14 @@ def _fixed(code: Code) -> Iterator[tuple[ast.AST, ast.AST, ast.AST]]:
             kept = isinstance(target, ast.Attribute) and value and _is_fixed(value)
             if kept and value and _is_later(code, node):
                 yield node, target, value
+
+
+def _is_own(target: ast.AST) -> bool:
+    """Return whether a name is an attribute of the object itself, or a part of one."""
+    base = target
+    while isinstance(base, (ast.Attribute, ast.Subscript)):
+        base = base.value
+    return base is not target and last_name(base) == 'self'
 
 
 def _is_fixed(value: ast.AST) -> bool:
@@ -291,12 +321,7 @@ ACTS: Mapping[str, Act] = {
         lambda node: node.type is None or not names_in(node.type).isdisjoint(_EVERYTHING),
     ),
     'compared_count': _compared_counts,
-    # the sums that convert between Celsius and Fahrenheit
-    'conversion': lambda code: (
-        node
-        for node in code.nodes
-        if isinstance(node, ast.BinOp) and 32.0 in map(code.number, (node.left, node.right))
-    ),
+    'conversion': _conversions,
     'count': _counts,
     'depth': _depths,
     'early_return': _nodes(ast.Return, lambda node: node.value is None),
@@ -310,10 +335,18 @@ ACTS: Mapping[str, Act] = {
     'function': lambda code: code.functions_named(
         *code.about, *(f'on_{name}' for name in code.about)
     ),
-    # a value that is set only if there is none yet, with ``or``
+    # a number that is parsed from an f-string
+    'joined': lambda code: (
+        call
+        for call in code.calls_to('float', 'int')
+        if any(isinstance(one, ast.JoinedStr) for one in ast.walk(call))
+    ),
+    # an attribute that is set only if it has no value yet, with ``or``
     'kept_first': _settings(
         lambda target, value: (
-            isinstance(value, ast.BoolOp) and last_name(target) in names_in(value)
+            isinstance(value, ast.BoolOp)
+            and _is_own(target)
+            and last_name(target) in names_in(value)
         )
     ),
     'kept_message': _kept_messages,
@@ -328,6 +361,7 @@ ACTS: Mapping[str, Act] = {
     'period': _periods,
     'profile': _profiles,
     'publishing_timer': _publishing_timers,
+    'raised_exit': _nodes(ast.Raise, lambda node: not names_in(node).isdisjoint(_EXITS)),
     'recount': _recounts,
     'reset': lambda code: (node for node, _, _ in _fixed(code)),
     # the strings that occur in one of the texts in question
@@ -339,7 +373,7 @@ ACTS: Mapping[str, Act] = {
     'set_back': _set_back,
     'slow_period': _slow_periods,
     'slice': _nodes(ast.Subscript, lambda node: True),
-    'stored': _settings(lambda target, _: dotted(target).startswith('self.')),
+    'stored': _settings(lambda target, _: _is_own(target)),
     'text': _texts,
     'truth': _truths,
     # the classes and constants in question
@@ -350,6 +384,7 @@ ACTS: Mapping[str, Act] = {
         and last_name(node) in {one.rpartition('/')[2] for one in code.about}
         and not is_stored(node)
     ),
+    'wall_clock': _wall_clocks,
     # the callbacks of transitions that return nothing
     'without_result': _nodes(
         FUNCTIONS,

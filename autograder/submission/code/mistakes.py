@@ -6,6 +6,7 @@ As in :mod:`.source_code`, the results affect only messages.
 
 import ast
 from collections.abc import Collection, Iterator, Mapping
+from itertools import takewhile
 
 from autograder.submission.code.program import all_arguments, is_stored, last_name
 from autograder.submission.code.source_code import Code
@@ -41,10 +42,18 @@ def logs_with_python(files: Mapping[str, str], level: str) -> bool:
 
     :param level: the log calls, such as ``warning``
     """
-    code = Code(files)
+    each = (Code({name: text}) for name, text in files.items())
+    found = [one for code in each for one in _are_of_python(code, level)]
+    return bool(found) and all(found)
+
+
+def _are_of_python(code: Code, level: str) -> Iterator[bool]:
+    """Yield, for each log call of one file, whether it uses the module ``logging``."""
     theirs = set(_logging_names(code)) - {''}  # '' is for targets without a name: items[0]
-    by = [one.func.value for one in code.calls_to(level) if isinstance(one.func, ast.Attribute)]
-    return bool(by) and all(_is_get_logger(one) or last_name(one) in theirs for one in by)
+    for call in code.calls_to(level):
+        if isinstance(call.func, ast.Attribute):
+            by = call.func.value
+            yield _is_get_logger(by) or last_name(by) in theirs
 
 
 def _logging_names(code: Code) -> Iterator[str]:
@@ -109,6 +118,7 @@ def _pauses(code: Code, body: ast.AST) -> list[int]:
         if isinstance(call, ast.Call) and last_name(call.func) == 'sleep':
             seconds = code.number(call.args[0]) if call.args else None
             waits = seconds is None or seconds >= SHORT_S
-            if waits and not any(isinstance(one, _OTHERS) for one in code.around(call)):
+            inside = takewhile(lambda one: one is not body, code.around(call))
+            if waits and not any(isinstance(one, _OTHERS) for one in inside):
                 found.append(call.lineno)
     return found

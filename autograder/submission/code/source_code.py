@@ -33,7 +33,7 @@ _ARITHMETIC: Mapping[type[ast.AST], Callable[[float, float], float]] = {
 }
 _MOST = 3  # maximum nesting of names and operations: hostile code may have thousands
 Scope = tuple[ast.AST, str]
-"""A function or a file, and a name in it; a class shares the names of its file."""
+"""A function or a file, and a name in it; a dot precedes the names in its classes."""
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -260,18 +260,29 @@ class Code:
         found: dict[Scope | None, list[ast.AST | None]] = {}
         for node in self.nodes:
             for target, value in assigned(node):
-                found.setdefault(next(self._scopes(target), None), []).append(value)
+                found.setdefault(self._scope(target), []).append(value)
         return found
+
+    def _scope(self, target: ast.AST) -> Scope | None:
+        """Return the scope in which a name gets a value, None for a target without a name."""
+        kinds = (*FUNCTIONS, ast.ClassDef)
+        inner = next((one for one in self.around(target) if isinstance(one, kinds)), None)
+        in_class = isinstance(inner, ast.ClassDef) and not isinstance(target, ast.Attribute)
+        scopes = tuple(self._scopes(target)) or (None,)
+        return scopes[-1 if in_class else 0]
 
     def _scopes(self, node: ast.AST) -> Iterator[Scope]:
         """Yield the scopes in which a name may have a value, the innermost first."""
+        if not isinstance(node, (ast.Attribute, ast.Name, ast.arg)):
+            return
         *around, file = (node, *self.around(node))
+        name = last_name(node) or getattr(node, 'arg', '')
         if isinstance(node, ast.Attribute):
             yield file, dotted(node)
-            yield file, node.attr  # of a class
-        elif name := getattr(node, 'id', '') or getattr(node, 'arg', ''):
+        else:
             yield from ((one, name) for one in around if isinstance(one, FUNCTIONS))
             yield file, name
+        yield file, f'.{name}'  # of a class
 
     def values_of(self, node: ast.AST) -> Sequence[ast.AST | None]:
         """Return the values assigned to a name; None for an unknown value."""
