@@ -115,12 +115,17 @@ def skipping(instead: Sequence[Pair]) -> Rule:
     return rule
 
 
-def skipping_zeros(always: bool) -> Rule:
-    """Return the rule of a safety stop that skips all commands of zeros, or those after a stop."""
+def losing(lost: Callable[[Command, bool], bool], at_first: bool = True) -> Rule:
+    """
+    Return the rule of a safety stop that does not pass on some commands.
+
+    :param lost: returns whether a command is lost, given whether a stop precedes it
+    :param at_first: whether the node begins as after a stop
+    """
 
     def rule(inputs: Sequence[Command]) -> list[tuple[Pair, ...]]:
-        stopped = [True, *(one.lasts_s > SILENCE_S for one in inputs)]
-        skip = [one[:2] == STOP and (always or after) for one, after in zip(inputs, stopped)]
+        stopped = [at_first, *(one.lasts_s > SILENCE_S for one in inputs)]
+        skip = map(lost, inputs, stopped)
         return [row[1:] if out else row for out, row in zip(skip, guarding()(inputs))]
 
     return rule
@@ -141,7 +146,15 @@ def bursting(kept: int) -> Rule:
 
 SLIPS = (
     Slip.of(SKIPS_EQUAL, skipping(()), skipping([STOP])),
-    WHY.slip('skips_zeros', skipping_zeros(always=True), skipping_zeros(always=False)),
+    WHY.slip(
+        'skips_zeros',
+        losing(lambda one, after: one[:2] == STOP),
+        losing(lambda one, after: one[:2] == STOP and after),
+    ),
+    WHY.slip(
+        'first_after_stop',
+        *(losing(lambda one, after: after, at_first) for at_first in (False, True)),
+    ),
     *limiting_slips(limiting, 'command.linear.x', '0.5'),
     WHY.slip(
         'speed_scaled',
