@@ -125,6 +125,13 @@ class TestMoodle:
         with pytest.raises(UnusableUploadError, match='expected JSON with the numbers of people'):
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
+    def test_a_memory_that_is_a_link_is_called_a_link(self, tmp_path, layout):
+        laid(layout.work, {'real.json': b'{"shared": [], "numbers": {}}'})
+        layout.namesakes.symlink_to(layout.work / 'real.json')
+
+        with pytest.raises(UnusableUploadError, match='people in Moodle, got a symbolic link'):
+            collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
         """The notebooks are collected, and one line says that their records were not saved."""
 
