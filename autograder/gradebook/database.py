@@ -150,9 +150,10 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         raise refusal(layout, error) from error
 
 
-def query(layout: Layout, statement: Any, **values: str) -> Sequence[Any]:
+def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
     """
-    Return the rows of a query; none if the gradebook or its tables do not exist yet.
+    Return the rows of a query; none if the gradebook or a table does not exist yet.
+    :param table: the query returns no rows if this table does not exist
 
     :param values: values of the statement's parameters
     """
