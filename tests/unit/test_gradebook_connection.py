@@ -175,3 +175,33 @@ def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
         pass
 
     assert 'the gradebook is damaged: file is not a database' in caught.value.what
+
+
+@pytest.mark.nbgrader
+def test_an_entry_that_nbgrader_refuses_is_one_sentence(tmp_path):
+    """Another program may have changed the gradebook meanwhile; the database itself works."""
+    from nbgrader.api import InvalidEntry
+
+    from autograder.gradebook.converters import opened_gradebook
+
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    make_gradebook(layout)
+
+    with pytest.raises(GraderError) as caught, opened_gradebook(layout):
+        raise InvalidEntry
+
+    assert caught.value.what == 'nbgrader cannot use its gradebook: InvalidEntry.'
+    assert 'close other programs that use it' in caught.value.fix
+
+
+@pytest.mark.nbgrader
+def test_the_course_of_settings_is_their_folder_or_the_current_course(tmp_path):
+    """A course that was made earlier may set the folder in the plug-ins, which has no effect."""
+    from traitlets.config import Config
+
+    from autograder.gradebook.nbgrader_plugin import course_of, GradeOutside
+
+    old = Config({'GradeOutside': {'root': '/elsewhere'}})
+
+    assert course_of(GradeOutside(config=old).config) == Layout.here()
+    assert course_of(Config({'CourseDirectory': {'root': str(tmp_path)}})) == Layout(tmp_path)
