@@ -65,11 +65,11 @@ def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
     """
     try:
         return {
-            (assignment, student): Delivered(**one)
+            (assignment, student): Delivered(str(one['kind']), str(one['place']))
             for assignment, students in (read_json(layout.delivered) or {}).items()
             for student, one in students.items()
         }
-    except (TypeError, AttributeError):
+    except (KeyError, TypeError, AttributeError):
         return {}
 
 

@@ -53,17 +53,19 @@ def extensions(layout: Layout) -> dict[tuple[str, str], timedelta] | None:
     """
     if not layout.extensions.exists():
         return None
+    every: dict[tuple[str, str], timedelta] = {}
     found: dict[tuple[str, str], timedelta] = {}
-    rows = _rows(layout.extensions, ('student', 'assignment', 'hours'))
-    # Rows for one assignment come last, because they replace those for all assignments.
-    for where, row in sorted(rows, key=lambda placed: bool(placed[1]['assignment'].strip())):
+    for where, row in _rows(layout.extensions, ('student', 'assignment', 'hours')):
         student, name, hours = _student(where, row), row['assignment'].strip(), _hours(where, row)
-        try:
-            names = [layout.assignment_named(name)] if name else layout.assignments()
-        except GraderError as error:
-            raise GraderError(f'{where}: {error.what}', error.fix) from error
-        found |= {(student, one): hours for one in names}
-    return found
+        if name:
+            try:
+                key = student, layout.assignment_named(name)
+            except GraderError as error:
+                raise GraderError(f'{where}: {error.what}', error.fix) from error
+            found[key] = hours
+        else:
+            every |= {(student, one): hours for one in layout.assignments()}
+    return {**every, **found}
 
 
 def _rows(path: Path, needed: Sequence[str]) -> Sequence[tuple[str, Mapping[str, str]]]:

@@ -121,11 +121,13 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
     :param assignment: full name of the assignment
     :param submitted: the folder of the class
     :param at_least: minimum score of a listed pair, 0 to 1
-    :raises GraderError: if there is no submission
-    :raises OSError: if the folder cannot be read
+    :raises GraderError: if there is no submission, or the folder cannot be read
     """
     lesson = load_lesson(layout, assignment)
-    there = discover(submitted, assignment, lesson.notebook, layout.assignments())
+    try:
+        there = discover(submitted, assignment, lesson.notebook, layout.assignments())
+    except OSError as error:
+        raise GraderError(f'{submitted}: the folder cannot be read: {error.strerror}.') from error
     if not there:
         raise GraderError(f'{submitted}: there are no submissions for {assignment}.')
     own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}

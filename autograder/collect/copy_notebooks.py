@@ -7,8 +7,9 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 import os
 from pathlib import Path
 
@@ -83,34 +84,47 @@ def collect(
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
         taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        left = _not_collected(rows, layout) if to.resolve() == layout.submitted.resolve() else ()
-        try:
-            _save_records(layout, taken, kind, known, left)
-        except OSError as error:
-            why = f'files for later commands {_unwritable(error)}'
-            rows.append(unclaimed(str(error.filename2 or layout.work), why))
+        records = _records_to_save(layout, taken, kind, known, [*_not_collected(rows, layout)])
+        rows += _saved(records if to.resolve() == layout.submitted.resolve() else records[:-1])
     return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
-def _save_records(
+Record = tuple[Path, str, Callable[[], None]]
+"""A file for later commands, its content in words, and the function that writes it."""
+
+
+def _records_to_save(
     layout: Layout,
     taken: Sequence[tuple[Delivery, Row]],
     kind: str,
     known: Namesakes,
-    left: Iterable[NotCollected],
-) -> None:
+    left: Sequence[NotCollected],
+) -> list[Record]:
     """
-    Write the files for later commands.
+    Return the files that a collection writes for later commands; the last one is about ``left``.
 
     :param taken: collected deliveries, each with its row
     :param left: work of known students that was not collected
-    :raises OSError: if a file cannot be written
     """
-    save_namesakes(layout, known, [(one, row.assignment) for one, row in taken])
     places = {(row.assignment, row.student): Delivered(kind, row.place) for _, row in taken}
-    save_delivered(layout, places)
-    save_people(layout, {row.student: row.person for _, row in taken if row.person})
-    save_not_collected(layout, left)
+    people = {row.student: row.person for _, row in taken if row.person}
+    numbers = [(one, row.assignment) for one, row in taken]
+    numbers_of_moodle = partial(save_namesakes, layout, known, numbers)
+    return [
+        (layout.delivered, 'names of files', partial(save_delivered, layout, places)),
+        (layout.people, 'names', partial(save_people, layout, people)),
+        (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
+        (layout.not_collected, 'list of missing work', partial(save_not_collected, layout, left)),
+    ]
+
+
+def _saved(records: Iterable[Record]) -> Iterator[Row]:
+    """Write files for later commands; yield a row for each file that cannot be written."""
+    for path, what, save in records:
+        try:
+            save()
+        except OSError as error:
+            yield unclaimed(str(path), f'{what} {_unwritable(error)}')
 
 
 def _unwritable(error: OSError) -> str:

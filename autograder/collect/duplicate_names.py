@@ -11,12 +11,14 @@ Two people with the same name who never hand in the same assignment are not dete
 """
 
 from collections.abc import Iterable, Sequence
+import json
 import os
 from typing import NamedTuple
 
-from autograder.classroom.tables import read_json, save_json
+from autograder.classroom.tables import save_json
 from autograder.collect.source.deliveries import Delivery
 from autograder.layout import Layout
+from autograder.submission.reading import read_file
 from autograder.submission.tree import UnusableUploadError
 
 Numbers = dict[str, dict[str, str]]
@@ -39,18 +41,20 @@ def read_namesakes(layout: Layout) -> Namesakes:
     """
     Return the saved ids and numbers.
 
-    :raises UnusableUploadError: if the file is damaged, because two people could then share an id
+    :raises UnusableUploadError: if the file is damaged or cannot be read, because two people could
+        then share an id
     """
     if not os.path.lexists(layout.namesakes):
         return Namesakes(frozenset(), {})
-    found = read_json(layout.namesakes)
+    data, problems = read_file(layout.namesakes, layout.namesakes.name)
     try:
+        found = json.loads(data or b'')
         numbers = {student: dict(of_one) for student, of_one in found['numbers'].items()}
         return Namesakes(frozenset(found['shared']), numbers)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
+        got = problems[0].got if problems else 'something else'
         raise UnusableUploadError(
-            f'{layout.namesakes}: expected JSON with the numbers of people in Moodle, got '
-            'something else.',
+            f'{layout.namesakes}: expected JSON with the numbers of people in Moodle, got {got}.',
             'Try: delete the file, collect again, and look for equal names in the table',
         ) from error
 
@@ -64,7 +68,7 @@ def check_names(deliveries: Sequence[Delivery], known: Namesakes) -> Namesakes:
     shared = {student for student, numbers in here.items() if len(numbers) > 1}
     known = known._replace(shared=known.shared | shared)
     for one in deliveries:
-        one.refused = one.refused or _doubt(one, known)
+        one.refused = _doubt(one, known) or one.refused
     return known
 
 

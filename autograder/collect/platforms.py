@@ -198,7 +198,7 @@ def _read_gradescope(level: Level) -> Iterator[Delivery | Row]:
                 notes=(note,) if note else (),
             )
     for name, entry in level.items():
-        if _GRADESCOPE.fullmatch(entry.path) and name not in (METADATA, *described):
+        if entry.folder and name not in described:
             yield unclaimed(name, f'not in {METADATA}, so its owner is unknown')
 
 

@@ -54,10 +54,7 @@ def find_deliveries(
             )
         places = _levels(tree)
         place = next(filter(system.claims, places), places[-1])
-        claimed = system.claims(place)
-        found = [*system.read(place)] if claimed else []
-        why = f'not named the way {chosen} names submissions'
-        found += [unclaimed(name, why) for name in place if name not in claimed]
+        found = [*system.read(place)] if system.claims(place) else []
     else:
         place = _level_of(tree, course)
         if prefix and not any(name.startswith(prefix) for name in place):
@@ -76,7 +73,12 @@ def find_deliveries(
             f'{tree.name}: expected submissions of kind {kind} ({expected}), got: {got}.',
             'Try: leave out --kind, or collect the source as you downloaded it',
         )
-    return chosen, deliveries, [one for one in found if isinstance(one, Row)]
+    rows = [one for one in found if isinstance(one, Row)]
+    known = {name for one in deliveries for name in one.places} | {one.place for one in rows}
+    known |= {system.needs} if system else set()
+    why = f'not named the way {chosen} names submissions'
+    rows += [unclaimed(name, why) for name in place if name not in known]
+    return chosen, deliveries, rows
 
 
 def recognise_platform(tree: Tree) -> str:

@@ -85,7 +85,7 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     :param wanted: the only assignment to collect; empty for all.  It is set in the delivery, and a
         delivery that cannot be collected is refused without reading its files
     """
-    delivery.refused = delivery.refused or _unusable(delivery, course, wanted)
+    delivery.refused = _unusable(delivery, course, wanted)
     delivery.assignment = wanted or delivery.assignment
     if delivery.refused:
         return []
@@ -94,13 +94,20 @@ def read_notebooks(delivery: Delivery, course: Course, wanted: str) -> list[Note
     files.sort(key=lambda one: (not course.of_file(one.file.name), -one.turn))
     notebooks, left = [], MOST_BYTES_EACH
     for count, delivered in enumerate(files):
-        one = NotebookInfo(delivery, *delivered, named=course.named(delivered.file.parts))
+        file = delivered.file
+        one = NotebookInfo(
+            delivery,
+            file=file,
+            place=delivered.place,
+            turn=delivered.turn,
+            named=course.named(file.parts),
+        )
         try:
             if count >= MOST_NOTEBOOKS or left <= 0:
                 raise UnreadableError(
                     f'not read: only the first {count} notebooks of a delivery are read'
                 )
-            data = delivered.file.read()
+            data = file.read()
             left -= len(data)
             notebooks.append(replace(one, shared=course.shared(data)))
         except UnreadableError as error:
@@ -113,6 +120,8 @@ def _unusable(delivery: Delivery, course: Course, wanted: str) -> str:
     name = delivery.assignment
     if not delivery.id:
         return 'no letter or digit in the name'
+    if delivery.refused:
+        return delivery.refused
     if name and wanted and name != wanted:
         return f'handed in for {name}'
     if name and name not in course.assignments:

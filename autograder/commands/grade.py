@@ -201,7 +201,8 @@ class Grading:
     Grade the assignments of one class, enter the results, write the reports and print tables.
 
     :param submitted: the folder of the class
-    :param engine: results of its visible exams are not entered in the gradebook
+    :param engine: provides and runs the exams; if they are the visible ones, nothing is entered in
+        the gradebook
     :param jobs: number of parallel runs
     :param guard: decides which marks in the gradebook may change
     """

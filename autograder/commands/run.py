@@ -111,7 +111,8 @@ def exams_named(name: str, layout: Layout, hidden: bool) -> tuple[Exam, ...]:
     :raises GraderError: if no exam or assignment has this name; the error suggests a similar one
     """
     lessons = {one: catalog.for_assignment(one, hidden) for one in layout.assignments()}
-    known = {short_name(one): exams for one, exams in lessons.items() if exams}
+    # Of two assignments with one short name, the first one counts.
+    known = {short_name(one): exams for one, exams in reversed(lessons.items()) if exams}
     known |= {exam.name: (exam,) for exams in lessons.values() for exam in exams}
     if found := known.get(name) or lessons.get(name):
         return found

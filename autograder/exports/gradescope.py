@@ -28,6 +28,7 @@ from autograder.files import files_below, json_bytes, write_atomically, zip_byte
 from autograder.grading.pipeline import grade_opened, grading_engine, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult, Verdict
+from autograder.sandboxes.isolation import MODES
 from autograder.submission.inbox import open_folder
 from environment.places import PROJECT
 
@@ -51,8 +52,14 @@ def autograder_zip(
     :param visibility: when students see the tests, one of :data:`VISIBILITIES`
     :param allow_weak: weakest isolation mode to accept in the container, see
         :mod:`autograder.sandboxes.isolation`; empty for full isolation only
-    :raises GraderError: if this copy of the course has no hidden exams
+    :raises GraderError: if hidden exams must not run with this mode, or this copy of the course
+        has no hidden exams
     """
+    if allow_weak and not MODES[allow_weak].keeps_secrets:
+        raise GraderError(
+            f'--allow-weak {allow_weak}: hidden exams never run with this isolation, so '
+            'there would be no grades.'
+        )
     if not (layout.exams / 'hidden').is_dir():
         raise GraderError(
             "The students' copy of the course has no hidden exams.",
@@ -164,6 +171,8 @@ def main(arguments: Sequence[str]) -> int:
         layout = Layout.here()
         settings = json.loads((layout.root / SETTINGS).read_text(encoding='utf-8'))
         engine = grading_engine(layout, allow_weak=settings['allow_weak'])
+        if not engine.hidden:
+            raise GraderError('Only visible checks can run here, so there is no grade.')
         lesson = load_lesson(layout, settings['assignment'], engine)
         opened = open_one(open_folder(root / 'submission', 'submission', lesson.notebook), lesson)
         result = grade_opened(opened, 'submission', lesson, engine)

@@ -139,7 +139,14 @@ def opened_gradebook(layout: Layout) -> Iterator[api.Gradebook]:
             with api.Gradebook(address(layout)) as gradebook:
                 yield gradebook
     except (SQLAlchemyError, api.InvalidEntry) as error:
-        raise refusal(layout, database_failure(error) or error) from error
+        if failure := database_failure(error):
+            raise refusal(layout, failure) from error
+        said = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        raise GraderError(
+            f'nbgrader cannot use its gradebook: {said}.',
+            'Try: close other programs that use it, then run the same command again. Finished '
+            'runs are kept.',
+        ) from error
 
 
 @contextmanager
@@ -193,7 +200,7 @@ class _StopOnDatabaseError(BaseConverter):
 
 
 class _Generator(_StopOnDatabaseError, GenerateAssignment):
-    """nbgrader's GenerateAssignment."""
+    """nbgrader's GenerateAssignment, which stops if the database or the disk fails."""
 
 
 class _FeedbackWriter(_StopOnDatabaseError, GenerateFeedback):

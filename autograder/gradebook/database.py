@@ -21,7 +21,6 @@ from sqlalchemy.pool import NullPool
 from traitlets.config import Config
 from traitlets.config.loader import PyFileConfigLoader
 
-from autograder.classroom.tables import read_json
 from autograder.errors import GraderError
 from autograder.layout import Layout
 
@@ -150,14 +149,15 @@ def connected(layout: Layout) -> Iterator[Connection | None]:
         raise refusal(layout, error) from error
 
 
-def query(layout: Layout, statement: Any, **values: str) -> Sequence[Any]:
+def query(layout: Layout, statement: Any, table: str = 'grade', **values: str) -> Sequence[Any]:
     """
-    Return the rows of a query; none if the gradebook or its tables do not exist yet.
+    Return the rows of a query; none if the gradebook or a table does not exist yet.
 
+    :param table: the query returns no rows if this table does not exist
     :param values: values of the statement's parameters
     """
     with connected(layout) as gradebook:
-        if gradebook is None or not inspect(gradebook).get_table_names():
+        if gradebook is None or not inspect(gradebook).has_table(table):
             return ()
         return gradebook.execute(statement, values).all()
 
@@ -261,7 +261,8 @@ def refuse_damaged(layout: Layout) -> None:
         got = str(error)
     else:
         nothing = not path.stat().st_size
-        was_filled = any(map(read_json, (layout.work / 'entered').glob('*.json')))
+        journals = (layout.work / 'entered').glob('*.json*')  # Earlier versions wrote .jsonl.
+        was_filled = any(one.read_bytes().strip() not in (b'', b'{}') for one in journals)
         if not empty or not (was_filled or (nothing and copies(layout))):
             return
         got = 'the file is empty' if nothing else 'it no longer has any submissions'

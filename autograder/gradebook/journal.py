@@ -75,6 +75,7 @@ def make_gradebook(layout: Layout) -> None:
         api.get_alembic_version = of_nbgrader
     for assignment in layout.assignments():
         journal_file(layout, assignment).unlink(missing_ok=True)
+        _remove_old_journal(layout, assignment)
     unfinished.replace(path)
 
 
@@ -140,6 +141,7 @@ class Journal:
         known = read_notes(self.layout, self.lesson.assignment)
         path = journal_file(self.layout, self.lesson.assignment)
         write_atomically(path, json_bytes({**known, **digests}))
+        _remove_old_journal(self.layout, self.lesson.assignment)
 
     def _digest(self, graded: Graded, rows: Rows) -> str:
         """Return a digest of a submission, its result, and the gradebook's values."""
@@ -177,6 +179,12 @@ def drop(layout: Layout, assignment: str, students: Collection[str]) -> None:
     kept = {student: digest for student, digest in known.items() if student not in students}
     if kept != known:
         write_atomically(journal_file(layout, assignment), json_bytes(kept))
+    _remove_old_journal(layout, assignment)
+
+
+def _remove_old_journal(layout: Layout, assignment: str) -> None:
+    """Remove the journal that an earlier version wrote, because it contains ids and scores."""
+    journal_file(layout, assignment).with_suffix('.jsonl').unlink(missing_ok=True)
 
 
 def gradebook_values(layout: Layout, assignment: str) -> Rows:

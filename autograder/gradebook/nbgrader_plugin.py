@@ -95,7 +95,7 @@ def safe_markdown(source: str) -> str:
 
 def safe_output(html: object) -> str:
     """
-    Clean the HTML of a cell output in the same way, but keep the grader's pictures.
+    Clean the HTML of a cell output like :func:`safe_markdown`, but keep the grader's pictures.
 
     nbconvert's own ``clean_html`` also rejects paragraphs, headings and parts of tables: it shows
     their tags as text.
@@ -188,9 +188,10 @@ class GradesToShow(GetGrades):
             marks['comment'] = LOST
 
 
-def _course(config: Config) -> Layout:
-    """Return the course to which nbgrader's settings belong."""
-    return Layout(Path(config.CourseDirectory.root))
+def course_of(config: Config) -> Layout:
+    """Return the course of nbgrader's settings; the current course if they name no folder."""
+    root = config.CourseDirectory.get('root')
+    return Layout(Path(root)) if isinstance(root, (str, Path)) else Layout.here()
 
 
 class GradeOutside(NbGraderPreprocessor):
@@ -219,7 +220,7 @@ class GradeOutside(NbGraderPreprocessor):
 
         :raises ExamInvalid: if a check cell and its exam give different points
         """
-        layout = _course(self.config)
+        layout = course_of(self.config)
         if self._engine is None:
             self._engine = import_item(self.engine_factory)(layout)
         lesson: Lesson = load_lesson(layout, resources['nbgrader']['assignment'], self._engine)
@@ -250,7 +251,7 @@ class SaveGrades(SaveAutoGrades):
 
     def preprocess(self, nb: NotebookNode, resources: Resources) -> Step:
         """Record the name and the extra time of the student, and the scores of a notebook."""
-        facts, layout = resources['nbgrader'], _course(self.config)
+        facts, layout = resources['nbgrader'], course_of(self.config)
         more = extensions(layout)
         with Gradebook(facts['db_url']) as gradebook:
             submission = gradebook.find_submission(facts['assignment'], facts['student'])

@@ -11,7 +11,6 @@ workflow command, and no text may become markup.
 
 import base64
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 import html
 import json
@@ -151,6 +150,9 @@ def _safe(text: str) -> str:
 def _string(line: str) -> str | None:
     """Return the JSON string that a line of a notebook's file contains, or None."""
     text = line.strip().removesuffix(',')
-    with suppress(ValueError):
-        return str(json.loads(text)) if text.startswith('"') else None
-    return None
+    if not text.startswith('"'):
+        return None
+    try:
+        return str(json.loads(text))
+    except ValueError:
+        return None

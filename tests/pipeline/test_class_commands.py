@@ -242,7 +242,7 @@ class TestCommands:
         [
             (['export', 'csv', 'temprature'], 'Did you mean'),
             (['stats', 'nonsense_xyz'], 'no such assignment'),
-            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'cannot be read or written'),
+            (['similar', ASSIGNMENT, '--submitted', '/nowhere'], 'the folder cannot be read'),
             (
                 ['export', 'canvas', ASSIGNMENT, '--gradebook', '/nowhere', '--column', 'x'],
                 'the gradebook from Canvas cannot be read',

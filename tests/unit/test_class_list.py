@@ -142,6 +142,7 @@ def test_without_the_file_the_gradebook_decides(layout):
     [
         ('ann,talkk,1', 'row 2: talkk: there is no such assignment'),
         ('ann,,two', "row 2: expected hours from 0 to 8784, got 'two'"),
+        ('ann,talkk,1\nbob,,two', 'row 2: talkk'),
         ('ann,,-1', 'expected hours'),
         ('ann,,nan', 'expected hours'),
     ],

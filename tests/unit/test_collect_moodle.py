@@ -125,8 +125,15 @@ class TestMoodle:
         with pytest.raises(UnusableUploadError, match='expected JSON with the numbers of people'):
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
+    def test_a_memory_that_is_a_link_is_called_a_link(self, tmp_path, layout):
+        laid(layout.work, {'real.json': b'{"shared": [], "numbers": {}}'})
+        layout.namesakes.symlink_to(layout.work / 'real.json')
+
+        with pytest.raises(UnusableUploadError, match='people in Moodle, got a symbolic link'):
+            collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
+
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are collected, and one line says that their records were not saved."""
+        """The notebooks are collected, and one line per file says what was not saved."""
 
         def full(*_):
             raise OSError(28, 'No space left on device')
@@ -135,8 +142,13 @@ class TestMoodle:
 
         rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
-        why = 'files for later commands cannot be written: no space left on device'
-        assert [row.place for row in rows if row.notes == (why,)] == [str(layout.work)]
+        said = {row.place: row.notes for row in rows if row.place.startswith(str(layout.work))}
+        why = 'cannot be written: no space left on device'
+        assert said == {
+            str(layout.delivered): (f'names of files {why}',),
+            str(layout.namesakes): (f'student numbers from Moodle {why}',),
+            str(layout.not_collected): (f'list of missing work {why}',),
+        }
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
     def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):
@@ -149,6 +161,36 @@ class TestMoodle:
         rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
 
         assert {row.student for row in rows} == {'Ann', 'Cy'}
+
+    @pytest.mark.parametrize(
+        ('name', 'why'),
+        [
+            ('Li Wei_314', "two people are called 'Li Wei': "),
+            ('--_314', 'no letter or digit in the name'),
+            ('Ann_314', 'an online text, which is not collected'),
+        ],
+    )
+    def test_an_unclear_name_comes_before_a_wrong_type(self, name, why, tmp_path, layout):
+        files = {
+            'Li Wei_313_assignsubmission_file/talk.ipynb': GOOD,
+            f'{name}_assignsubmission_onlinetext/onlinetext.html': b'<p>',
+        }
+
+        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+        assert notes(rows)[f'{name}_assignsubmission_onlinetext'][0].startswith(why)
+
+    def test_two_folders_of_one_text_are_both_in_the_table(self, tmp_path, layout):
+        files = {
+            'Ann_311_assignsubmission_file/talk.ipynb': GOOD,
+            'Ann_311_assignsubmission_onlinetext/onlinetext.html': b'<p>',
+            'Ann_311_assignsubmission_onlinetext_/onlinetext.html': b'<p>',
+        }
+
+        rows = collect(packed(tmp_path / 'm.zip', files), layout, layout.submitted)
+
+        assert {row.place for row in rows} == {name.split('/')[0] for name in files}
+        assert len(rows) == len(files)
 
     def test_file_and_text_of_one_student_are_two_lines(self, tmp_path, layout):
         files = {

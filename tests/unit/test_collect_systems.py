@@ -196,6 +196,8 @@ class TestGradescope:
             'submission_metadata.yml': METADATA,
             'submission_101/talk.ipynb': GOOD,
             'submission_999/talk.ipynb': GOOD,
+            'submission_103': b'a file in place of a folder',
+            'notes/talk.ipynb': GOOD,
         }
 
         rows = collect(packed(tmp_path / 'g.zip', files), layout, layout.submitted)
@@ -206,10 +208,13 @@ class TestGradescope:
             ('bo@example.org', 'submission_102'): LEFT,
             ('submission_103', 'submission_103'): LEFT,
             ('', 'submission_999'): LEFT,
+            ('', 'notes'): LEFT,
         }
         said = notes(rows)
         assert said['submission_102'] == ('no file that can be read',)
-        assert said['submission_999'][0].startswith('not in submission_metadata.yml')
+        for name in ('submission_999', 'notes'):
+            assert said[name] == ('not in submission_metadata.yml, so its owner is unknown',)
+        assert len(rows) == 6
 
     def test_a_time_that_yaml_refuses_is_one_sentence(self, tmp_path, layout):
         table_ = b'submission_1:\n  :created_at: 2026-13-45 10:00:00\n'

@@ -8,6 +8,7 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,6 +16,7 @@ from autograder import __main__ as command
 from autograder.commands import grade as grading
 from autograder.commands import OK
 from autograder.commands.grade import submitted_folder
+from autograder.commands.run import exams_named
 from autograder.errors import SandboxUnavailable
 from autograder.exam import catalog
 from autograder.layout import Layout
@@ -113,6 +115,17 @@ def test_a_system_error_without_a_file_still_says_what_happened(tmp_path, capsys
     assert one_line(capsys.readouterr()).startswith(
         'autograder: the system: the disk is full. Try: free space on it'
     )
+
+
+def test_the_first_of_two_assignments_with_one_short_name_counts(tmp_path, monkeypatch):
+    for name in ('01_topics', '02_topics'):
+        (tmp_path / 'notebooks' / name).mkdir(parents=True)
+        (tmp_path / 'notebooks' / name / 'topics.ipynb').touch()
+    exams = {'01_topics': (SimpleNamespace(name='a'),), '02_topics': (SimpleNamespace(name='b'),)}
+    monkeypatch.setattr(catalog, 'for_assignment', lambda name, hidden: exams[name])
+
+    for name, found in {'topics': '01_topics', **{one: one for one in exams}}.items():
+        assert exams_named(name, Layout(tmp_path), hidden=False) == exams[found]
 
 
 @pytest.mark.parametrize('options', [[], ['--visible', '--json']])

@@ -1,6 +1,7 @@
 """Feedback pages get names that Canvas and Moodle recognise."""
 
 import io
+import json
 import re
 import zipfile
 
@@ -92,3 +93,11 @@ def test_a_dry_run_saves_no_names_and_forget_removes_them(tmp_path, layout):
     assert (TALK, '1002') in read_delivered(layout)
     layout.delivered.write_bytes(b'[1]')
     assert read_delivered(layout) == {}
+
+
+def test_a_field_of_another_version_is_ignored(layout):
+    record = {'kind': 'canvas', 'place': 'ann_1_2_talk.ipynb', 'size': 3}
+    layout.work.mkdir(parents=True)
+    layout.delivered.write_text(json.dumps({TALK: {'1': record}}), encoding='utf-8')
+
+    assert read_delivered(layout) == {(TALK, '1'): Delivered('canvas', 'ann_1_2_talk.ipynb')}

@@ -19,10 +19,13 @@ import pytest
 from autograder import __main__ as command
 from autograder.errors import GraderError
 from autograder.exam.inputs import course_secret
+from autograder.exports import gradescope
 from autograder.exports.gradescope import autograder_zip, results_of, SETTINGS, VISIBILITIES
 from autograder.files import json_bytes
+from autograder.grading.examine import Engine
 from autograder.layout import Layout
 from autograder.results import ExamResult, Problem, SubmissionResult
+from autograder.sandboxes.sandbox import Sandbox
 
 FORMATS = {'enum': ['text', 'html', 'simple_format', 'md', 'ansi']}
 VISIBILITY = {'enum': ['hidden', 'after_due_date', 'after_published', 'visible']}
@@ -209,6 +212,19 @@ class TestZip:
         with pytest.raises(SystemExit):
             command.main(['export', 'gradescope-autograder', ASSIGNMENT, '--allow-weak', 'none'])
         assert "invalid choice: 'none'" in capsys.readouterr().err
+        with pytest.raises(GraderError, match='hidden exams never run with this isolation'):
+            autograder_zip(LAYOUT, ASSIGNMENT, allow_weak='none')
+
+    def test_visible_exams_refuse_before_any_program_runs(self, tmp_path, monkeypatch, capsys):
+        engine = Engine(Sandbox('none'), hidden=False)
+        monkeypatch.setattr(Layout, 'here', lambda: Layout(tmp_path))
+        monkeypatch.setattr(gradescope, 'grading_engine', lambda *_, **__: engine)
+        settings = {'assignment': ASSIGNMENT, 'visibility': 'visible', 'allow_weak': ''}
+        (tmp_path / SETTINGS).write_bytes(json_bytes(settings))
+
+        assert gradescope.main([str(tmp_path)]) == 1
+        said = 'No verdict, so no score: Only visible checks can run here, so there is no grade.\n'
+        assert capsys.readouterr().out == said
 
     def test_the_students_copy_cannot_make_one(self, tmp_path):
         """A students' copy is refused, because it has no hidden exams."""

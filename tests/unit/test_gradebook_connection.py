@@ -7,9 +7,16 @@ import sys
 
 import pytest
 
+from autograder.collect.source.times import due_dates
 from autograder.errors import GraderError
 from autograder.gradebook.database import connected
-from autograder.gradebook.journal import make_gradebook, refuse_incomplete
+from autograder.gradebook.journal import (
+    drop,
+    gradebook_values,
+    journal_file,
+    make_gradebook,
+    refuse_incomplete,
+)
 from autograder.layout import Layout
 
 
@@ -72,6 +79,47 @@ def test_what_a_gradebook_file_lacks_is_one_line(filled, statements, said, advic
     assert 'server' not in caught.value.fix
 
 
+def test_a_database_without_the_tables_has_no_rows(tmp_path):
+    with closing(sqlite3.connect(tmp_path / 'gradebook.db')) as file:
+        file.execute('create table other (id text)')
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+
+    assert gradebook_values(layout, '01_topics') == {}
+    assert due_dates(layout).problem == ''
+
+
+def journals(layout):
+    """Write a journal of this version and one of an earlier version; return both paths."""
+    path = journal_file(layout, '01_topics')
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b'{"ann": "1", "bob": "2"}')
+    old = path.with_name('01_topics.jsonl')
+    old.write_bytes(b'{"student": "ann", "shown": {"check": [3.0]}}')
+    return path, old
+
+
+def test_nothing_about_a_student_stays_in_the_journals(tmp_path):
+    layout = Layout(tmp_path)
+    path, old = journals(layout)
+
+    drop(layout, '01_topics', {'ann'})
+
+    assert b'ann' not in path.read_bytes()
+    assert not old.exists()
+
+
+@pytest.mark.nbgrader
+def test_a_new_gradebook_begins_without_journals(tmp_path):
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    (layout.notebooks / '01_topics').mkdir(parents=True)
+    (layout.notebooks / '01_topics' / 'topics.ipynb').touch()
+    found = journals(layout)
+
+    make_gradebook(layout)
+
+    assert not any(path.exists() for path in found)
+
+
 @pytest.mark.slow
 def test_a_locked_gradebook_file_is_one_line(filled):
     """The message tells the instructor to close the program that holds the lock."""
@@ -127,3 +175,33 @@ def test_a_gradebook_that_nbgrader_cannot_open_is_one_sentence(tmp_path):
         pass
 
     assert 'the gradebook is damaged: file is not a database' in caught.value.what
+
+
+@pytest.mark.nbgrader
+def test_an_entry_that_nbgrader_refuses_is_one_sentence(tmp_path):
+    """Another program may have changed the gradebook meanwhile; the database itself works."""
+    from nbgrader.api import InvalidEntry
+
+    from autograder.gradebook.converters import opened_gradebook
+
+    layout = course(tmp_path, f'sqlite:///{tmp_path}/gradebook.db')
+    make_gradebook(layout)
+
+    with pytest.raises(GraderError) as caught, opened_gradebook(layout):
+        raise InvalidEntry
+
+    assert caught.value.what == 'nbgrader cannot use its gradebook: InvalidEntry.'
+    assert 'close other programs that use it' in caught.value.fix
+
+
+@pytest.mark.nbgrader
+def test_the_course_of_settings_is_their_folder_or_the_current_course(tmp_path):
+    """A course that was made earlier may set the folder in the plug-ins, which has no effect."""
+    from traitlets.config import Config
+
+    from autograder.gradebook.nbgrader_plugin import course_of, GradeOutside
+
+    old = Config({'GradeOutside': {'root': '/elsewhere'}})
+
+    assert course_of(GradeOutside(config=old).config) == Layout.here()
+    assert course_of(Config({'CourseDirectory': {'root': str(tmp_path)}})) == Layout(tmp_path)

@@ -1,5 +1,6 @@
 """Dated copies of the gradebook, and a gradebook that has lost its content."""
 
+from contextlib import nullcontext
 import os
 import sqlite3
 import subprocess
@@ -186,6 +187,25 @@ def test_without_a_copy_a_backup_is_asked_for(course):
     with pytest.raises(
         GraderError, match='restore it from a backup, because the grader has no copy'
     ):
+        refuse_damaged(course)
+
+
+@pytest.mark.parametrize(
+    ('name', 'data', 'filled'),
+    [
+        ('01.jsonl', b'\n{"student": "ann"}\n', True),
+        ('01.json', b'{"ann": ', True),
+        ('01.jsonl', b'\n', False),
+        ('01.json', b'{}\n', False),
+    ],
+)
+def test_any_journal_with_an_entry_shows_that_a_gradebook_was_filled(course, name, data, filled):
+    """A journal of an earlier version or a damaged one counts too."""
+    (course.work / 'entered' / '01.json').unlink()
+    (course.work / 'entered' / name).write_bytes(data)
+    take_rows(gradebook(course))
+
+    with pytest.raises(GraderError, match='no longer has any') if filled else nullcontext():
         refuse_damaged(course)
 
 

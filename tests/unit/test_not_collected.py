@@ -75,6 +75,14 @@ def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
     assert read_not_collected(layout) == ()
 
 
+def test_collecting_in_another_folder_leaves_the_list(tmp_path, layout):
+    laid(layout.work, {layout.not_collected.name: b'[ ]'})
+
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, tmp_path / 'elsewhere')
+
+    assert layout.not_collected.read_bytes() == b'[ ]'
+
+
 def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
     collect(laid(tmp_path / 's', {'ann/essay.pdf': b'%PDF'}), layout, layout.submitted)
 

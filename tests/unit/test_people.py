@@ -101,7 +101,8 @@ def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
     rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
 
     assert rows[0].place == str(layout.people)
-    assert rows[0].notes == ('files for later commands cannot be written: is a directory',)
+    assert rows[0].notes == ('names cannot be written: is a directory',)
+    assert layout.not_collected.is_file()
     assert f'1001/{TALK}/talk.ipynb' in taken(layout)
 
 

@@ -112,10 +112,11 @@ def due_dates(layout: Layout) -> DueDates:
     given = extensions(layout)
     try:
         found = {
-            str(name): date.replace(tzinfo=timezone.utc) for name, date in query(layout, dates)
+            str(name): date.replace(tzinfo=timezone.utc)
+            for name, date in query(layout, dates, 'assignment')
         }
         if given is None:
-            rows = query(layout, granted)
+            rows = query(layout, granted, 'assignment')
             given = {(str(one), str(name)): more for one, name, more in rows}
         return DueDates(found, given)
     except (GraderError, ValueError, ImportError) as error:
