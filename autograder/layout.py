@@ -82,6 +82,11 @@ def read_facts(path: Path) -> Facts:
         ) from error
     known = {one.name: one for one in fields(Facts)}
     for name, value in found.items():
+        if name == 'exams':  # a setting of earlier versions
+            raise GraderError(
+                f'{path}: unknown name {name!r}.',
+                'The exams are always in the folder exams. Try: delete this line',
+            )
         if name not in known:
             raise GraderError(f'{path}: unknown name {name!r}.', f'Known: {", ".join(known)}.')
         if not isinstance(value, dict if name in TABLES else str):

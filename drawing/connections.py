@@ -101,7 +101,7 @@ def draw_connections(
     for note in notes:
         low += _LINE
         parts.append(svg.text(0, low - 4, note, size=11, faint=True))
-    width = max(layout.width, *(svg.text_width(note, 11) for note in notes)) + 2 * _MARGIN
+    width = max([layout.width, *(svg.text_width(note, 11) for note in notes)]) + 2 * _MARGIN
     moved = f'<g transform="translate({_MARGIN:g} {_MARGIN - top:g})">{"".join(parts)}</g>'
     return svg.picture(width, low - top + 2 * _MARGIN, title, described, [moved], table)
 

@@ -18,7 +18,6 @@ from autograder.authoring.student_bundle import NO_PARTS, pack
 from autograder.errors import GraderError
 from autograder.exam.catalog import for_assignment
 from autograder.exam.exam import Exam
-from autograder.files import files_below
 from autograder.gradebook import converters
 from autograder.gradebook.record import points_mismatches
 from autograder.layout import Layout, lesson_files
@@ -60,7 +59,11 @@ def drift(layout: Layout) -> Iterator[str]:
 
 def _contents(folder: Path) -> dict[str, bytes]:
     """Return the content of all files in a folder by path, except files that learners create."""
-    return {name: path.read_bytes() for name, path in files_below(folder, '', NO_PARTS)}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob('*')
+        if path.is_file() and NO_PARTS.isdisjoint(path.relative_to(folder).parts)
+    }
 
 
 def stored_outputs(notebook: Notebook, where: str) -> Iterator[str]:

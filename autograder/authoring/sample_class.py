@@ -21,7 +21,7 @@ import tempfile
 from typing import Any
 
 from autograder.errors import GraderError
-from autograder.files import files_below, refuse_existing, write_atomically
+from autograder.files import refuse_existing, write_atomically
 from autograder.layout import Layout
 from autograder.results import first_of
 from autograder.submission.cells import body_of
@@ -100,7 +100,10 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     solved = answer_cells(read_release(solution))
     answers = {name: body_of(cell['source']).rstrip('\n') for name, cell in solved.items()}
     files = {file.path: (name, file) for name, file in answer_files(release).items()}
-    for inside, path in sorted(files_below(sample, '', {'expected.json', '__pycache__'})):
+    for path in sorted(path for path in sample.rglob('*') if path.is_file()):
+        inside = path.relative_to(sample).as_posix()
+        if inside == 'expected.json' or '__pycache__' in inside:
+            continue
         grade_id, file = files.get(inside, (path.stem if path.suffix == '.md' else '', None))
         if grade_id not in answers:
             known = ', '.join([*files, 'GRADE_ID.md'])

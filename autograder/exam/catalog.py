@@ -7,6 +7,7 @@ The subpackage ``visible`` is shipped to learners; ``hidden`` gives the points.
 from functools import cache
 import importlib
 import importlib.util
+from pathlib import Path
 import pkgutil
 import sys
 from types import ModuleType
@@ -23,21 +24,41 @@ def names(hidden: bool = True) -> tuple[str, ...]:
 
     :raises ExamInvalid: if this copy of the course does not contain them
     """
-    root, folder = str(Layout.here().root), _folder(hidden)
-    if sys.path[:1] != [root]:
-        sys.path.insert(0, root)
+    _import_package()
     try:
-        package = importlib.import_module(f'exams.{folder}')
-    except ModuleNotFoundError as error:
-        if error.name == f'exams.{folder}':
-            raise ExamInvalid(
-                'The hidden exams are not part of this copy of the course.',
-                'Grading needs the full project; visible checks work without it.',
-            ) from None
+        package = importlib.import_module(f'exams.{_folder(hidden)}')
+    except ModuleNotFoundError:
         raise ExamInvalid(
-            f'{root}: this course has no exams: {error}.', 'Try: create one with new-exam'
-        ) from error
+            'The hidden exams are not part of this copy of the course.',
+            'Grading needs the full project; visible checks work without it.',
+        ) from None
     return tuple(module.name for module in pkgutil.iter_modules(package.__path__))
+
+
+def _import_package() -> None:
+    """
+    Import the package of the exams from the root of the course.
+
+    :raises ExamInvalid: if there is no such package, or another one has the name ``exams``
+    """
+    root, start = Layout.here().root, Layout.here().exams / '__init__.py'
+    # A search would find the exams of this project, because its root is always on the path.
+    if not start.is_file():
+        raise ExamInvalid(
+            f'{root}: this course has no exams: exams/__init__.py is missing.',
+            'Try: create one with new-exam',
+        )
+    if 'exams' not in sys.modules:
+        sys.path.insert(0, str(root))
+    try:
+        found = importlib.import_module('exams').__file__
+    except ModuleNotFoundError as error:
+        raise ExamInvalid(f'{start}: {error}.', 'Try: correct that file') from error
+    if found is None or Path(found).resolve() != start.resolve():
+        raise ExamInvalid(
+            f'{root}: expected the package exams of this course, got {found}.',
+            'Try: start a new process, which imports no other package exams',
+        )
 
 
 def _folder(hidden: bool) -> str:

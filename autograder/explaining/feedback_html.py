@@ -41,7 +41,7 @@ _TERM = f'{_CELL}; text-align: left; font-weight: 600'
 _TEXT = f'{_CELL}; overflow-wrap: anywhere; white-space: pre-wrap'
 _PLAIN = 'margin: 2px 0; overflow-wrap: anywhere'
 _ID = re.compile(r'<[a-z][^<>]*?\sid="([^"<>]*)"')
-_ELSEWHERE = re.compile(r'lesson (\d+), (?:on .*|(.*))')
+_ELSEWHERE = re.compile(r'lesson (\d+), (?:on .*|(.+))')
 _WHOLE = 'max-width: 800px; line-height: 1.45'
 
 

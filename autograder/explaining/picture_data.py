@@ -235,10 +235,15 @@ def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[s
         topic = str(offered.get(event['topic'], event['topic']))
         sent.setdefault(topic, []).append(event)
     shown: dict[str, list[Event]] = {}
+    named = _named(recording.nodes, result.expected, about)
     for level in dict.fromkeys(_LEVEL.findall(about)):
-        for node in _meant(recording.nodes, result.expected, about):
-            of = f' of {node}' if len(recording.nodes) > 1 else ''
-            shown[f'{level} lines{of}'] = own_logs(run, node, _NUMBERS[level])
+        row, value = f'{level} lines', _NUMBERS[level]
+        if len(recording.nodes) == 1:
+            shown[row] = own_logs(run, recording.nodes[0], value)
+        elif named:
+            shown |= {f'{row} of {node}': own_logs(run, node, value) for node in named}
+        else:
+            shown[row] = recording.logs(level=value)
     if not shown:
         topics = [topic for topic in exam.scenario.watch if recording.messages(topic)]
         topics = topics or [topic for topic in exam.scenario.watch if _names(about, topic)][:1]
@@ -248,11 +253,11 @@ def _rows(exam: Exam, run: Run, result: CheckResult, rate: float) -> list[dict[s
     return [_row(label, what, _moments(events, rate)) for label, what, events in rows]
 
 
-def _meant(nodes: Sequence[str], expected: str, about: str) -> Sequence[str]:
+def _named(nodes: Sequence[str], expected: str, about: str) -> Sequence[str]:
     """Return the nodes with the full name in an expectation, else with the last part in a text."""
     # A name may be the beginning of a longer one.
     full = [node for node in nodes if re.search(rf'{re.escape(node)}(?![\w/])', expected)]
-    return full or [node for node in nodes if _names(about, node)] or nodes
+    return full or [node for node in nodes if _names(about, node)]
 
 
 def _moments(events: Iterable[Event], rate: float) -> list[float]:

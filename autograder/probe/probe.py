@@ -4,7 +4,7 @@ Run scenarios inside the networks of students' sandboxes, and record what the pr
 This program loads rclpy once, and then forks a probe for each run, with
 :mod:`autograder.inside.forks`.  A probe receives the *scenario* (which topics to watch, what to
 send, and when) but no expected values.  It reads one JSON line from standard input, runs the
-scenario, and writes one JSON event per line to standard output; :mod:`autograder.recording`
+scenario, and writes one JSON event per line to standard output; ``docs/recording.schema.json``
 documents the events.  It is a separate, confined process, because it parses messages that
 untrusted code sends.
 

@@ -11,7 +11,7 @@ import json
 from typing import Any, Protocol
 
 from autograder import errors
-from autograder.errors import GraderError
+from autograder.errors import GraderError, SandboxUnavailable
 from autograder.recording import Recording
 from autograder.runs.version import difference, version
 
@@ -91,7 +91,10 @@ def _run(task: Mapping[str, Any]) -> tuple[Recording, dict[str, float]]:
         raise GraderError(
             f'A worker refused the task: {unlike}.', 'Try: update the worker and restart it.'
         )
-    sandbox, wanted = strongest(), task['mode']
+    try:
+        sandbox, wanted = strongest(), task['mode']
+    except SandboxUnavailable as error:  # its advice is for a command, not for a worker
+        raise SandboxUnavailable(error.what, 'Try: make doctor on the worker') from error
     if sandbox.mode != wanted:
         raise GraderError(
             f"A worker refused the task: isolation {wanted} does not work for the worker's user.",

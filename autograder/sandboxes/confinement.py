@@ -182,7 +182,12 @@ class ConfinedProgram:
         return self.claimed.domain if self.claimed else 0
 
     def files(self) -> tuple[int, int]:
-        """Return the number and total size [bytes] of the files that the program has created."""
+        """
+        Return the number and total size [bytes] of the files that the program has created.
+
+        The sandbox must be ready.  Until bubblewrap has changed the root folder, this method
+        counts the files of the machine.
+        """
         if self.home is not None:
             return _tree(self.home)
         count = size = 0

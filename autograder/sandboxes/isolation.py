@@ -140,11 +140,14 @@ def fix_for(said: str, system: Path = Path('/')) -> str:
     refused = ('uid map', 'RTM_NEWADDR', 'namespace', 'pivot_root', 'Operation not permitted')
     if not any(word in said for word in refused):
         return SECTION if 'bwrap: ' in said else 'Try: make doctor'
-    if any((system / mark).exists() for mark in ('.dockerenv', 'run/.containerenv')):
+    if any(os.path.exists(system / mark) for mark in ('.dockerenv', 'run/.containerenv')):
         return FIX_CONTAINER
     if os.geteuid() != 0:
         for setting, values, fix in KERNEL:
-            file = system / 'proc/sys' / setting
-            if file.is_file() and file.read_text('ascii').strip() in values:
+            try:
+                value = (system / 'proc/sys' / setting).read_text('ascii').strip()
+            except (OSError, ValueError):
+                continue  # the setting is absent, or a container hides it
+            if value in values:
                 return fix
     return FIX_APPARMOR if 'uid map' in said or 'RTM_NEWADDR' in said else FIX_CONTAINER

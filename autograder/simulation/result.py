@@ -22,19 +22,25 @@ def read_simulation(recording: Recording) -> Simulation:
     ended_later = recording.end_reason == 'student_exited' and over_ns > end_ns
     complete = ended_later or recording.end_reason == 'complete'
     seconds, events = min(over_ns, end_ns) / 1e9, Recording(about, within)
-    types, process = {**about['sent'], **about['published']}, recording.process
+    published, sent, process = about['published'], about['sent'], recording.process
 
-    def record(topic: str, found: Sequence[Event], what: str = '') -> TopicRecord:
+    def record(name: str, found: Sequence[Event], of_type: str) -> TopicRecord:
         times = tuple(one['clock_ns'] / 1e9 for one in found)
         data = tuple(one.get('data') for one in found)
-        return TopicRecord(f'{topic}{what}', types[topic], times, data, seconds)
+        return TopicRecord(name, of_type, times, data, seconds)
 
     late = {one['topic']: one['listener'] for one in events.of('joined')}
     return Simulation(
         about['exam'],
-        heard={topic: record(topic, events.messages(topic)) for topic in about['published']},
-        late={to: record(to, events.messages(to, by), ' (late)') for to, by in late.items()},
-        sent={to: record(to, events.of('input', topic=to), ' (input)') for to in about['sent']},
+        heard={to: record(to, events.messages(to), kind) for to, kind in published.items()},
+        late={
+            to: record(f'{to} (late)', events.messages(to, by), published[to])
+            for to, by in late.items()
+        },
+        sent={
+            to: record(f'{to} (input)', events.of('input', topic=to), kind)
+            for to, kind in sent.items()
+        },
         logs=tuple(map(_log, events.of('log'))),
         reason='complete' if complete else recording.end_reason,
         seconds=seconds,

@@ -9,7 +9,7 @@ import threading
 from places_world import class_of_talkers, exam_of_a_talker, stable_facts, TALKER
 import pytest
 
-from autograder.errors import GraderError, TooBusy
+from autograder.errors import GraderError, SandboxUnavailable, TooBusy
 from autograder.grading.examine import Engine
 from autograder.grading.pipeline import end_runs, THREADS
 from autograder.runs import grading_folder as folders
@@ -79,6 +79,20 @@ class TestTask:
 
         with pytest.raises(TooBusy, match='The machine was too busy'):
             parse_outcome(run_task(task))
+
+    def test_a_worker_without_a_sandbox_does_not_name_options_of_commands(self, monkeypatch):
+        """An option such as --allow-weak has no effect on a worker."""
+        task = task_of('talker', SCENARIO, {}, strongest().mode)
+
+        def refuse():
+            raise SandboxUnavailable('bubblewrap refused.', 'Try: --allow-weak=landlock')
+
+        monkeypatch.setattr('autograder.sandboxes.choose.strongest', refuse)
+
+        with pytest.raises(SandboxUnavailable) as caught:
+            parse_outcome(run_task(task))
+        assert caught.value.what == 'bubblewrap refused.'
+        assert caught.value.fix == 'Try: make doctor on the worker'
 
     def test_a_defect_of_ours_is_no_crash_of_the_worker(self, monkeypatch):
         """The worker answers, and the submission is for review."""

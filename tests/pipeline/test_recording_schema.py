@@ -29,16 +29,14 @@ def test_the_schema_is_one():
     Draft202012Validator.check_schema(SCHEMA)
 
 
-def test_it_has_the_events_that_the_probe_writes_and_the_words_that_describe_them():
-    """A new event must be added in all three places."""
+def test_it_has_the_events_that_the_probe_and_the_grader_write():
+    """A new event must be added in both places."""
     source = ''.join(
         path.read_text(encoding='utf-8') for path in sorted(ROOT.glob('autograder/probe/*.py'))
     )
     written = set(re.findall(r"\.emit\(\s*'(\w+)'", source))
 
     assert written | {'process'} == KINDS
-    for kind in KINDS:
-        assert f'``{kind}``' in recording.__doc__, kind
 
 
 def test_an_unknown_event_and_an_unknown_field_are_refused():

@@ -16,6 +16,7 @@ import pytest
 
 from autograder.authoring import sample_class
 from autograder.authoring.sample_class import expected_of
+from autograder.errors import GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam
 from autograder.grading.pipeline import grade_class, grading_engine, load_lesson
@@ -105,6 +106,16 @@ def test_the_class_has_every_kind_of_outcome():
     outcomes = {path.name.partition('__')[0] for name in EXAMINED for path in folders(name)}
 
     assert outcomes == {'pass', 'fail', 'error', 'zero'}
+
+
+def test_only_the_file_of_expectations_at_the_top_is_skipped(tmp_path):
+    """Another file of this name is a mistake, like any file that is no answer."""
+    (tmp_path / 'inner').mkdir()
+    for name in ('expected.json', 'inner/expected.json'):
+        (tmp_path / name).write_text('{}')
+
+    with pytest.raises(GraderError, match=r'/inner/expected\.json: no such answer'):
+        sample_class.compose(LAYOUT, EXAMINED[0], tmp_path)
 
 
 @pytest.mark.parametrize('exercise', exercises(), ids=lambda one: one.name)

@@ -6,6 +6,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output
 import pytest
 
+from autograder.authoring.book import pages
 from autograder.authoring.book.pages import first_page, INDEX, page, YOURS
 from autograder.layout import Layout, lesson_files
 from autograder.submission.notebook import marks_of
@@ -27,6 +28,21 @@ def made(*outputs, source='show()', **marks):
     one = new_code_cell(source, id='one', metadata=metadata)
     solved = new_code_cell('the solution', id='one', outputs=list(outputs))
     return page(lesson(one), lesson(solved)).cells
+
+
+def test_pages_can_be_written_again(tmp_path, monkeypatch):
+    """A second run replaces the pages of the first."""
+    layout = Layout(tmp_path)
+    monkeypatch.setattr(pages, 'executed', lambda path, config: nbformat.read(path, as_version=4))
+    for folder in (layout.solutions, layout.notebooks):
+        (folder / '01_x').mkdir(parents=True)
+        text = nbformat.writes(lesson(new_markdown_cell('# Title', id='a')))
+        (folder / '01_x' / 'x.ipynb').write_text(text)
+
+    for _ in range(2):
+        pages.write_pages(layout, tmp_path / 'book')
+
+    assert (tmp_path / 'book' / '01_x' / 'x.ipynb').is_file()
 
 
 def test_demonstration_has_its_picture():

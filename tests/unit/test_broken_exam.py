@@ -26,18 +26,24 @@ BROKEN = {
 
 
 @pytest.fixture
-def broken_exam(tmp_path, monkeypatch):
-    """Return a function that writes the only visible exam of a course."""
-    folder = tmp_path / 'exams' / 'visible'
-    folder.mkdir(parents=True)
+def empty_course(tmp_path, monkeypatch):
+    """Return the folder of a course without exams."""
     (tmp_path / 'course.toml').touch()
-    (folder.parent / '__init__.py').touch()
     monkeypatch.setenv('COURSE_DIR', str(tmp_path))
     monkeypatch.setattr(sys, 'path', list(sys.path))
     before = forget()
-    yield (folder / 'sample.py').write_text
+    yield tmp_path
     forget()
     sys.modules.update(before)
+
+
+@pytest.fixture
+def broken_exam(empty_course):
+    """Return a function that writes the only visible exam of a course."""
+    folder = empty_course / 'exams' / 'visible'
+    folder.mkdir(parents=True)
+    (folder.parent / '__init__.py').touch()
+    return (folder / 'sample.py').write_text
 
 
 def forget() -> dict[str, ModuleType]:
@@ -61,6 +67,35 @@ def test_exam_file_that_cannot_be_imported_is_one_line(broken_exam, tmp_path, ca
     shown = checking.check('sample').problem.line()
     assert 'not your code' in shown
     assert 'sample.py, line 3' in shown
+
+
+@pytest.mark.parametrize('folder', ['.', 'exams/visible'])
+def test_course_without_exams_does_not_use_those_of_the_project(empty_course, capsys, folder):
+    """Python's search path contains the project, whose folder ``exams`` is a package."""
+    (empty_course / folder).mkdir(parents=True, exist_ok=True)
+
+    assert autograder.main(['check', 'talker', '--files', '.', '--visible']) == autograder.USAGE
+    (said,) = capsys.readouterr().err.splitlines()
+    assert said.startswith(f'autograder: {empty_course}: this course has no exams')
+
+
+def test_exams_of_another_course_are_refused(broken_exam, monkeypatch):
+    broken_exam('')
+    other = ModuleType('exams')
+    other.__file__ = '/elsewhere/exams.py'
+    monkeypatch.setitem(sys.modules, 'exams', other)
+
+    with pytest.raises(ExamInvalid, match=r'of this course, got /elsewhere/exams\.py'):
+        catalog.names(hidden=False)
+
+
+def test_names_put_the_course_on_the_search_path_once(broken_exam, tmp_path):
+    broken_exam('')
+    for _ in range(3):
+        sys.path.insert(0, '/elsewhere')
+        assert catalog.names(hidden=False) == ('sample',)
+
+    assert sys.path.count(str(tmp_path)) == 1
 
 
 def test_check_that_breaks_is_named_with_its_line(broken_exam):

@@ -227,6 +227,7 @@ class TestWithTheLessons:
                 "expected a heading of 02_y to read, got 'Part 1: Do",
             ),
             ('lesson 03, Part 1: Doors', '', 'there is no lesson 03'),
+            ('lesson 02, ', '', "expected a heading of 01_x to read, got 'lesson 02, '"),
         ],
     )
     def test_a_section_that_no_lesson_has_is_refused(self, section, own, said):

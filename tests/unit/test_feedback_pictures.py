@@ -297,6 +297,17 @@ class TestTimeline:
             ('INFO lines of /lab/keeper', 0)
         ]
 
+    def test_all_lines_are_in_one_row_if_the_check_names_none_of_the_nodes(self):
+        """So no line is missing, even that of a logger that belongs to no node."""
+        log = {'event': 'log', 'level': 20, 'text': 'x', 'clock_ns': SECOND, 'after_input': None}
+        nodes = [f'/lab/node_{number}' for number in range(9)]
+        names = [f'lab.node_{number}' for number in range(9)]
+        lines = [{**log, 'name': name} for name in (*names, 'rcl')]
+        failure = Failed(expected='7 INFO lines in 14 s', observed='others')
+        picture = drawn(recorded(*lines, nodes=nodes), failure)
+
+        assert [(row['label'], row['count']) for row in picture['rows']] == [('INFO lines', 10)]
+
     def test_a_long_run_is_shown_around_the_difference(self):
         """Sixty ticks would be too narrow, so the picture shows only those near the difference."""
         failure = Failed(**RATE, at=30 * SECOND, every_s=1.0)

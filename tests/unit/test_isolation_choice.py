@@ -74,6 +74,20 @@ def test_each_refusal_has_its_repair(said, system, words, tmp_path, monkeypatch)
     assert words in fix_for(said, tmp_path)
 
 
+@pytest.mark.parametrize('error', [PermissionError, ValueError])
+def test_a_setting_that_cannot_be_read_counts_as_absent(error, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise error
+
+    file = tmp_path / APPARMOR
+    file.parent.mkdir(parents=True)
+    file.write_text('1\n', encoding='ascii')
+    monkeypatch.setattr(Path, 'read_text', refuse)
+    monkeypatch.setattr(isolation.os, 'geteuid', lambda: 1000)
+
+    assert fix_for(NO_NAMESPACE, tmp_path) == isolation.FIX_CONTAINER
+
+
 def test_settings_that_do_not_apply_to_root_are_not_its_repair(tmp_path, monkeypatch):
     file = tmp_path / APPARMOR
     file.parent.mkdir(parents=True)
@@ -127,10 +141,19 @@ def test_a_clock_on_a_file_system_without_programs_names_the_place(clock, monkey
     assert 'make VENV=...' in refused().fix
 
 
-@pytest.mark.parametrize('said', [UID_MAP, NO_NAMESPACE])
+@pytest.mark.parametrize(
+    ('said', 'marks', 'fix'),
+    [
+        (UID_MAP, (), isolation.FIX_APPARMOR),
+        (NO_NAMESPACE, (CONTAINER,), isolation.FIX_CONTAINER),
+    ],
+)
 def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
-    said, tmp_path, monkeypatch
+    said, marks, fix, tmp_path, monkeypatch
 ):
+    for mark in marks:
+        (tmp_path / mark).touch()
+    monkeypatch.setattr(fix_for, '__defaults__', (tmp_path,))  # instead of the root folder
     program = tmp_path / 'bwrap'
     program.write_text(f'#!/bin/sh\necho "{said}" >&2\nexit 1\n', encoding='utf-8')
     program.chmod(0o755)
@@ -140,7 +163,7 @@ def test_a_refusal_of_the_real_start_repeats_the_words_and_adds_the_repair(
         choose.usable(isolation.full(os.geteuid() == 0))
 
     assert said.rstrip('.') in caught.value.what
-    assert caught.value.fix == fix_for(said)
+    assert caught.value.fix == fix
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
     [
         ('name = ', 'cannot be read as TOML: '),
         ("nmae = 'x'", "unknown name 'nmae'"),
+        ("exams = 'exams'", "unknown name 'exams'. The exams are always in the folder exams. "),
         ('work = 3', 'expected a string for work, got 3'),
         ("messages = 'x'", "expected a table for messages, got 'x'"),
     ],

@@ -90,6 +90,15 @@ def test_what_is_above_the_course_hides_nothing_of_it(tmp_path):
     assert sorted(course._contents(folder)) == ['01/a.ipynb']
 
 
+def test_symbolic_link_in_a_release_is_compared_like_a_file(tmp_path):
+    """Git keeps a link, so students would receive it."""
+    (tmp_path / 'a.ipynb').write_text('a')
+    (tmp_path / 'b.ipynb').symlink_to('a.ipynb')
+
+    assert course._contents(tmp_path) == {'a.ipynb': b'a', 'b.ipynb': b'a'}
+    assert course._contents(tmp_path / 'missing') == {}
+
+
 class TestRelease:
     @pytest.fixture
     def layout(self, tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ from std_msgs.msg import ByteMultiArray, Empty, Float64, Header, Int32MultiArray
 
 from autograder.simulated import TopicRecord
 from drawing import svg
+from drawing.connections import draw_connections, Edge, TopicBox
 from drawing.graph_layout import arrange
 from drawing.slider import MAX_MOMENTS, slider
 from roslab.cli_text import (
@@ -283,6 +284,16 @@ def test_layout_is_the_same_each_time_and_topics_stand_in_odd_layers():
     assert one.spots == two.spots
     assert one.routes == two.routes
     assert all(spot.layer % 2 == (key in topics) for key, spot in one.spots.items())
+
+
+def test_connections_without_notes_are_drawn():
+    """A caller may leave out the lines below the picture."""
+    edge = Edge('/talker', '/chatter', outward=True, matched=True)
+    topics = {'/chatter': TopicBox('/chatter', ['String'])}
+
+    picture = draw_connections({'/talker': 'talker'}, topics, [edge], 'T', 'D', [('node',)])
+
+    assert '/talker publishes /chatter' in picture
 
 
 def listener(topic, began, times):

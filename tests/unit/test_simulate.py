@@ -122,13 +122,20 @@ def test_numbers_that_json_lacks_and_inner_fields_become_plain_data():
     assert one.fields == {'value': 'nan', 'stamp': {'sec': 1}, 'items': [1.5, '-inf']}
 
 
-def recorded(*events, reason='complete', over_ns=10_001_000_000, exit_code=None, printed=''):
+def recorded(
+    *events,
+    reason='complete',
+    over_ns=10_001_000_000,
+    exit_code=None,
+    printed='',
+    sent=None,
+):
     """Return the result of a simulation of ten seconds."""
     ending = [
         {'event': 'end', 'clock_ns': over_ns, 'reason': reason},
         {'event': 'process', 'exit': exit_code, 'stdout': '', 'stderr': printed},
     ]
-    topics = {'published': {'/out': STRING}, 'sent': {'/in': STRING}}
+    topics = {'published': {'/out': STRING}, 'sent': sent or {'/in': STRING}}
     facts = {'exam': 'echo.py', 'mode': 'none', 'seconds': 10.0, **topics}
     return read_simulation(Recording(facts, [GRAPH, *events, *ending]))
 
@@ -157,6 +164,14 @@ def test_recording_becomes_messages_with_times():
     assert run.sent['/in'].times == (1.0,)
     assert run.logged('warn') == [LogRecord(5e-9, 'WARN', 'echo', 'hot')]
     assert (run.reason, run.seconds, run.exit) == ('complete', 10.0, None)
+
+
+def test_topic_that_is_sent_and_published_keeps_the_type_of_each():
+    """ROS allows two types on one topic, although they do not connect."""
+    run = recorded(sent={'/out': 'std_msgs/msg/Int32'})
+
+    assert run['/out'].type == STRING
+    assert run.sent['/out'].type == 'std_msgs/msg/Int32'
 
 
 def test_topic_without_messages_is_empty_and_an_unknown_one_is_an_error():

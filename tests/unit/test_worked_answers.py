@@ -27,10 +27,10 @@ MOST = catalog.load('talker', hidden=False).max_points
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
     """Return a students' copy with one worked answer, and make it the current folder."""
-    catalog.names(hidden=False)  # load the exams of the course, not those of the copy
     root = tmp_path / 'copy'
     (root / FOLDER).mkdir(parents=True)
     (root / 'course.toml').write_text("work = '_work'\n")
+    (root / 'exams').symlink_to(COURSE.exams)
     (root / FOLDER / '03_topics.txt').write_bytes(encoded({'talker': WORDS}))
     monkeypatch.chdir(root)
     monkeypatch.delenv(CHOSEN, raising=False)

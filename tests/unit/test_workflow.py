@@ -105,6 +105,7 @@ def repository(tmp_path, monkeypatch):
     """Return a student's repository with an untouched lesson, and the files that GitHub reads."""
     shutil.copytree(ROOT / 'notebooks' / '02_spinning', tmp_path / 'notebooks' / '02_spinning')
     shutil.copy(ROOT / 'course.toml', tmp_path)
+    (tmp_path / 'exams').symlink_to(ROOT / 'exams')
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: Layout(tmp_path)))
     for name in ('GITHUB_OUTPUT', 'GITHUB_STEP_SUMMARY'):
         monkeypatch.setenv(name, str(tmp_path / name))

@@ -57,7 +57,7 @@ def write_pages(layout: Layout, folder: Path) -> None:
             pool.map(lambda name: executed(layout.solutions / name, config=frontend), names)
         )
     for name, notebook in zip(names, solved):
-        (folder / name).parent.mkdir(parents=True)
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         released = nbformat.read(layout.notebooks / name, as_version=4)
         nbformat.write(page(released, notebook), folder / name)
     nbformat.write(first_page(layout), folder / INDEX)
