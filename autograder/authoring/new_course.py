@@ -87,6 +87,8 @@ def new_exam(layout: Layout, name: str, lesson: str) -> list[Path]:
     for path in files:
         if (layout.root / path).exists():
             raise GraderError(f'{path}: this file already exists.', 'Try: a different name')
+    packages = [Path('exams', part, '__init__.py') for part in ('', 'visible', 'hidden')]
+    files |= {path: '' for path in packages if not (layout.root / path).exists()}
     for path, text in files.items():
         write_atomically(layout.root / path, text.encode())
     return list(files)

@@ -7,11 +7,13 @@ from types import ModuleType
 import pytest
 
 from autograder import __main__ as autograder
+from autograder.authoring.new_course import new_exam
 from autograder.errors import ExamInvalid, GraderError
 from autograder.exam import catalog
 from autograder.exam.exam import Exam, Run
 from autograder.exam.scenario import Scenario
 from autograder.judging.judge import judge
+from autograder.layout import Layout
 from autograder.recording import Recording
 from roslab import checking
 
@@ -77,6 +79,13 @@ def test_course_without_exams_does_not_use_those_of_the_project(empty_course, ca
     assert autograder.main(['check', 'talker', '--files', '.', '--visible']) == autograder.USAGE
     (said,) = capsys.readouterr().err.splitlines()
     assert said.startswith(f'autograder: {empty_course}: this course has no exams')
+
+
+def test_first_exam_of_a_course_without_a_folder_for_exams_is_found(empty_course):
+    """A course may begin as a single course.toml, written by hand."""
+    new_exam(Layout(empty_course), 'points', '01_points')
+
+    assert catalog.names(hidden=False) == catalog.names() == ('points',)
 
 
 def test_exams_of_another_course_are_refused(broken_exam, monkeypatch):
