@@ -27,10 +27,14 @@ def names(hidden: bool = True) -> tuple[str, ...]:
     _import_package()
     try:
         package = importlib.import_module(f'exams.{_folder(hidden)}')
-    except ModuleNotFoundError:
+    except Exception as error:  # noqa: BLE001 - an exam can raise anything
+        if getattr(error, 'name', '') != f'exams.{_folder(hidden)}':
+            raise _broken(f'exams/{_folder(hidden)}/__init__.py', error) from error
         raise ExamInvalid(
-            'The hidden exams are not part of this copy of the course.',
-            'Grading needs the full project; visible checks work without it.',
+            f'The {_folder(hidden)} exams are not part of this copy of the course.',
+            'Grading needs the full project; visible checks work without it.'
+            if hidden
+            else 'Try: create one with new-exam',
         ) from None
     return tuple(module.name for module in pkgutil.iter_modules(package.__path__))
 
@@ -52,8 +56,8 @@ def _import_package() -> None:
         sys.path.insert(0, str(root))
     try:
         found = importlib.import_module('exams').__file__
-    except ModuleNotFoundError as error:
-        raise ExamInvalid(f'{start}: {error}.', 'Try: correct that file') from error
+    except Exception as error:  # noqa: BLE001 - an exam can raise anything
+        raise _broken('exams/__init__.py', error) from error
     if found is None or Path(found).resolve() != start.resolve():
         raise ExamInvalid(
             f'{root}: expected the package exams of this course, got {found}.',
@@ -116,12 +120,18 @@ def _module(folder: str, name: str) -> ModuleType:
     except GraderError:
         raise  # the error already names its place
     except Exception as error:  # noqa: BLE001 - an exam can raise anything
-        place = line_in(Layout.here().exams, error)
-        where = place or _file_of(folder, name)
-        said = ' '.join(str(getattr(error, 'msg', '') or error).split())
-        raise ExamInvalid(
-            f'{where}: {type(error).__name__}: {said}.', 'Try: correct that line'
-        ) from error
+        raise _broken(_file_of(folder, name), error) from error
+
+
+def _broken(file: str, error: Exception) -> ExamInvalid:
+    """
+    Return the error for a file that cannot be imported.
+
+    :param file: named if the exception shows no line of an exam
+    """
+    where = line_in(Layout.here().exams, error) or file
+    said = ' '.join(str(getattr(error, 'msg', '') or error).split())
+    return ExamInvalid(f'{where}: {type(error).__name__}: {said}.', 'Try: correct that line')
 
 
 def _file_of(folder: str, name: str) -> str:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import accumulate, combinations, groupby, pairwise
 import math
 import operator
-from statistics import median
+from statistics import median_low
 from typing import Any, NamedTuple
 
 from autograder.exam.exam import Cause, Failed, Run
@@ -314,10 +314,10 @@ def why_other_rhythm(
     due = during_s / period_s
     sizes = [len(list(some)) for _, some in groupby(found, key=operator.itemgetter('clock_ns'))]
     between = [gap for gap in gaps if gap]
-    several = len(found) > due + 1.5 or median(sizes or [1]) > 1 or _is(period_s, *between)
+    several = len(found) > due + 1.5 or median_low(sizes or [1]) > 1 or _is(period_s, *between)
     if 0.0 in gaps and several:
         steps = _gaps([place for place, size in enumerate(sizes) if size > 1])
-        same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1
+        same = len(steps) > 1 and len(set(steps)) == 1 and steps[0] > 1 and _is(period_s, *between)
         often = f', once in {steps[0]:g} periods' if same else ''
         return cause_of('several_at_once', what=what, often=often, period_s=period_s)
     mean_s = sum(gaps) / len(gaps) if gaps else 0.0

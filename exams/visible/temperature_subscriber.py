@@ -280,21 +280,27 @@ def _why_unknown_unit(run: Run, group: Followed) -> Cause | None:
     then = while_running(run, asked, groups.index(group), not group.count(WARN))
     if why := why_silent(then) if run.recording.logs() else why_elsewhere(run, ERROR):
         return why
-    refused = warn_lines(one.row for one in sent(run, 'unknown'))
-    hot = lines_of_code(warn_lines(one.row for one in sent(run, 'hot')))
-    if all(one.count(WARN) > one.count(ERROR) for one in sent(run, 'unknown')) and not (
-        hot & lines_of_code(refused)
-    ):
-        return why_not_logged(run, refused, ERROR)
     if group.count(WARN):
-        came = warnings_after([one.row for one in groups])
-        return asked.cause(came, groups.index(group)) or WHY['unknown_unit']
+        slip = asked.cause(warnings_after([one.row for one in groups]), groups.index(group))
+        # Every unit that is unknown brings a warning, as after a hot reading, but from another
+        # line of code: it is meant as the ERROR line.
+        if (slip is None or slip.cause_id == 'keeps_last') and _warns_of_units(run):
+            return why_not_logged(run, warn_lines([group.row]), ERROR)
+        return slip or WHY['unknown_unit']
     before = [
         one for one in groups[: groups.index(group)] if one.inputs[0].unit == group.inputs[0].unit
     ]
     if any(one.count(ERROR) for one in before):
         return WHY['error_once']
     return why_left_out(run, ERROR, run.recording.logs(level=ERROR)) or WHY['no_error']
+
+
+def _warns_of_units(run: Run) -> bool:
+    """Return whether a line of code that logs no other warning warns of each unknown unit."""
+    unknown, known = sent(run, 'unknown'), sent(run, 'hot', 'Fahrenheit')
+    own, others = (lines_of_code(warn_lines(one.row for one in some)) for some in (unknown, known))
+    each = all(one.count(WARN) and not one.count(ERROR) for one in unknown)
+    return bool(own) and own.isdisjoint(others) and each
 
 
 def _goes_on(run: Run) -> None:

@@ -81,6 +81,16 @@ def test_course_without_exams_does_not_use_those_of_the_project(empty_course, ca
     assert said.startswith(f'autograder: {empty_course}: this course has no exams')
 
 
+@pytest.mark.parametrize('file', ['exams/__init__.py', 'exams/visible/__init__.py'])
+@pytest.mark.parametrize('line', ['import numpyy', 'x = ('])
+def test_a_package_of_exams_that_cannot_be_imported_is_named(broken_exam, tmp_path, file, line):
+    broken_exam('')
+    (tmp_path / file).write_text(line)
+
+    with pytest.raises(ExamInvalid, match=rf'^{file}, line 1: (ModuleNotFound|Syntax)Error: '):
+        catalog.names(hidden=False)
+
+
 def test_first_exam_of_a_course_without_a_folder_for_exams_is_found(empty_course):
     """A course may begin as a single course.toml, written by hand."""
     new_exam(Layout(empty_course), 'points', '01_points')

@@ -11,6 +11,7 @@ from exams.visible.safety_stop import (
     guarding,
     LIMIT,
     LONG_S,
+    losing,
     places,
     SHORT_S,
     STOP,
@@ -38,6 +39,15 @@ def test_drawn_commands_are_as_the_exam_needs_them(secret):
     assert min(fast) < -LIMIT
     assert max(fast) > 1.0
     assert len(silent) == 5
+
+
+@pytest.mark.parametrize('at_first', [False, True])
+def test_command_lost_after_a_stop_is_the_cause(at_first):
+    """Commands of zeros are among the lost ones, and are not the reason."""
+    asked = safety_stop.exam.facts['commands']
+    came = asked.of(losing(lambda one, after: after, at_first))
+
+    assert asked.cause(came).cause_id == 'first_after_stop'
 
 
 def test_stop_between_two_commands_is_explained_by_a_timer_that_is_not_reset():

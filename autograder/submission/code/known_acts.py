@@ -228,11 +228,11 @@ def _wrapped_counts(code: Code) -> Iterator[ast.AST]:
     counted = _counted(code)
     tests = {getattr(one, 'test', None) for one in code.nodes}
     for node in code.operations(ast.Mod):
-        whole = (node, *code.around(node))
-        asked = any(isinstance(one, ast.Compare) or one in tests for one in whole)
         left = getattr(node, 'left', None) or getattr(node, 'target', None)
-        if left and not asked and counted & names_in(left):
-            yield node
+        if counted and left and counted & names_in(left):
+            whole = (node, *code.around(node))
+            if not any(isinstance(one, ast.Compare) or one in tests for one in whole):
+                yield node
 
 
 def _longer_pauses(code: Code) -> Iterator[ast.AST]:
