@@ -29,6 +29,7 @@ def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
     config += "\nc.GradeOutside.engine_factory = 'fake_engine.make'\n"
     (root / 'nbgrader_config.py').write_text(config, encoding='utf-8')
     shutil.copy(ROOT / 'course.toml', root)
+    (root / 'exams').symlink_to(ROOT / 'exams')
     layout = Layout(root)
     converters.generate(layout, ASSIGNMENT, layout.notebooks, database=False)
     enter_assignment(layout, ASSIGNMENT)  # nbgrader needs two seconds to create a gradebook
@@ -37,7 +38,7 @@ def released(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def copied(root: Path, folder: Path) -> Layout:
     """Return a copy of a course, in a new folder below this one."""
-    return Layout(shutil.copytree(root, folder / 'course'))
+    return Layout(shutil.copytree(root, folder / 'course', symlinks=True))
 
 
 @pytest.fixture
