@@ -72,12 +72,21 @@ def write_all_reports(
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
-    write_class_report(layout, graded, summary)
+    _write_class_page(layout, graded, facts)
     return pages / 'index.html'
 
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
     """Write the page of a class and return its path."""
+    return _write_class_page(layout, graded, _facts(layout, graded, summary))
+
+
+def _write_class_page(layout: Layout, graded: ClassResults, facts: Mapping[str, Any]) -> Path:
+    """
+    Write the page of a class and return its path.
+
+    :param facts: see :func:`_facts`
+    """
     numbers = class_numbers(layout, graded)
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:
@@ -90,7 +99,7 @@ def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') 
         exams=list(by_exam.items()),
         students={one.student for one in graded.results},
         results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
-        **_facts(layout, graded, summary),
+        **facts,
     )
     path = layout.reports / graded.assignment / 'class.html'
     write_atomically(path, text.encode('utf-8', 'replace'))

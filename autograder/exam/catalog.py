@@ -25,13 +25,14 @@ def names(hidden: bool = True) -> tuple[str, ...]:
     :raises ExamInvalid: if this copy of the course does not contain them
     """
     _import_package()
+    folder = _folder(hidden)
     try:
-        package = importlib.import_module(f'exams.{_folder(hidden)}')
+        package = importlib.import_module(f'exams.{folder}')
     except Exception as error:  # noqa: BLE001 - an exam can raise anything
-        if getattr(error, 'name', '') != f'exams.{_folder(hidden)}':
-            raise _broken(f'exams/{_folder(hidden)}/__init__.py', error) from error
+        if getattr(error, 'name', '') != f'exams.{folder}':
+            raise _broken(f'exams/{folder}/__init__.py', error) from error
         raise ExamInvalid(
-            f'The {_folder(hidden)} exams are not part of this copy of the course.',
+            f'The {folder} exams are not part of this copy of the course.',
             'Grading needs the full project; visible checks work without it.'
             if hidden
             else 'Try: create one with new-exam',
