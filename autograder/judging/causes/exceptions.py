@@ -50,7 +50,7 @@ WANTED = rows((FOLDER / 'of_values.txt').read_text(encoding='utf-8'))
 def exception_cause(trace: Traceback) -> Cause:
     """Return the cause of an exception."""
     cause = next(filter(None, (explain(trace) for explain in _IN_ORDER)))
-    elsewhere = cause.cause_id in _IN_A_FILE
+    elsewhere = cause.act or cause.cause_id in _IN_A_FILE
     return replace(cause, line=cause.line or (None if elsewhere else trace.place))
 
 
@@ -206,7 +206,8 @@ def _other_cause(trace: Traceback) -> Cause:
     if trace.spun or not code:
         situation = 'exception_elsewhere'
     elif re.search(r'^[ \t]+raise[ \t]*$', trace.bare, re.MULTILINE):
-        situation = 'exception_raised_again'
+        # The traceback ends where the exception was first raised, which may be right.
+        return cause_of('exception_raised_again', error=trace.error, act='raised_again')
     else:
         situation = 'own_exception' if code.startswith('raise') else 'exception'
     return cause_of(situation, error=trace.error, code=code)

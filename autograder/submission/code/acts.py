@@ -116,7 +116,7 @@ def _place(code: Code, act: str) -> Place | None:
             name = some[0].name if isinstance(some[0], FUNCTIONS) else ''
             return Place(getattr(some[0], 'lineno', 0), name)
     all_lines = sorted({getattr(one, 'lineno', 0) for one in seen or working or found})
-    if act.endswith('*') and len(all_lines) in _FEW:
+    if '*' in act and len(all_lines) in _FEW:
         return Place(all_lines[0], others=all_lines[1:])
     outer = code.function_around(*(seen or working or found))
     return Place(outer.lineno, outer.name) if outer else None

@@ -361,6 +361,7 @@ ACTS: Mapping[str, Act] = {
     'period': _periods,
     'profile': _profiles,
     'publishing_timer': _publishing_timers,
+    'raised_again': _nodes(ast.Raise, lambda node: node.exc is None),
     'raised_exit': _nodes(ast.Raise, lambda node: not names_in(node).isdisjoint(_EXITS)),
     'recount': _recounts,
     'reset': lambda code: (node for node, _, _ in _fixed(code)),
