@@ -2,8 +2,8 @@
 The bundled sample class: submissions named by outcome and cause, built from small files.
 
 ``tests/submissions/<assignment>/<outcome>__<cause>/`` holds only the files in which a submission
-differs from the reference solution, as plain files without their magic line, and
-``expected.json``::
+differs from the reference solution, without their magic line, and ``expected.json``.  A file is
+either complete, or ``NAME.diff`` with its changes, see :func:`changed`::
 
     {"about": "...", "notebook": "...", "points": {exam: points},
      "failed": {exam: {check: cause_id}}, "in_class": true}
@@ -36,6 +36,7 @@ DAMAGES = ('', 'renamed_cell', 'duplicated_cell', 'truncated', 'not_a_notebook')
 NOT_A_NOTEBOOK = (
     b'<!DOCTYPE html>\n<html><head><title>JupyterLab</title></head><body></body></html>\n'
 )
+DIFF = '.diff'
 UNTOUCHED = 'untouched'
 """Value of ``notebook`` for the unchanged release, without the answers of the reference."""
 
@@ -76,6 +77,47 @@ def expected_of(sample: Path) -> dict[str, Any]:
     return data
 
 
+def own_files(sample: Path) -> dict[str, Path]:
+    """Return the files in which a sample differs from the reference, by their paths."""
+    paths = sorted(path for path in sample.rglob('*') if path.is_file())
+    found = {path.relative_to(sample).as_posix().removesuffix(DIFF): path for path in paths}
+    return {
+        name: path
+        for name, path in found.items()
+        if name != 'expected.json' and '__pycache__' not in name
+    }
+
+
+def changed(text: str, diff: str) -> str:
+    """
+    Return a file of the reference solution with the changes of a sample.
+
+    A diff has no line numbers, so it still fits if other parts of the solution change::
+
+        @@
+        -PERIOD_S = 1.0
+        +PERIOD_S = 0.5
+
+    :param diff: changes, each after a line ``@@``; their lines begin with ``-`` (old), ``+`` (new)
+        or a space (both)
+    :raises GraderError: if the old lines of a change do not occur exactly once
+    """
+    text = f'\n{text}\n'
+    for change in diff.split('@@\n')[1:]:
+        lines = change.splitlines()
+        old, new = (
+            ''.join(f'\n{line[1:]}' for line in lines if line[:1] != skipped) + '\n'
+            for skipped in '+-'
+        )
+        if (count := text.count(old)) != 1:
+            raise GraderError(
+                f'The old lines of a change occur {count} times in the solution:{old}',
+                'Correct these lines, or add neighbouring lines so that they occur once.',
+            )
+        text = text.replace(old, new)
+    return text[1:-1]
+
+
 def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     """
     Return the content of the notebook file of a sample submission.
@@ -100,16 +142,17 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
     solved = answer_cells(read_release(solution))
     answers = {name: body_of(cell['source']).rstrip('\n') for name, cell in solved.items()}
     files = {file.path: (name, file) for name, file in answer_files(release).items()}
-    for path in sorted(path for path in sample.rglob('*') if path.is_file()):
-        inside = path.relative_to(sample).as_posix()
-        if inside == 'expected.json' or '__pycache__' in inside:
-            continue
-        grade_id, file = files.get(inside, (path.stem if path.suffix == '.md' else '', None))
+    for name, path in own_files(sample).items():
+        grade_id, file = files.get(name, (path.stem if path.suffix == '.md' else '', None))
         if grade_id not in answers:
             known = ', '.join([*files, 'GRADE_ID.md'])
-            raise GraderError(f'{sample.name}/{inside}: no such answer.', f'Known: {known}.')
-        first = f'%%{file.kind} {file.name}\n' if file else ''
-        answers[grade_id] = (first + path.read_text(encoding='utf-8')).rstrip('\n')
+            raise GraderError(f'{sample.name}/{name}: no such answer.', f'Known: {known}.')
+        text = path.read_text(encoding='utf-8')
+        if path.suffix == DIFF:
+            answers[grade_id] = changed(answers[grade_id], text)
+        else:
+            first = f'%%{file.kind} {file.name}\n' if file else ''
+            answers[grade_id] = (first + text).rstrip('\n')
     notebook, _ = rebuild(
         release,
         [StudentCell(name, solved[name]['cell_type'], text) for name, text in answers.items()],

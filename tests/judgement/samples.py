@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 from autograder.authoring import sample_class
-from autograder.authoring.sample_class import compose, expected_of
+from autograder.authoring.sample_class import compose, expected_of, own_files
 from autograder.exam.exam import Exam
 from autograder.results import ExamResult, Verdict
 from autograder.submission.extract import answer_files, extract
@@ -73,7 +73,7 @@ def _of_submission(path: Path, assignment: str, release: Notebook) -> Iterator[S
     cells = answer_files(release)
     for exercise in theirs:
         paths = {cells[grade_id].path for grade_id in exercise.exam.cells}
-        own = any((path / name).is_file() for name in paths)
+        own = not paths.isdisjoint(own_files(path))
         failed = expected['failed'].get(exercise.name, {})
         about = str(expected.get('about', ''))
         yield Sample(

@@ -23,6 +23,7 @@ from autograder.grading.pipeline import grade_class, load_lesson
 from autograder.layout import Layout
 from autograder.sandboxes.choose import strongest
 from autograder.submission.inbox import Submission
+from autograder.submission.notebook import answer_cells
 from roslab import checking
 from roslab.package_files import LearnerPackage
 
@@ -138,8 +139,9 @@ def test_the_visible_checks_of_a_notebook_say_them(result, said, tmp_path):
     package = LearnerPackage('temp_monitor_pkg', tmp_path)
     nodes = package.folder / 'temp_monitor_pkg'
     nodes.mkdir(parents=True)
-    source = HERE.sample_class / ASSIGNMENT / SAMPLE / 'temp_publisher.py'
-    (nodes / 'temp_publisher.py').write_bytes(source.read_bytes())
+    data = sample_class.compose(HERE, ASSIGNMENT, HERE.sample_class / ASSIGNMENT / SAMPLE)
+    cell = answer_cells(json.loads(data))['temperature_publisher']
+    (nodes / 'temp_publisher.py').write_text(cell['source'].partition('\n')[2])
 
     report = checking._run(EXAM, package)
 

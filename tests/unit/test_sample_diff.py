@@ -1,0 +1,48 @@
+"""A sample may contain its changes to the reference solution instead of whole files."""
+
+import pytest
+
+from autograder.authoring.sample_class import changed, own_files
+from autograder.errors import GraderError
+
+TEXT = 'rate = 1.0\n\nstart()\nwait()\nstart()'
+
+
+@pytest.mark.parametrize(
+    ('diff', 'result'),
+    [
+        ('', TEXT),
+        ('@@\n-rate = 1.0\n+rate = 2.0\n', 'rate = 2.0\n\nstart()\nwait()\nstart()'),
+        ('@@\n wait()\n-start()\n', 'rate = 1.0\n\nstart()\nwait()'),
+        ('@@\n \n+begin()\n', 'rate = 1.0\n\nbegin()\nstart()\nwait()\nstart()'),
+        ('@@\n\n+begin()\n', 'rate = 1.0\n\nbegin()\nstart()\nwait()\nstart()'),
+        ('@@\n-rate = 1.0\n@@\n-wait()\n+stop()\n', '\nstart()\nstop()\nstart()'),
+    ],
+    ids=['none', 'line', 'context', 'inserted', 'stripped blank', 'two changes'],
+)
+def test_changes_are_applied(diff, result):
+    assert changed(TEXT, diff) == result
+
+
+@pytest.mark.parametrize(
+    ('diff', 'words'),
+    [
+        ('@@\n-start()\n+stop()\n', 'occur 2 times'),
+        ('@@\n-rate = 1\n+rate = 2\n', 'occur 0 times'),
+    ],
+    ids=['ambiguous', 'part of a line'],
+)
+def test_a_change_without_exactly_one_place_is_an_error(diff, words):
+    with pytest.raises(GraderError, match=words):
+        changed(TEXT, diff)
+
+
+def test_own_files_have_the_names_of_the_files_that_they_change(tmp_path):
+    (tmp_path / 'msg').mkdir()
+    for name in ('expected.json', 'talker.py', 'msg/Station.msg.diff'):
+        (tmp_path / name).write_text('', encoding='utf-8')
+
+    assert own_files(tmp_path) == {
+        'talker.py': tmp_path / 'talker.py',
+        'msg/Station.msg': tmp_path / 'msg' / 'Station.msg.diff',
+    }
