@@ -6,12 +6,15 @@ user hands in work under another user's name, nbgrader itself only warns; the pl
 """
 
 from pathlib import Path
+import tempfile
 from typing import Any
 
 from nbgrader.exchange.default import ExchangeCollect, ExchangeReleaseAssignment
 from traitlets import Dict
 
 from autograder.collect.owners import owner_doubt
+from autograder.collect.source.deliveries import BOUNDS
+from autograder.submission.tree import opened
 from environment.exchange import protect
 
 COPY_MODE = 0o755
@@ -64,6 +67,15 @@ class CollectFromOwners(ExchangeCollect):
         super().copy_files()
 
     def do_copy(self, src: str, dest: str, log: Any = None) -> None:
-        """Copy one delivery so that only the instructor can write to it."""
-        super().do_copy(src, dest, log)
+        """
+        Copy one delivery so that only the instructor can write to it.
+
+        nbgrader would follow a link that replaces a file after :meth:`_doubt` has looked at it.
+        """
+        with tempfile.TemporaryDirectory() as folder, opened(Path(src), BOUNDS) as tree:
+            for file in tree.files:
+                path = Path(folder, *file.parts)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(file.read())
+            super().do_copy(folder, dest, log)
         Path(dest).chmod(COPY_MODE)

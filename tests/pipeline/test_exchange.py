@@ -15,6 +15,7 @@ from nbgrader.apps.api import NbGraderAPI
 import pytest
 
 from autograder.collect.copy_notebooks import collect
+from autograder.collect.exchange_plugin import CollectFromOwners
 from autograder.collect.table import LEFT, TAKEN
 from autograder.gradebook.database import load_config
 from autograder.layout import Layout
@@ -208,3 +209,17 @@ def test_formgrader_follows_no_link_to_the_solutions(nbgrader, exchange, course)
 
     assert f"handed in as '{ME}', but it contains a symbolic link" in answer['log']
     assert collected(course) == {}
+
+
+def test_formgrader_copies_no_link_that_replaces_a_file_after_it_was_examined(
+    nbgrader, exchange, course, monkeypatch
+):
+    folder = lay(exchange, ME)
+    (folder / NOTEBOOK).unlink()
+    (folder / NOTEBOOK).symlink_to(course.solutions / ASSIGNMENT / NOTEBOOK)
+    monkeypatch.setattr(CollectFromOwners, '_doubt', lambda *_: '')
+
+    nbgrader.collect(ASSIGNMENT)
+
+    assert not (course.submitted / ME / ASSIGNMENT / NOTEBOOK).exists()
+    assert (course.submitted / ME / ASSIGNMENT / 'timestamp.txt').is_file()
