@@ -5,12 +5,12 @@ The bundled sample class: submissions named by outcome and cause, built from sma
 differs from the reference solution, without their magic line, and ``expected.json``.  A file is
 either complete, or ``NAME.diff`` with its changes, see :func:`changed`::
 
-    {"about": "...", "notebook": "...", "points": {exam: points},
+    {"about": "...", "notebook": "...", "answers": {grade_id: text}, "points": {exam: points},
      "failed": {exam: {check: cause_id}}, "in_class": true}
 
 A submission with ``"in_class": false`` is only for tests and is not in the class that ``make
 grade`` grades in a new clone.  ``notebook`` names the kind of damage to the whole notebook, see
-:data:`DAMAGES`.
+:data:`DAMAGES`; ``answers`` has answers to questions, which are too short for files.
 """
 
 from collections.abc import Iterator
@@ -138,26 +138,33 @@ def compose(layout: Layout, assignment: str, sample: Path) -> bytes:
             f'{sample.name}/expected.json: unknown value {damage!r} for "notebook".',
             f'Known: {", ".join(sorted({*DAMAGES, UNTOUCHED}))}.',
         )
+    notebook, _ = rebuild(release, _student_cells(layout, assignment, sample, release))
+    return damaged(notebook, damage)
+
+
+def _student_cells(
+    layout: Layout, assignment: str, sample: Path, release: Notebook
+) -> list[StudentCell]:
+    """Return the cells of the reference solution with the changes of a sample."""
     solution = layout.solutions / assignment / layout.release(assignment).name
     solved = answer_cells(read_release(solution))
     answers = {name: body_of(cell['source']).rstrip('\n') for name, cell in solved.items()}
     files = {file.path: (name, file) for name, file in answer_files(release).items()}
-    for name, path in own_files(sample).items():
-        grade_id, file = files.get(name, (path.stem if path.suffix == '.md' else '', None))
-        if grade_id not in answers:
-            known = ', '.join([*files, 'GRADE_ID.md'])
-            raise GraderError(f'{sample.name}/{name}: no such answer.', f'Known: {known}.')
+    own, short = own_files(sample), expected_of(sample).get('answers', {})
+    for name in [*(own.keys() - files.keys()), *(short.keys() - answers.keys())]:
+        known = ', '.join([*files, *(answers.keys() - {name for name, _ in files.values()})])
+        raise GraderError(f'{sample.name}: no such answer: {name}.', f'Known: {known}.')
+    for name, path in own.items():
+        grade_id, file = files[name]
         text = path.read_text(encoding='utf-8')
         if path.suffix == DIFF:
             answers[grade_id] = changed(answers[grade_id], text)
         else:
-            first = f'%%{file.kind} {file.name}\n' if file else ''
-            answers[grade_id] = (first + text).rstrip('\n')
-    notebook, _ = rebuild(
-        release,
-        [StudentCell(name, solved[name]['cell_type'], text) for name, text in answers.items()],
-    )
-    return damaged(notebook, damage)
+            answers[grade_id] = f'%%{file.kind} {file.name}\n{text}'.rstrip('\n')
+    for grade_id, text in short.items():
+        magic_line, _, _ = answers[grade_id].partition('\n')
+        answers[grade_id] = f'{magic_line}\n{text}'
+    return [StudentCell(name, solved[name]['cell_type'], text) for name, text in answers.items()]
 
 
 def write_sample_class(layout: Layout, folder: Path, force: bool = False) -> int:

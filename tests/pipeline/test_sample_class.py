@@ -114,7 +114,14 @@ def test_only_the_file_of_expectations_at_the_top_is_skipped(tmp_path):
     for name in ('expected.json', 'inner/expected.json'):
         (tmp_path / name).write_text('{}')
 
-    with pytest.raises(GraderError, match=r'/inner/expected\.json: no such answer'):
+    with pytest.raises(GraderError, match=r'no such answer: inner/expected\.json'):
+        sample_class.compose(LAYOUT, EXAMINED[0], tmp_path)
+
+
+def test_an_answer_without_a_cell_is_a_mistake(tmp_path):
+    (tmp_path / 'expected.json').write_text('{"answers": {"q99": "\'a\'"}}')
+
+    with pytest.raises(GraderError, match='no such answer: q99'):
         sample_class.compose(LAYOUT, EXAMINED[0], tmp_path)
 
 
