@@ -102,7 +102,7 @@ book: prepare
 bench: prepare
 	$(PY) -m benchmarks.one_submission
 	$(PY) -m benchmarks.stock_nbgrader
-	$(PY) -m benchmarks.same_recordings
+	$(PY) -m benchmarks.soak --recordings
 
 # ARGS='--minutes 30' ends the run sooner.
 soak: prepare

@@ -3,12 +3,13 @@ Judge the same files again and again, to find out whether a verdict or a message
 
 A task is one exam on one set of files: each exam of each submission in ``tests/submissions``, each
 program in ``tests/attacks``, and a right and a wrong program for each style of keeping time.  Each
-repeat runs all tasks in a different order and in one of four ways.
+repeat runs all tasks in a different order and in one of four ways.  With ``--recordings``, three
+programs run more often, and all events of their recordings are compared.
 """
 
 import argparse
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 import json
@@ -27,6 +28,7 @@ from autograder.grading.examine import Engine
 from autograder.grading.pipeline import load_lesson
 from autograder.layout import Layout
 from autograder.recording import Event
+from autograder.runs.observe import observe
 from autograder.runs.program import BUILDS
 from autograder.sandboxes.choose import strongest
 from autograder.sandboxes.sandbox import Sandbox
@@ -39,6 +41,14 @@ from tests.clock.style_pairs import judged, NAMES
 REPEATS = 12
 MANY = 10_000
 """Number of runs from which on the figures are saved as ``soak``, not ``one_pass``."""
+PROGRAMS = (
+    '03_topics/pass__functions_style/talker',
+    '07_temperature_monitor/pass__functions_style/temperature_subscriber',
+    '02_spinning/pass__tutorial_style/inspector',
+)
+"""Tasks whose recordings are compared: a publisher, answers, and bursts in several threads."""
+COPIES = 34
+"""How often each of them runs in a pass, so that twelve passes have more than 400 runs of each."""
 CORES = os.cpu_count() or 1
 SLOW_S = 3.0
 """The figures of a pass without load name each run that takes longer."""
@@ -124,6 +134,10 @@ def main() -> int:
     if chosen.list:
         print('\n'.join(task.name for task in tasks))
         return 0
+    run, copies = _run, 1
+    if chosen.recordings:
+        run, copies = _record, COPIES
+        tasks = [one for one in tasks if one.name in PROGRAMS]
     sandbox = strongest()
     outcomes: defaultdict[str, Counter[str]] = defaultdict(Counter)
     pictures: defaultdict[str, Counter[str]] = defaultdict(Counter)
@@ -131,7 +145,7 @@ def main() -> int:
     until = time.monotonic() + 60 * chosen.minutes
     try:
         while len(done) < chosen.passes and time.monotonic() < until:
-            repeat, found = _repeat(tasks, sandbox, len(done), until)
+            repeat, found = _repeat(tasks * copies, run, sandbox, len(done), until)
             done.append(repeat)
             for one in found:
                 outcomes[one.task.name][one.outcome] += 1
@@ -148,6 +162,8 @@ def main() -> int:
     # Save a measurement that did not run all tasks only if outcomes differ.
     full = not chosen.only and figures['least_repeats_of_a_task'] > 0
     name = 'soak' if figures['runs'] >= MANY else 'one_pass'
+    if chosen.recordings:
+        name, full = 'recordings', full and len(done) >= REPEATS
     report.save(name, facts, figures, full=full or bool(figures['differing']))
     return 1 if figures['differing'] else 0
 
@@ -159,6 +175,8 @@ def _arguments() -> argparse.Namespace:
     help_text = f'number of passes (default: {REPEATS})'
     parser.add_argument('--passes', type=int, default=REPEATS, metavar='N', help=help_text)
     parser.add_argument('--only', default='', metavar='TEXT', help='run only tasks named *TEXT*')
+    help_text = 'compare the recordings of three programs instead of all verdicts'
+    parser.add_argument('--recordings', action='store_true', help=help_text)
     parser.add_argument('--list', action='store_true', help='print the names of the tasks only')
     return parser.parse_args()
 
@@ -207,22 +225,26 @@ def _attacks() -> Iterator[Task]:
 
 
 def _repeat(
-    tasks: Sequence[Task], sandbox: Sandbox, number: int, until: float
+    tasks: Sequence[Task],
+    run: Callable[[Task, Sandbox], Ran],
+    sandbox: Sandbox,
+    number: int,
+    until: float,
 ) -> tuple[dict[str, Any], list[Ran]]:
     """Run all tasks once, in an order and a way that depend on the repeat."""
     way = WAYS[number % len(WAYS)]
     order = random.Random(number).sample(tasks, len(tasks))
     began = time.monotonic()
 
-    def run(task: Task) -> Ran | None:
+    def timed(task: Task) -> Ran | None:
         began = time.monotonic()
         if began > until:
             return None
-        return replace(_run(task, sandbox), seconds=time.monotonic() - began)
+        return replace(run(task, sandbox), seconds=time.monotonic() - began)
 
     with report.busy(way.burners), ThreadPoolExecutor(way.jobs) as pool:
         try:
-            found = [one for one in pool.map(run, order) if one is not None]
+            found = [one for one in pool.map(timed, order) if one is not None]
         except KeyboardInterrupt:
             pool.shutdown(cancel_futures=True)
             raise
@@ -272,6 +294,19 @@ def _run(task: Task, sandbox: Sandbox) -> Ran:
     data = result.to_json()
     outcome = json.dumps(report.compared(data), sort_keys=True)
     return Ran(task, outcome, json.dumps(data['pictures'], sort_keys=True), reason)
+
+
+def _record(task: Task, sandbox: Sandbox) -> Ran:
+    """Run a task; the outcome is all its events except the processor time."""
+    scenario = task.exam.scenario.to_json()
+    recording, _ = observe(task.exam.name, scenario, dict(task.files), sandbox)
+    # Two events of the same virtual instant may swap places.
+    instants: defaultdict[int, list[str]] = defaultdict(list)
+    for event in recording.events:
+        kept = {key: value for key, value in event.items() if key != 'cpu_s'}
+        instants[event.get('clock_ns') or 0].append(json.dumps(kept, sort_keys=True))
+    events = json.dumps([[at, sorted(found)] for at, found in sorted(instants.items())])
+    return Ran(task, events, reason=_reason(task, recording.of('process')))
 
 
 def _reason(task: Task, ends: Sequence[Event]) -> str:

@@ -1,10 +1,11 @@
 """
 Run a hostile program in one isolation mode, and print what it reached, as JSON.
 
-Usage: mode_world.py MODE FOLDER [linger | run].  The folder contains files that the program must
-not read.  This is a separate script, because some modes need a plain user and some need root.
+Usage: mode_world.py MODE FOLDER [linger | held | run].  The folder contains files that the program
+must not read.  This is a separate script, because some modes need a plain user and some need root.
 With ``linger`` it prints a line while the hostile program and its daemon run, and waits to be
-killed; with ``run`` it prints lines while a probe watches an endless program.
+killed; with ``held`` it does so before a program is released; with ``run`` it prints lines while
+a probe watches an endless program.
 """
 
 import json
@@ -104,12 +105,21 @@ def hostile_run(box: sandbox.Sandbox, folder: Path, linger: bool) -> list[str]:
     return lines
 
 
+def held_run(box: sandbox.Sandbox) -> None:
+    """Start a program without releasing it, print a line, and wait to be killed."""
+    with box.turn(), submission_folder({'x.py': ''}) as (submission, home):
+        program = Program((box.ros.python, '/submission/x.py'), {str(submission): '/submission'})
+        box.start(program, Limits(), home)
+        print('up', flush=True)
+        sys.stdin.read()
+
+
 def endless_run(box: sandbox.Sandbox) -> None:
     """Watch a program that computes forever, and print a line for each recorded event."""
     program = 'import rclpy\nrclpy.init()\nnode = rclpy.create_node("n")\n'
     program += 'import time\ntime.sleep(1)\nwhile True:\n    pass\n'
     scenario = Scenario(file='x.py', steps=(Advance(60.0),)).to_json()
-    observe('endless', scenario, {'x.py': program}, box, lambda event: print('runs', flush=True))
+    observe('endless', scenario, {'x.py': program}, box, lambda event: print('up', flush=True))
 
 
 FORKS = """
@@ -141,6 +151,8 @@ def main() -> None:
     mode, folder = sys.argv[1], Path(sys.argv[2])
     box = choose.usable(mode)
     assert box.mode == mode
+    if sys.argv[3:] == ['held']:
+        held_run(box)
     if sys.argv[3:] == ['run']:
         endless_run(box)
     lines = hostile_run(box, folder, sys.argv[3:] == ['linger'])

@@ -134,16 +134,17 @@ def test_nothing_outlives_a_killed_grader(world):
         os.close(pidfd)
 
 
+@pytest.mark.parametrize(('moment', 'processes'), [('held', 1), ('run', 3)])
 @pytest.mark.parametrize('mode', isolation.MODES)
-def test_no_process_of_a_run_outlives_a_killed_grader(mode, planted):
-    """The program, the probe and the clock's driver end, although time stands still."""
+def test_no_process_of_a_run_outlives_a_killed_grader(mode, moment, processes, planted):
+    """A program ends before its release, and with its probe and clock when time stands still."""
     if mode.startswith('landlock') and (refused := landlock.refusal(root=mode[8:] == '-uid')[0]):
         pytest.skip(refused)
-    with started(mode, planted, 'run') as grader:
-        assert grader.stdout.readline() == b'runs\n'
+    with started(mode, planted, moment) as grader:
+        assert grader.stdout.readline() == b'up\n'
         found = [os.pidfd_open(pid) for pid in family(grader.pid) if pid != grader.pid]
         grader.kill()
-    assert len(found) >= 3
+    assert len(found) >= processes
     for pidfd in found:
         assert select.select([pidfd], [], [], 60)[0], 'a process is still running'
         os.close(pidfd)

@@ -21,14 +21,11 @@ from lab_page import (
 )
 import pytest
 
-from roslab.quiz import find
-
 pytestmark = [
     *(pytest.mark.browser, pytest.mark.ros, pytest.mark.slow),
     pytest.mark.usefixtures('own_kernels'),
 ]
 
-MOST_KEYS = 60
 SHORT_MS = 10_000
 
 POINTS = 'polyline => polyline.getAttribute("points")'
@@ -37,10 +34,6 @@ NOTHING_RUNS = """() => ![...document.querySelectorAll('.jp-InputPrompt')]
 MOVED = """([cell, before]) =>
     cell.querySelector('polyline').getAttribute('points') !== before"""
 GROUPS = 'inputs => inputs.map(input => input.name)'
-NUMBER_OF_FOCUS = """() => {
-    const one = document.activeElement;
-    return one.type === 'radio' ? Number(one.value) : -1;
-}"""
 
 
 def picture(inside: Any, words: str) -> Any:
@@ -50,36 +43,6 @@ def picture(inside: Any, words: str) -> Any:
     :param words: a regular expression; Playwright would read a slash in it as its end
     """
     return inside.get_by_role('img', name=re.compile(words.replace('/', '.')))
-
-
-def answer_by_keyboard(page: Any, key: str) -> None:
-    """Choose a wrong and then the correct option of a question, without a mouse."""
-    from playwright.sync_api import expect
-
-    question, cell = find(key), cell_with(page, f"quiz('{key}')")
-    page.keyboard.press('Escape')
-    for _ in range(MOST_KEYS):
-        if 'jp-mod-active' in cell.get_attribute('class'):
-            break
-        page.keyboard.press('ArrowUp')
-    number = -1
-    for _ in range(MOST_KEYS):
-        if number >= 0:
-            break
-        page.keyboard.press('Tab')
-        number = page.evaluate(NUMBER_OF_FOCUS)
-    right = [option.right for option in question.options].index(True)
-    status = cell.get_by_role('status')
-    for wanted, begin in (
-        ((right + 1) % len(question.options), 'Not right. '),
-        (right, 'Right. '),
-    ):
-        for _ in question.options:
-            if page.evaluate(NUMBER_OF_FOCUS) != wanted:
-                page.keyboard.press('ArrowDown')
-        page.keyboard.press('Enter')
-        why = question.options[wanted].why.replace('`', '')
-        expect(status).to_contain_text(f'{begin}{why}', timeout=SHORT_MS)
 
 
 def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> None:
@@ -124,56 +87,6 @@ def test_quick_tour_moves_warns_and_asks(lab: Lab, page: Any, shots: Path) -> No
     run_all(page)
     questions = page.locator('.roslab-quiz').count()
     assert len(set(page.get_by_role('radio').evaluate_all(GROUPS))) == questions > 1
-    answer_by_keyboard(page, '00-alive')
-    cell_with(page, "quiz('00-alive')").screenshot(path=shots / 'quiz.png')
-    assert page.evaluate(WITHOUT_WORDS) == []
-    assert page.errors == []
-
-
-def test_topics_are_drawn_and_what_is_not_connected_says_why(
-    lab: Lab, page: Any, shots: Path
-) -> None:
-    """A dashed line has its reason as text, in the picture and for screen readers."""
-    from playwright.sync_api import expect
-
-    open_notebook(lab, page, solved(lab, '03_topics'))
-    run_all(page)
-    lonely = picture(page, 'ROS graph .*/desk - -> /requests .*nobody subscribes')
-    expect(lonely.locator('text', has_text='nobody subscribes')).to_have_count(2)
-    expect(lonely.locator('path[stroke-dasharray]')).to_have_count(3)
-    lonely.screenshot(path=shots / 'lonely.png')
-    many = cell_with(page, "graph('chatter')")
-    connected = picture(many, '/parleur --> /chatter .* --> /second')
-    expect(connected).to_be_visible()
-    assert connected.locator('path[stroke-dasharray]').count() == 0
-    assert page.evaluate(WITHOUT_WORDS) == []
-    assert page.errors == []
-
-
-def test_laboratory_shows_a_table_with_headers_and_a_timeline(
-    lab: Lab, page: Any, shots: Path
-) -> None:
-    """The compatibility table has row and column headers, and the timeline a description."""
-    from playwright.sync_api import expect
-
-    open_notebook(lab, page, solved(lab, '05_quality_of_service'))
-    run_all(page)
-    shown = page.get_by_role('table', name=re.compile('^Reliability and durability: 16 pairs'))
-    table = shown.first
-    assert table.get_by_role('columnheader').count() == 5
-    offered = table.get_by_role('rowheader').all_inner_texts()
-    assert len(offered) == 4
-    row = table.get_by_role('row', name=re.compile('^BEST_EFFORT, VOLATILE'))
-    expect(row.get_by_role('cell')).to_have_text(
-        ['✓ match', '✗ no: DURABILITY', '✗ no: RELIABILITY', '✗ no: RELIABILITY']
-    )
-    table.screenshot(path=shots / 'table.png')
-    timeline = picture(page, r'Timeline of .* pulse: 8 messages.* deadline missed: \d+ marks')
-    expect(timeline).to_be_visible()
-    timeline.screenshot(path=shots / 'timeline.png')
-    queue = picture(page, r'Callbacks in .* /stream: 6 called, \d+ not')
-    expect(queue).to_be_visible()
-    queue.screenshot(path=shots / 'queue.png')
     assert page.evaluate(WITHOUT_WORDS) == []
     assert page.errors == []
 
