@@ -17,7 +17,7 @@ import time
 from typing import Any
 
 from autograder.recording import Recording
-from autograder.runs.stored_runs import load_or_record
+from autograder.runs.observe import observe
 from autograder.sandboxes.choose import strongest
 from benchmarks import report
 from benchmarks.soak import all_tasks, Task
@@ -76,8 +76,9 @@ def _run_of(task: Task) -> Callable[[int], tuple[str, float]]:
 
     def once(_: int) -> tuple[str, float]:
         began = time.monotonic()
-        outcome, _name = load_or_record(task.exam, dict(task.files), strongest())
-        events = _events(outcome[0])
+        scenario = task.exam.scenario.to_json()
+        recording, _timing = observe(task.exam.name, scenario, dict(task.files), strongest())
+        events = _events(recording)
         return events, time.monotonic() - began
 
     return once
