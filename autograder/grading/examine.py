@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import json
 from pathlib import Path
 import time
-from typing import Any
 
 from autograder.errors import RecordingInvalid, SandboxUnavailable
 from autograder.exam import catalog
@@ -98,10 +97,8 @@ class Engine:
         else:
             task = task_of(exam.name, scenario, files, self.sandbox.mode)
             made, timing = parse_outcome(self.remote(task))
-        notes: dict[str, Any] = {**about, 'scenario': about['scenario'][:32]}
-        notes['made_with'] = dict(made_with())
-        notes |= {'run_s': timing['run_s']} if 'run_s' in timing else {}
-        recording = Recording({**made.header, **notes}, made.events)
+        notes = {'made_with': dict(made_with()), 'run_s': timing['run_s']}
+        recording = Recording({**made.header, **about, **notes}, made.events)
         if path:
             recording.save(path)
         return recording, timing
@@ -131,7 +128,7 @@ def judge_again(
         return None, f'the recording cannot be read ({error.what}); run grade'
     if recording.header.get('files') != files_digest(files):
         return None, 'the files have changed since the recording; run grade'
-    if recording.header.get('scenario') != exam.scenario_digest()[:32]:
+    if recording.header.get('scenario') != exam.scenario_digest():
         return None, 'the scenario of the exam has changed, not only its checks; run grade'
     return replace(judge_recording(exam, files, recording), recording=old.recording), ''
 
