@@ -29,7 +29,7 @@ from autograder.judging.deviation import deviation
 from autograder.layout import Layout
 from autograder.recording import Recording
 from autograder.results import CheckResult, ExamResult, shortened, SubmissionResult
-from autograder.runs.stored_runs import files_digest
+from autograder.runs.version import files_digest
 from autograder.submission.inbox import discover
 
 BEFORE, AFTER, INPUTS = 6, 4, 3

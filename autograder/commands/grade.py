@@ -151,10 +151,9 @@ def _engine(
     if chosen.cluster:
         from autograder.grading.cluster import cluster_engine
 
-        with cluster_engine(chosen.cluster, layout, chosen.fresh) as engine:
-            assert engine.place is not None
-            console.print(f'{engine.place.width} parallel runs on {chosen.cluster}.')
-            yield engine, max(engine.place.width, AHEAD)
+        with cluster_engine(chosen.cluster, layout, chosen.fresh) as (engine, width):
+            console.print(f'{width} parallel runs on {chosen.cluster}.')
+            yield engine, max(width, AHEAD)
         return
     engine = grading_engine(layout, chosen.fresh, chosen.allow_weak)
     yield engine, warn_if_weak(engine, chosen.jobs or PROCESSORS, console)

@@ -38,7 +38,7 @@ from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import Graded, Lesson, load_lesson, open_one
 from autograder.layout import Layout
 from autograder.results import CheckResult, ExamResult, SubmissionResult
-from autograder.runs.stored_runs import files_digest
+from autograder.runs.version import files_digest
 from autograder.submission.extract import with_reasons
 from autograder.submission.inbox import discover, Submission
 

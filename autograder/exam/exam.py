@@ -233,7 +233,7 @@ class Exam:
     def scenario_digest(self) -> str:
         """Return a digest of the scenario, which identifies the scenario in recordings."""
         text = json.dumps(self.scenario.to_json(), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def _title(judge: Callable[[Run], None]) -> str:

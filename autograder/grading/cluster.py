@@ -35,7 +35,7 @@ class ClusterUnavailable(GraderError):
 
 class Cluster:
     """
-    A :class:`~autograder.runs.task.Place` that runs tasks on all workers of a scheduler.
+    All workers of a scheduler, which run tasks; several threads may use them at the same time.
 
     :param client: a connected client of ``distributed``
     """
@@ -69,9 +69,11 @@ class Cluster:
 
 
 @contextmanager
-def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterator[Engine]:
+def cluster_engine(
+    address: str, layout: Layout, fresh: bool = False
+) -> Iterator[tuple[Engine, int]]:
     """
-    Yield an engine for graded runs on a cluster.
+    Yield an engine for graded runs on a cluster, and how many tasks can run at the same time.
 
     :param address: address of the scheduler, such as ``tcp://10.0.0.5:8786``
     :param fresh: repeat all runs, even if recordings are stored
@@ -82,11 +84,12 @@ def cluster_engine(address: str, layout: Layout, fresh: bool = False) -> Iterato
 
     with _connected(address) as client:
         mode = mode_of_all(_ask_all(client, address))
-        place = Cluster(client)
+        cluster = Cluster(client)
+        engine = Engine(Sandbox(mode), layout.recordings, fresh, remote=cluster.run)
         try:
-            yield Engine(Sandbox(mode), layout.recordings, fresh, place=place)
+            yield engine, cluster.width
         finally:
-            place.close()
+            cluster.close()
 
 
 @contextmanager

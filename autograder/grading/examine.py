@@ -1,7 +1,9 @@
 """Run one student's files in an exam, or use a stored recording, then judge the recording."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+import json
 from pathlib import Path
 import time
 
@@ -13,8 +15,9 @@ from autograder.judging.flags import flags_of
 from autograder.judging.judge import judge, worth_running
 from autograder.recording import Event, header, Recording
 from autograder.results import CheckResult, ExamResult, Verdict
-from autograder.runs.stored_runs import files_digest, load_or_record
-from autograder.runs.task import Place
+from autograder.runs.observe import observe
+from autograder.runs.task import parse_outcome, task_of
+from autograder.runs.version import digest, environment_digest, files_digest, made_with
 from autograder.sandboxes.isolation import MODES, not_protected
 from autograder.sandboxes.sandbox import Sandbox
 
@@ -24,12 +27,17 @@ class Engine:
     """
     Provide the exams of an assignment, and run and judge files; tests use a fast engine.
 
+    A recording depends only on the files, the scenario and the environment.  It is stored under a
+    digest of these three, so identical files (such as untouched stubs) run once, grading again
+    runs nothing, and an edited check is judged in milliseconds.
+
     :param sandbox: from :func:`autograder.sandboxes.choose.strongest`, or ``Sandbox('none')`` for
         visible checks
     :param recordings: folder for stored recordings; None to store nothing
     :param fresh: repeat all runs, even if recordings are stored
     :param hidden: whether :meth:`exams` returns the hidden exams instead of the visible ones
-    :param place: the workers that run the programs; None to run them in the calling thread
+    :param remote: runs a task on a worker, see :func:`autograder.runs.task.run_task`; None to run
+        programs in the calling thread
     :param on_event: called with each event as it happens; not called for runs on workers
     """
 
@@ -37,7 +45,7 @@ class Engine:
     recordings: Path | None = None
     fresh: bool = False
     hidden: bool = True
-    place: Place | None = None
+    remote: Callable[[bytes], bytes] | None = None
     on_event: Callable[[Event], None] | None = None
 
     def exams(self, assignment: str) -> Sequence[Exam]:
@@ -58,16 +66,42 @@ class Engine:
             )
         if result := without_recording(exam, files, self.sandbox.mode):
             return result
-        outcome, name = load_or_record(
-            exam,
-            files,
-            self.sandbox,
-            self.recordings,
-            fresh=self.fresh,
-            on_event=self.on_event,
-            place=self.place,
-        )
-        return replace(judge_recording(exam, files, *outcome), recording=name)
+        texts = (*files.values(), json.dumps(exam.scenario.to_json()))
+        about = {
+            'scenario': exam.scenario_digest(),
+            'environment': environment_digest(self.sandbox.ros.python, texts),
+            'files': files_digest(files),
+        }
+        parts = (exam.name, self.sandbox.mode, *about.values())
+        name = f'{digest(chr(0).join(parts).encode(), 32)}.jsonl'
+        path = self.recordings / exam.name / name if self.recordings else None
+        result = judge_recording(exam, files, *self._load_or_run(exam, files, about, path))
+        return replace(result, recording=name if path else '')
+
+    def _load_or_run(
+        self, exam: Exam, files: Mapping[str, str], about: Mapping[str, str], path: Path | None
+    ) -> tuple[Recording, dict[str, float]]:
+        """
+        Return the stored recording, or run the files and store the recording.
+
+        :param about: the digests for the header of a new recording
+        :param path: file of the stored recording; None to store nothing
+        :returns: the recording, and times of the run [s], which are empty for a stored recording
+        """
+        if path and path.exists() and not self.fresh:
+            with suppress(RecordingInvalid):  # a damaged file or an older format: record again
+                return Recording.load(path), {}
+        scenario = exam.scenario.to_json()
+        if self.remote is None:
+            made, timing = observe(exam.name, scenario, files, self.sandbox, self.on_event)
+        else:
+            task = task_of(exam.name, scenario, files, self.sandbox.mode)
+            made, timing = parse_outcome(self.remote(task))
+        notes = {'made_with': dict(made_with()), 'run_s': timing['run_s']}
+        recording = Recording({**made.header, **about, **notes}, made.events)
+        if path:
+            recording.save(path)
+        return recording, timing
 
 
 def judge_again(
@@ -94,7 +128,7 @@ def judge_again(
         return None, f'the recording cannot be read ({error.what}); run grade'
     if recording.header.get('files') != files_digest(files):
         return None, 'the files have changed since the recording; run grade'
-    if recording.header.get('scenario') != exam.scenario_digest()[:32]:
+    if recording.header.get('scenario') != exam.scenario_digest():
         return None, 'the scenario of the exam has changed, not only its checks; run grade'
     return replace(judge_recording(exam, files, recording), recording=old.recording), ''
 

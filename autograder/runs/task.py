@@ -8,29 +8,12 @@ course secret.
 
 from collections.abc import Mapping
 import json
-from typing import Any, Protocol
+from typing import Any
 
 from autograder import errors
 from autograder.errors import GraderError, SandboxUnavailable
 from autograder.recording import Recording
 from autograder.runs.version import difference, version
-
-
-class Place(Protocol):
-    """
-    A pool of workers that run tasks.
-
-    :param width: how many tasks can run at the same time
-    """
-
-    width: int
-
-    def run(self, task: bytes) -> bytes:
-        """
-        Run one task; several threads may call this method at the same time.
-
-        :raises GraderError: if the workers failed; if the task fails, the answer says why
-        """
 
 
 def task_of(exam: str, scenario: Mapping[str, Any], files: Mapping[str, str], mode: str) -> bytes:

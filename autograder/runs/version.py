@@ -22,8 +22,8 @@ from environment import ros
 
 RUNS_PROGRAMS = (
     *('clock/*.[ch]', 'clock/virtual_clock.py', 'fastdds.xml', 'sandboxes/seccomp/*.bpf'),
-    *('inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
-    *('runs/stored_runs.py', 'runs/observe.py', 'runs/program.py', 'runs/watchdog.py'),
+    *('grading/examine.py', 'inside/**/*.py', 'probe/*.py', 'probe/probe.xml'),
+    *('runs/observe.py', 'runs/program.py', 'runs/watchdog.py'),
     *('sandboxes/confinement.py', 'sandboxes/forked.py', 'sandboxes/fork_server.py'),
     *('sandboxes/landlock.py', 'sandboxes/probes.py', 'sandboxes/processes.py'),
     *('sandboxes/sandbox.py', 'simulated.py'),
@@ -150,3 +150,8 @@ def _digest_of_packages(venv: Path, without: Container[str]) -> str:
 def digest(data: bytes, length: int = 16) -> str:
     """Return the first hexadecimal digits of the SHA-256 digest of data."""
     return hashlib.sha256(data).hexdigest()[:length]
+
+
+def files_digest(files: Mapping[str, str]) -> str:
+    """Return the digest of a student's files, as stored in a recording's header."""
+    return digest(json.dumps(sorted(files.items())).encode(), 32)

@@ -47,8 +47,11 @@ def test_verdicts_of_a_cluster_are_those_of_one_by_one(address, tmp_path):
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [stable_facts(Engine(sandbox).run(exam, files)) for files in class_of_talkers()]
 
-    with cluster_engine(address, Layout(tmp_path)) as engine, ThreadPoolExecutor(2) as threads:
-        assert engine.place.width == 2
+    with (
+        cluster_engine(address, Layout(tmp_path)) as (engine, width),
+        ThreadPoolExecutor(2) as threads,
+    ):
+        assert width == 2
         runs = [threads.submit(engine.run, exam, files) for files in class_of_talkers()]
         there = [stable_facts(run.result()) for run in runs]
 

@@ -22,28 +22,19 @@ from autograder.sandboxes.choose import strongest
 SCENARIO = exam_of_a_talker().scenario.to_json()
 
 
-class Worker:
-    """A worker of a cluster, in this process."""
-
-    width = 1
-
-    def run(self, task: bytes) -> bytes:
-        return run_task(task)
-
-
 @pytest.mark.pipeline
 @pytest.mark.ros
 @pytest.mark.slow
 def test_verdicts_of_parallel_runs_are_those_of_one_by_one():
-    """The recording is the same, whichever thread or worker runs the submission."""
+    """The recording is the same, whichever thread or worker (here: run_task) runs the program."""
     exam, sandbox = exam_of_a_talker(), strongest()
     alone = [stable_facts(Engine(sandbox).run(exam, files)) for files in class_of_talkers()]
 
     with grading_folder(), ThreadPoolExecutor(3) as threads:
         runs = [
-            threads.submit(Engine(sandbox, place=place).run, exam, files)
+            threads.submit(Engine(sandbox, remote=remote).run, exam, files)
             for files in class_of_talkers()
-            for place in (None, Worker())
+            for remote in (None, run_task)
         ]
         together = [stable_facts(run.result()) for run in runs]
 
