@@ -17,21 +17,22 @@ import time
 
 from sqlalchemy import text
 
-from autograder.classroom.collected import read_not_collected, save_delivered, save_not_collected
+from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.course_lock import lock_course
-from autograder.classroom.people import saved_people, student_named
+from autograder.classroom.people import student_named
 from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.duplicate_names import read_namesakes, save_namesakes
 from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import relative_path
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.files import json_bytes, write_atomically
 from autograder.gradebook.database import query, save_copy
 from autograder.gradebook.journal import read_notes
 from autograder.gradebook.record import remove_entries
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
+
+OF_EARLIER_VERSIONS = ('people.json', 'delivered.json', 'not_collected.json', 'namesakes.json')
+"""Files of ``collect`` with data about all students, which no command reads any more."""
 
 
 @takes(
@@ -79,8 +80,7 @@ def traces(layout: Layout, student: str) -> Traces:
     :param student: id or display name
     :raises GraderError: if there is no such student, or several have the name
     """
-    marks, saved = _marks(layout), saved_people(layout)
-    refused = read_not_collected(layout)
+    marks, saved = _marks(layout), read_collected(layout)
     graded = {
         one: {result.student for result in last_results(layout, one)}
         for one in layout.assignments()
@@ -88,7 +88,7 @@ def traces(layout: Layout, student: str) -> Traces:
     }
     made = [layout.work / 'autograded', layout.work / 'feedback']
     folders = {above: _folders(above) for above in (layout.submitted, *made)}
-    known = {*marks, *saved, *(one.student for one in refused)}
+    known = {*marks, *(one.student for one in saved)}
     known.update(*folders.values(), *graded.values())
     student = _named(layout, student, known)
     has_results = [name for name, students in graded.items() if student in students]
@@ -98,9 +98,13 @@ def traces(layout: Layout, student: str) -> Traces:
         *(f'gradebook: {mark}' for mark in marks.get(student, ())),
         f'reports: result and page of {", ".join(has_results)}' if has_results else '',
         f'journal of the gradebook: {", ".join(entered)}' if entered else '',
-        f'name: {saved[student]}' if student in saved else '',
-        *(f'reports: {one.reason}' for one in refused if one.student == student),
+        *(_in_words(one) for one in saved if one.student == student),
         *(f'folder: {relative_path(folder, layout)}' for folder in theirs),
+    ]
+    lines += [
+        f'file of an earlier version, no longer read: {relative_path(path, layout)}'
+        for path in (layout.work / name for name in OF_EARLIER_VERSIONS)
+        if path.is_file()
     ]
     moved, place = None, layout.submitted / student
     if student in folders[layout.submitted]:
@@ -139,18 +143,20 @@ def forget(layout: Layout, found: Traces) -> Path | None:
         place = layout.work / 'forgotten' / f'{student}_{now}'
         place.parent.mkdir(exist_ok=True)
         found.moved.rename(place)
-    save_not_collected(layout, (), without=student)
-    save_delivered(layout, {}, without=student)
+    # Then what collect has saved, because the removal of results rewrites the reports.
+    save_collected(layout, (), without=student)
     remove_entries(layout, {student})
     for folder in found.made:
         shutil.rmtree(folder)
-    known = read_namesakes(layout)
-    if known.numbers.pop(student, None):
-        save_namesakes(layout, known, ())
-    people = saved_people(layout)
-    if people.pop(student, ''):
-        write_atomically(layout.people, json_bytes(people))
+    for name in OF_EARLIER_VERSIONS:
+        (layout.work / name).unlink(missing_ok=True)
     return copy
+
+
+def _in_words(one: Work) -> str:
+    """Return an entry of ``collect`` as one line."""
+    facts = (one.person, one.assignment, one.place, one.why, 'two people' if one.shared else '')
+    return f'saved by collect: {", ".join(filter(None, facts))}'
 
 
 def _folders(above: Path) -> set[str]:

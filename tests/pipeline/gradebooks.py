@@ -8,8 +8,9 @@ from nbgrader.api import Gradebook
 import pytest
 
 from autograder.authoring.sample_class import remove_sample_class
+from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
-from autograder.classroom.people import read_people, save_people
+from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.source.times import due_dates
 from autograder.commands.forget import forget, traces
@@ -72,6 +73,10 @@ def grade(course: Layout, guard: Guard | None = None) -> int:
     count, refused = enter(course, lesson, graded, guard or Guard(course, yes=True))
     assert refused == ''
     return count
+
+
+def name_students(course: Layout, names: dict[str, str]) -> None:
+    save_collected(course, [Work(student, person=name) for student, name in names.items()])
 
 
 def book(course: Layout) -> Gradebook:
@@ -289,7 +294,7 @@ def names_students(course: Layout) -> None:
     """Names that an instructor has written are not changed; a new name replaces an id."""
     for student in ('1001', '1002', '1003'):
         hand_in(course, student)
-    save_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
+    name_students(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
     grade(course)
     with book(course) as gradebook:
         found = {one.id: (one.last_name, one.first_name) for one in gradebook.students}
@@ -300,7 +305,7 @@ def names_students(course: Layout) -> None:
         '1003': ('1003', ''),
     }
 
-    save_people(course, {'1003': 'Cem Example'})
+    name_students(course, {'1003': 'Cem Example'})
     for student in ('1001', '1003'):
         hand_in(course, student, temperature_topic='temprature_topic')
     grade(course)
@@ -358,7 +363,7 @@ def forgets_a_student(course: Layout) -> None:
     """All results are removed, the submission is moved, and other students are unchanged."""
     for student in ('1001', '1002'):
         hand_in(course, student)
-    save_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
+    name_students(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
     grade(course)
     by_hand(course, '1001', 4)
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('1001', '1002')]
@@ -369,7 +374,7 @@ def forgets_a_student(course: Layout) -> None:
         f'gradebook: {ASSIGNMENT}, 54 points, 4 of them given by hand',
         f'reports: result and page of {ASSIGNMENT}',
         f'journal of the gradebook: {ASSIGNMENT}',
-        'name: Ann Example',
+        'saved by collect: Ann Example',
     )
     assert found.made == (course.work / 'autograded' / '1001',)
     assert found.moved == course.submitted / '1001'
