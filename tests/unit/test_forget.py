@@ -34,6 +34,31 @@ def students(course):
     return {one.student for one in read_collected(course)}
 
 
+def test_list_has_everything_and_changes_nothing(course, capsys):
+    """The submission comes first, as it is removed first."""
+    laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
+    write_all_reports(course, TALK, [submission('1001')])
+
+    assert command.main(['forget', 'EXAMPLEANN', '1001', '1004']) == OK
+    assert capsys.readouterr().out.splitlines() == [
+        '1001:',
+        '  moved to autograder/_work/forgotten so that it is not graded again: '
+        'autograder/_work/submitted/1001',
+        f'  saved by collect: exampleann, {TALK}, exampleann_1001_55077_talk-1.ipynb',
+        f'  reports: result and page of {TALK}',
+        '  folder: autograder/_work/feedback/1001',
+        '  file of an earlier version, no longer read: autograder/_work/people.json',
+        '1004:',
+        f'  saved by collect: diaz, {TALK}, no notebook, only essay.pdf',
+        '  file of an earlier version, no longer read: autograder/_work/people.json',
+        'Nothing was removed. To remove all this, run the same command with --yes',
+    ]
+    assert students(course) >= {'1001', '1004'}
+    assert (course.submitted / '1001').is_dir()
+    assert (course.work / 'people.json').is_file()
+    assert not (course.work / 'forgotten').exists()
+
+
 def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
     """A student without a submission also leaves the list of missing work in the reports."""
     laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
@@ -74,5 +99,5 @@ def test_shared_id_is_forgotten(course, tmp_path, capsys):
     collect(packed(tmp_path / 'm.zip', files), course, course.submitted)
 
     assert command.main(['forget', 'Li Wei', '--yes']) == OK
-    assert '  saved by collect: two people' in capsys.readouterr().out
+    assert '  saved by collect: two people have this id' in capsys.readouterr().out
     assert 'Li Wei' not in students(course)
