@@ -128,18 +128,12 @@ class Layout:
     """The folder with ``<student>/<assignment>/<notebook>.ipynb``."""
     secret = Below('work', 'course_secret')
     """The file with the course secret, from which hidden inputs are drawn."""
-    people = Below('work', 'people.json')
-    """The file with the display names of students, by student id."""
-    namesakes = Below('work', 'namesakes.json')
-    """The file with ids that two students share, and with participant numbers from Moodle."""
-    not_collected = Below('work', 'not_collected.json')
-    """The file with the submissions that ``collect`` found but could not collect."""
+    collected = Below('work', 'collected.json')
+    """The file with the work that ``collect`` has seen, collected or not."""
     class_list = Below('work', 'class_list.csv')
     """The file with the students of the class, written by instructors."""
     extensions = Below('work', 'extensions.csv')
     """The file with the extra time of individual students, written by instructors."""
-    delivered = Below('work', 'delivered.json')
-    """The file with the names that platforms gave to collected files."""
     recordings = Below('work', 'recordings')
     """The folder of the recordings, named by digests of files, scenario and environment."""
     reports = Below('work', 'reports')

@@ -1,52 +1,52 @@
 """
-Store the deliveries that ``collect`` saw in a source, and find students without a submission.
+Store what ``collect`` knows about the work of each student, in one file.
 
 Platforms accept feedback only under the file names that they generated, which contain the
-platform's own numbers.  A delivery that could not be collected is stored until a submission of
-that student is collected.  Otherwise a file in the wrong format would appear only in the table of
-one collection, and later reports could not explain why the student is missing.
+platform's own numbers.  Work that could not be collected is stored until a submission of that
+student is collected.  Otherwise a file in the wrong format would appear only in the table of one
+collection, and later reports could not explain why the student is missing.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
+import json
+import os
 
-from autograder.classroom.people import class_list
-from autograder.classroom.tables import read_json, save_json
+from autograder.classroom.tables import save_json
+from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.submission.ids import student_id
+from autograder.submission.reading import read_file
 
 NOTHING = 'Nothing handed in'
+LONGEST_NAME = 200
+KEPT = frozenset('\t\n\r\u200c\u200d')
+"""Unprintable characters to keep: line breaks become spaces, and Persian words need joiners."""
 
 
 @dataclass(frozen=True)
-class Delivered:
+class Work:
     """
-    The place of a collected notebook in its source.
-
-    :param kind: platform of the source, such as ``canvas``
-    :param place: name of the notebook's file or folder in the source
-    """
-
-    kind: str
-    place: str
-
-
-@dataclass(frozen=True)
-class NotCollected:
-    """
-    A delivery that was not collected, or a student of the class who has handed in nothing.
+    The latest work of a student for an assignment: collected, not collected, or not handed in.
 
     :param assignment: the assignment, empty if it is not known
-    :param why: the reason, without a full stop
     :param person: the student's name, empty if the id is a name
-    :param handed_in: time of delivery in UTC, empty if it is not known
+    :param kind: platform of the collected work, such as ``canvas``
+    :param place: name of the collected notebook's file or folder in the source
+    :param number: the student's number in Moodle when the work was collected
+    :param why: why the work was not collected, without a full stop; empty if it was
+    :param handed_in: time of delivery of uncollected work in UTC, empty if it is not known
+    :param shared: whether two people have this student id; such an entry is about no work
     """
 
     student: str
-    assignment: str
-    why: str
+    assignment: str = ''
     person: str = ''
+    kind: str = ''
+    place: str = ''
+    number: str = ''
+    why: str = ''
     handed_in: str = ''
+    shared: bool = False
 
     @property
     def reason(self) -> str:
@@ -57,106 +57,97 @@ class NotCollected:
         return f'Not collected: {self.why}{when}.'
 
 
-def read_delivered(layout: Layout) -> dict[tuple[str, str], Delivered]:
+def read_collected(layout: Layout) -> tuple[Work, ...]:
     """
-    Return the saved deliveries; empty if their file is missing or damaged.
+    Return everything that ``collect`` has saved, in the order of the collections.
 
-    :returns: collected notebooks by assignment and student id
+    :raises GraderError: if the file is damaged or cannot be read, because two people could then
+        share an id
     """
-    try:
-        return {
-            (assignment, student): Delivered(str(one['kind']), str(one['place']))
-            for assignment, students in (read_json(layout.delivered) or {}).items()
-            for student, one in students.items()
-        }
-    except (KeyError, TypeError, AttributeError):
-        return {}
-
-
-def save_delivered(
-    layout: Layout, found: Mapping[tuple[str, str], Delivered], without: str = ''
-) -> None:
-    """
-    Save deliveries; a student's new delivery replaces the old one.
-
-    :param without: a student whose deliveries are removed
-    :raises OSError: if the file cannot be written
-    """
-    data: dict[str, dict[str, dict[str, str]]] = {}
-    for (assignment, student), one in sorted({**read_delivered(layout), **found}.items()):
-        if student != without:
-            data.setdefault(assignment, {})[student] = asdict(one)
-    save_json(layout.delivered, data)
-
-
-def read_not_collected(layout: Layout) -> tuple[NotCollected, ...]:
-    """Return the saved entries of students whose work has not been collected since then."""
-    try:
-        kept = [NotCollected(**one) for one in read_json(layout.not_collected) or ()]
-        return tuple(one for one in kept if not _has_submission(layout, one))
-    except TypeError:  # The file is damaged.
+    path = layout.collected
+    if not os.path.lexists(path):
         return ()
+    data, problems = read_file(path, path.name)
+    try:
+        found = json.loads(data or b'')
+        if any(type(value) not in (str, bool) for one in found for value in one.values()):
+            raise TypeError
+        return tuple(Work(**one) for one in found)
+    except (ValueError, RecursionError, TypeError, AttributeError) as error:
+        got = problems[0].got if problems else 'something else'
+        raise GraderError(
+            f'{path}: expected JSON with the work that collect has seen, got {got}.',
+            'Try: delete the file, collect all work again, and look for equal names in the tables',
+        ) from error
 
 
-def save_not_collected(layout: Layout, found: Iterable[NotCollected], without: str = '') -> None:
+def read_not_collected(layout: Layout) -> tuple[Work, ...]:
     """
-    Add entries; keep only the latest entry per student and assignment.
+    Return the work that was not collected, of students without a submission since then.
+
+    :raises GraderError: if the file is damaged
+    """
+    found = (one for one in read_collected(layout) if _is_missing(layout, one))
+    return tuple(sorted(found, key=lambda one: (one.student, one.assignment)))
+
+
+def collected_work(layout: Layout, assignment: str) -> dict[str, Work]:
+    """
+    Return the collected work for an assignment, by student id.
+
+    :raises GraderError: if the file is damaged
+    """
+    return {
+        one.student: one
+        for one in read_collected(layout)
+        if one.place and one.assignment == assignment
+    }
+
+
+def collected_names(layout: Layout) -> dict[str, str]:
+    """
+    Return the latest name of each student whose work was collected, by student id.
+
+    :raises GraderError: if the file is damaged
+    """
+    found = read_collected(layout)
+    return {one.student: one.person for one in found if one.person and not one.why}
+
+
+def printable_name(name: str) -> str:
+    """Return a name as one printable line of limited length."""
+    start = name[: 4 * LONGEST_NAME]
+    kept = ''.join(char for char in start if char.isprintable() or char in KEPT)
+    return ' '.join(kept.split())[:LONGEST_NAME].rstrip()
+
+
+def save_collected(layout: Layout, found: Iterable[Work], without: str = '') -> None:
+    """
+    Add work; it replaces earlier work of the student for the assignment with the same outcome.
 
     :param without: a student whose entries are removed
+    :raises GraderError: if the file is damaged
     :raises OSError: if the file cannot be written
     """
-    known = {(one.student, one.assignment): one for one in read_not_collected(layout)}
+    known = {_key(one): one for one in read_collected(layout)}
+    names = collected_names(layout)
     for one in sorted(found, key=lambda one: one.handed_in):
-        if not _has_submission(layout, one):
-            known[one.student, one.assignment] = one
-    kept = [asdict(known[key]) for key in sorted(known) if key[0] != without]
-    save_json(layout.not_collected, kept)
-
-
-def not_collected(
-    layout: Layout, assignment: str, graded: Collection[str]
-) -> tuple[NotCollected, ...]:
-    """
-    Return the students who are missing from the results of an assignment.
-
-    Their delivery could not be collected, or they are on the class list and handed in nothing.
-
-    :param graded: students who have a result
-    :raises GraderError: if the class list is wrong
-    """
-    names = class_list(layout)
-    found = [
-        replace(one, person=names.get(one.student) or one.person)
-        for one in read_not_collected(layout)
-        if one.assignment in ('', assignment) and one.student not in graded
+        old = known.pop(_key(one), one)
+        person = printable_name(one.person) or names.get(one.student, '')
+        known[_key(one)] = replace(one, person=person, number=one.number or old.number)
+    kept = [
+        {name: value for name, value in asdict(one).items() if value}
+        for one in known.values()
+        if one.student != without and (not one.why or _is_missing(layout, one))
     ]
-    # The class list contains ids from collect, but the folder of a submission may be named with
-    # the original name: accept both.
-    known = {*graded, *map(student_id, graded), *(one.student for one in found)}
-    found += [
-        NotCollected(student, assignment, NOTHING, name)
-        for student, name in names.items()
-        if student not in known
-    ]
-    return tuple(sorted(found, key=lambda one: one.student))
+    save_json(layout.collected, kept)
 
 
-def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
-    """
-    Return the students who are not on the class list; none if there is no list.
-
-    :raises GraderError: if the class list is wrong
-    """
-    known = class_list(layout)
-    here = (one for one in students if known.keys().isdisjoint((one, student_id(one))))
-    return tuple(here) if known else ()
+def _key(one: Work) -> tuple[str, str, bool]:
+    return one.student, one.assignment, bool(one.why)
 
 
-def names_for_email(missing: Sequence[NotCollected]) -> str:
-    """Return the names or ids of students, separated by commas, for an e-mail to them."""
-    return ', '.join(dict.fromkeys(one.person or one.student for one in missing))
-
-
-def _has_submission(layout: Layout, one: NotCollected) -> bool:
-    """Return whether ``submitted/`` contains a notebook of the student for the assignment."""
-    return any((layout.submitted / one.student).glob(f'{one.assignment or "*"}/*.ipynb'))
+def _is_missing(layout: Layout, one: Work) -> bool:
+    """Return whether work was not collected, and ``submitted/`` still has no notebook for it."""
+    folder = layout.submitted / one.student
+    return bool(one.why) and not any(folder.glob(f'{one.assignment or "*"}/*.ipynb'))

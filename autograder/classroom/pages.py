@@ -18,8 +18,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from autograder.classroom.collected import names_for_email, not_collected, NotCollected
-from autograder.classroom.people import read_people
+from autograder.classroom.collected import Work
+from autograder.classroom.people import names_for_email, not_collected, read_people
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
@@ -186,7 +186,7 @@ def print_table(
     assignment: str,
     results: Sequence[SubmissionResult],
     people: Mapping[str, str],
-    missing: Sequence[NotCollected],
+    missing: Sequence[Work],
 ) -> None:
     """Print students, points and first causes as a table, then the flags for the instructor."""
     exams = [exam for one in results for exam in one.exams]

@@ -1,29 +1,33 @@
 """
-Read the class list, the extensions, and the names of students whose id is a number.
+Read the class list, the extensions, the names of students, and who has handed in nothing.
 
 The first two are CSV files that the instructor writes in the work folder; each is optional.
 ``class_list.csv`` has the columns ``student`` and, optionally, ``name``.  ``extensions.csv`` has
 ``student``, ``assignment`` and ``hours``; an empty assignment means all assignments.  Other
 columns are ignored, so a download from a learning platform needs only a renamed column.
-``collect`` saves the names that it finds.
+``collect`` saves the names that it finds, and the work that it could not collect.
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from datetime import timedelta
 import math
 from pathlib import Path
-from typing import Any
 import unicodedata
 
-from autograder.classroom.tables import parse_table, read_bytes, read_json, save_json
+from autograder.classroom.collected import (
+    collected_names,
+    NOTHING,
+    printable_name,
+    read_not_collected,
+    Work,
+)
+from autograder.classroom.tables import parse_table, read_bytes
 from autograder.errors import GraderError
 from autograder.layout import Layout
-from autograder.submission.ids import named_id
+from autograder.submission.ids import named_id, student_id
 
 MAX_HOURS = 24 * 366
-LONGEST_NAME = 200
-KEPT = frozenset('\t\n\r\u200c\u200d')
-"""Unprintable characters to keep: line breaks become spaces, and Persian words need joiners."""
 
 
 def class_list(layout: Layout) -> dict[str, str]:
@@ -120,15 +124,10 @@ def read_people(layout: Layout) -> dict[str, str]:
 
     Platforms may shorten names, as Canvas does (``exampleann``); the class list has full names.
 
-    :raises GraderError: if the class list is wrong
+    :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged
     """
-    return {**saved_people(layout), **_clean(class_list(layout))}
-
-
-def saved_people(layout: Layout) -> dict[str, str]:
-    """Return the names that ``collect`` has saved, by student id; empty if the file is damaged."""
-    found = read_json(layout.people)
-    return _clean(found) if isinstance(found, dict) else {}
+    listed = {student: printable_name(name) for student, name in class_list(layout).items()}
+    return {**collected_names(layout), **{one: name for one, name in listed.items() if name}}
 
 
 def student_named(layout: Layout, name: str, students: Collection[str]) -> str:
@@ -155,24 +154,46 @@ def _folded(name: str) -> str:
     return ' '.join(unicodedata.normalize('NFKC', name).casefold().split())
 
 
-def save_people(layout: Layout, names: Mapping[str, str]) -> None:
+# -- missing students -----------------------------------------------------------------------
+
+
+def not_collected(layout: Layout, assignment: str, graded: Collection[str]) -> tuple[Work, ...]:
     """
-    Save display names; a new name of a student replaces the old name.
+    Return the students who are missing from the results of an assignment.
 
-    :param names: names by student id, as written in a source
-    :raises OSError: if the file cannot be written
+    Their delivery could not be collected, or they are on the class list and handed in nothing.
+
+    :param graded: students who have a result
+    :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged
     """
-    merged = {**saved_people(layout), **_clean(names)}
-    save_json(layout.people, dict(sorted(merged.items())))
+    names = class_list(layout)
+    found = [
+        replace(one, person=names.get(one.student) or one.person)
+        for one in read_not_collected(layout)
+        if one.assignment in ('', assignment) and one.student not in graded
+    ]
+    # The class list contains ids from collect, but the folder of a submission may be named with
+    # the original name: accept both.
+    known = {*graded, *map(student_id, graded), *(one.student for one in found)}
+    found += [
+        Work(student, assignment, name, why=NOTHING)
+        for student, name in names.items()
+        if student not in known
+    ]
+    return tuple(sorted(found, key=lambda one: one.student))
 
 
-def _clean(names: Mapping[str, Any]) -> dict[str, str]:
-    """Return each name as one printable line of limited length; leave out empty names."""
-    found = {}
-    for student, name in names.items():
-        if isinstance(name, str):
-            start = name[: 4 * LONGEST_NAME]
-            kept = ''.join(char for char in start if char.isprintable() or char in KEPT)
-            if shown := ' '.join(kept.split()):
-                found[student] = shown[:LONGEST_NAME].rstrip()
-    return found
+def not_listed(layout: Layout, students: Collection[str]) -> tuple[str, ...]:
+    """
+    Return the students who are not on the class list; none if there is no list.
+
+    :raises GraderError: if the class list is wrong
+    """
+    known = class_list(layout)
+    here = (one for one in students if known.keys().isdisjoint((one, student_id(one))))
+    return tuple(here) if known else ()
+
+
+def names_for_email(missing: Sequence[Work]) -> str:
+    """Return the names or ids of students, separated by commas, for an e-mail to them."""
+    return ', '.join(dict.fromkeys(one.person or one.student for one in missing))

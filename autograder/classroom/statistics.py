@@ -15,7 +15,7 @@ from pathlib import Path
 import statistics
 from typing import Any
 
-from autograder.classroom.collected import not_collected
+from autograder.classroom.people import not_collected
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,

@@ -7,32 +7,20 @@ is unknown, as with Canvas, Moodle and repositories, the new notebook replaces t
 in the table reports this.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 import os
 from pathlib import Path
 
-from autograder.classroom.collected import (
-    Delivered,
-    NotCollected,
-    save_delivered,
-    save_not_collected,
-)
-from autograder.classroom.people import extensions, save_people
-from autograder.collect.duplicate_names import (
-    check_names,
-    Namesakes,
-    read_namesakes,
-    save_namesakes,
-)
+from autograder.classroom.collected import read_collected, save_collected, Work
+from autograder.classroom.people import extensions
+from autograder.collect.duplicate_names import check_names
 from autograder.collect.owners import check_owners
 from autograder.collect.platforms import EXCHANGE
 from autograder.collect.recognise import find_deliveries, FOLDER
 from autograder.collect.selection import choose, Chosen, most_common_assignment, read_notebooks
 from autograder.collect.source import deliveries
 from autograder.collect.source.course import Course
-from autograder.collect.source.deliveries import Delivery
 from autograder.collect.source.times import read_time, STAMP
 from autograder.collect.table import LEFT, REPLACED, Row, TAKEN, UNCHANGED, unclaimed
 from autograder.files import write_atomically
@@ -62,7 +50,8 @@ def collect(
     :param prefix: the prefix to remove from the names of students' folders
     :param trust_names: whether to collect deliveries of an exchange that other users own
     :returns: the table
-    :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` is wrong
+    :raises GraderError: if the source as a whole cannot be used, or ``extensions.csv`` or the file
+        of saved work is wrong
     """
     course = Course(layout)
     extensions(layout)  # Report a wrong file before anything is copied.
@@ -76,68 +65,44 @@ def collect(
             assignment = most_common_assignment(notebooks.values(), course, tree.name)
             for one in found:
                 one.assignment = assignment
-        known = check_names(found, read_namesakes(layout))
+        shared = check_names(found, read_collected(layout))
         chosen, others = choose(notebooks, course, single)
         done = [(one, _take(one, course, to, write)) for one in chosen]
         rows = [*_refused(tree), *unknown, *others, *(row for _, row in done)]
     if any(one.when for one in chosen) and course.due.problem:
         rows.append(unclaimed('the gradebook', course.due.problem))
     if write:
-        taken = [(one.notebook.delivery, row) for one, row in done if row.done != LEFT]
-        records = _records_to_save(layout, taken, kind, known, [*_not_collected(rows, layout)])
-        rows += _saved(records if to.resolve() == layout.submitted.resolve() else records[:-1])
-    return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
-
-
-Record = tuple[Path, str, Callable[[], None]]
-"""A file for later commands, its content in words, and the function that writes it."""
-
-
-def _records_to_save(
-    layout: Layout,
-    taken: Sequence[tuple[Delivery, Row]],
-    kind: str,
-    known: Namesakes,
-    left: Sequence[NotCollected],
-) -> list[Record]:
-    """
-    Return the files that a collection writes for later commands; the last one is about ``left``.
-
-    :param taken: collected deliveries, each with its row
-    :param left: work of known students that was not collected
-    """
-    places = {(row.assignment, row.student): Delivered(kind, row.place) for _, row in taken}
-    people = {row.student: row.person for _, row in taken if row.person}
-    numbers = [(one, row.assignment) for one, row in taken]
-    numbers_of_moodle = partial(save_namesakes, layout, known, numbers)
-    return [
-        (layout.delivered, 'names of files', partial(save_delivered, layout, places)),
-        (layout.people, 'names', partial(save_people, layout, people)),
-        (layout.namesakes, 'student numbers from Moodle', numbers_of_moodle),
-        (layout.not_collected, 'list of missing work', partial(save_not_collected, layout, left)),
-    ]
-
-
-def _saved(records: Iterable[Record]) -> Iterator[Row]:
-    """Write files for later commands; yield a row for each file that cannot be written."""
-    for path, what, save in records:
+        works = [*(Work(student, shared=True) for student in shared), *_collected(done, kind)]
+        if to.resolve() == layout.submitted.resolve():
+            works += _not_collected(rows, layout)
         try:
-            save()
+            save_collected(layout, works)
         except OSError as error:
-            yield unclaimed(str(path), f'{what} {_unwritable(error)}')
+            said = f'names, numbers from Moodle and missing work {_unwritable(error)}'
+            rows.append(unclaimed(str(layout.collected), said))
+    return sorted(rows, key=lambda row: (row.student, row.assignment, row.place))
 
 
 def _unwritable(error: OSError) -> str:
     return f'cannot be written: {(error.strerror or "error").lower()}'
 
 
-def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[NotCollected]:
+def _collected(done: Sequence[tuple[Chosen, Row]], kind: str) -> Iterator[Work]:
+    """Yield the collected work, for names and exports."""
+    for one, row in done:
+        if row.done != LEFT:
+            number = one.notebook.delivery.number
+            yield Work(row.student, row.assignment, row.person, kind, row.place, number)
+
+
+def _not_collected(rows: Sequence[Row], layout: Layout) -> Iterator[Work]:
     """Yield the work of known students that was not collected, for the reports."""
     known = layout.assignments()
     for row in rows:
         if row.done == LEFT and row.student:
             what = row.assignment if row.assignment in known else ''
-            yield NotCollected(row.student, what, row.notes[0], row.person, row.handed_in)
+            why, when = row.notes[0], row.handed_in
+            yield Work(row.student, what, row.person, why=why, handed_in=when)
 
 
 def _refused(tree: Tree) -> Iterator[Row]:

@@ -10,100 +10,46 @@ saved, because an export may contain the work of only one of the two.
 Two people with the same name who never hand in the same assignment are not detected.
 """
 
-from collections.abc import Iterable, Sequence
-import json
-import os
-from typing import NamedTuple
+from collections.abc import Sequence
 
-from autograder.classroom.tables import save_json
+from autograder.classroom.collected import Work
 from autograder.collect.source.deliveries import Delivery
-from autograder.layout import Layout
-from autograder.submission.reading import read_file
-from autograder.submission.tree import UnusableUploadError
-
-Numbers = dict[str, dict[str, str]]
 
 
-class Namesakes(NamedTuple):
+def check_names(deliveries: Sequence[Delivery], before: Sequence[Work]) -> list[str]:
     """
-    Saved participant numbers and shared student ids.
+    Refuse the deliveries whose owner is unclear.
 
-    :param shared: student ids that belonged to two people in the same source
-    :param numbers: number of the participant whose work was collected, by student id and
-        assignment
+    :param before: what earlier collections have saved
+    :returns: the student ids that two people share in this source
     """
-
-    shared: frozenset[str]
-    numbers: Numbers
-
-
-def read_namesakes(layout: Layout) -> Namesakes:
-    """
-    Return the saved ids and numbers.
-
-    :raises UnusableUploadError: if the file is damaged or cannot be read, because two people could
-        then share an id
-    """
-    if not os.path.lexists(layout.namesakes):
-        return Namesakes(frozenset(), {})
-    data, problems = read_file(layout.namesakes, layout.namesakes.name)
-    try:
-        found = json.loads(data or b'')
-        numbers = {student: dict(of_one) for student, of_one in found['numbers'].items()}
-        return Namesakes(frozenset(found['shared']), numbers)
-    except (ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
-        got = problems[0].got if problems else 'something else'
-        raise UnusableUploadError(
-            f'{layout.namesakes}: expected JSON with the numbers of people in Moodle, got {got}.',
-            'Try: delete the file, collect again, and look for equal names in the table',
-        ) from error
-
-
-def check_names(deliveries: Sequence[Delivery], known: Namesakes) -> Namesakes:
-    """Refuse the deliveries whose owner is unclear; return the updated ids and numbers."""
     here: dict[str, set[str]] = {}
     for one in deliveries:
         if one.number and one.id:
             here.setdefault(one.id, set()).add(one.number)
-    shared = {student for student, numbers in here.items() if len(numbers) > 1}
-    known = known._replace(shared=known.shared | shared)
+    shared = [student for student, numbers in here.items() if len(numbers) > 1]
+    known = {*shared, *(one.student for one in before if one.shared)}
+    numbers_before = {(one.student, one.assignment): one.number for one in before if one.number}
     for one in deliveries:
-        one.refused = _doubt(one, known) or one.refused
-    return known
+        earlier = numbers_before.get((one.id, one.assignment), one.number)
+        one.refused = _doubt(one, one.id in known, earlier) or one.refused
+    return shared
 
 
-def _doubt(one: Delivery, known: Namesakes) -> str:
+def _doubt(one: Delivery, shared: bool, earlier: str) -> str:
     """Return why the owner of a delivery is unclear and what to do, or an empty string."""
     name, number = one.student[:60], one.number
-    before = known.numbers.get(one.id, {}).get(one.assignment, number)
-    if number and one.id in known.shared:
+    if number and shared:
         return (
             f'two people are called {name!r}: unpack the zip, add the same id to all folders of '
             f'one person, as in "{name} ID_{number}_assignsubmission_file", and find out '
             f'whose work is in submitted/{one.id}'
         )
-    if number and before != number:
+    if number and number != earlier:
         return (
-            f'perhaps a different {name!r}: number {number} in Moodle, earlier {before}; add an '
-            f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file'
-            '", or, if Moodle has two assignments for this work, delete _work/namesakes.json'
+            f'perhaps a different {name!r}: number {number} in Moodle, earlier {earlier}; add an '
+            f'id to the name of the folder as in "{name} ID_{number}_assignsubmission_file", or, '
+            'if Moodle has two assignments for this work, delete _work/collected.json and collect '
+            'the other assignments again'
         )
     return ''
-
-
-def save_namesakes(
-    layout: Layout, known: Namesakes, taken: Iterable[tuple[Delivery, str]]
-) -> None:
-    """
-    Save the shared ids, and the numbers of the participants whose work was just collected.
-
-    :param taken: collected deliveries, each with its assignment
-    :raises OSError: if the file cannot be written
-    """
-    numbers: Numbers = {student: dict(of_one) for student, of_one in known.numbers.items()}
-    for one, assignment in taken:
-        if one.number:
-            numbers.setdefault(one.id, {})[assignment] = one.number
-    if known.shared or numbers or layout.namesakes.exists():
-        ordered = {student: dict(sorted(numbers[student].items())) for student in sorted(numbers)}
-        save_json(layout.namesakes, {'numbers': ordered, 'shared': sorted(known.shared)})

@@ -5,11 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 import sys
 
-from autograder.classroom.collected import read_delivered
+from autograder.classroom.collected import collected_work
 from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.tables import read_bytes
-from autograder.collect.duplicate_names import read_namesakes
 from autograder.commands import (
     ASSIGNMENT,
     ASSIGNMENT_OR_ALL,
@@ -156,11 +155,8 @@ def _moodle(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     file = chosen.worksheet
     data = _download(path, file, 'the worksheet from Moodle', moodle.FIX)
     given = _marks(layout, chosen)
-    numbers = {
-        student: of_one[chosen.assignment]
-        for student, of_one in read_namesakes(layout).numbers.items()
-        if chosen.assignment in of_one
-    }
+    works = collected_work(layout, chosen.assignment)
+    numbers = {student: one.number for student, one in works.items() if one.number}
     done = moodle.fill(data, str(file), given, numbers, chosen.column, chosen.scale)
     return done.data, bool(done.left_out), done.text()
 
@@ -192,15 +188,11 @@ def _feedback(layout: Layout, chosen: argparse.Namespace, path: Path) -> Made:
     given = _marks(layout, chosen)
     ready = [mark.student for mark in given if mark.points is not None]
     pages = feedback(layout, chosen.assignment, ready)
-    names = {
-        student: one
-        for (name, student), one in read_delivered(layout).items()
-        if name == chosen.assignment
-    }
+    works = collected_work(layout, chosen.assignment)
     if absent := sorted({*ready} - pages.keys()):
         said = f'{chosen.assignment}: no feedback page for {", ".join(absent)}.'
         raise GraderError(printable(said), 'Try: make grade, then run the same command again')
-    return feedback_zip(pages, names), _without_mark(given), f'Packed {len(pages)} pages.'
+    return feedback_zip(pages, works), _without_mark(given), f'Packed {len(pages)} pages.'
 
 
 @takes(

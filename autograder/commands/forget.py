@@ -7,31 +7,34 @@ with equal files share them.
 """
 
 import argparse
-from collections.abc import Collection
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 import shutil
 import time
 
 from sqlalchemy import text
 
-from autograder.classroom.collected import read_not_collected, save_delivered, save_not_collected
+from autograder.classroom.collected import read_collected, save_collected, Work
 from autograder.classroom.course_lock import lock_course
-from autograder.classroom.people import saved_people, student_named
-from autograder.classroom.results_of_class import last_results, results_file
-from autograder.collect.duplicate_names import read_namesakes, save_namesakes
+from autograder.classroom.people import student_named
+from autograder.classroom.results_of_class import last_results
 from autograder.commands import flag, OK, option, takes
 from autograder.commands.grade import relative_path
 from autograder.errors import GraderError
 from autograder.explaining.feedback import number, printable
-from autograder.files import json_bytes, write_atomically
 from autograder.gradebook.database import query, save_copy
 from autograder.gradebook.journal import read_notes
 from autograder.gradebook.record import remove_entries
 from autograder.layout import Layout
 from autograder.submission.inbox import students_in
+
+Trace = tuple[Sequence[str], Callable[[], object]]
+"""Data about a student, one line for each item, and the function that removes this data."""
+OF_EARLIER_VERSIONS = ('people.json', 'delivered.json', 'not_collected.json', 'namesakes.json')
+"""Files of ``collect`` with data about all students, which no command reads any more."""
 
 
 @takes(
@@ -40,80 +43,39 @@ from autograder.submission.inbox import students_in
 )
 def run(chosen: argparse.Namespace) -> int:
     """Print all data about some students; with ``--yes``, also remove it."""
-    layout, copies = Layout.here(), []
+    layout = Layout.here()
     with lock_course(layout, 'forget') if chosen.yes else nullcontext():
-        found = tuple(dict.fromkeys(traces(layout, student) for student in chosen.students))
-        for one in found:
-            print(printable('\n  '.join([f'{one.student}:', *one.lines])))
-        if chosen.yes:
-            copies = [forget(layout, one) for one in found]
-    if not chosen.yes:
-        print('Nothing was removed. To remove all this, run the same command with --yes')
-        return OK
+        ids = dict.fromkeys(find_student(layout, name) for name in chosen.students)
+        found = {student: list(traces(layout, student)) for student in ids}
+        for student, there in found.items():
+            lines = [line for said, _ in there for line in said]
+            print(printable('\n  '.join([f'{student}:', *lines])))
+        if not chosen.yes:
+            print('Nothing was removed. To remove all this, run the same command with --yes')
+            return OK
+        copy = save_copy(layout)
+        for there in found.values():
+            for _, remove in there:
+                remove()
     print('Removed. Earlier exports and copies of the gradebook are unchanged.')
-    if copies[0]:
-        print(f'Copy of the gradebook before the removal: {copies[0]}')
+    if copy:
+        print(f'Copy of the gradebook before the removal: {copy}')
     return OK
 
 
-@dataclass(frozen=True)
-class Traces:
+def find_student(layout: Layout, name: str) -> str:
     """
-    All data about one student in a course.
+    Return the id of a student of whom the course has data.
 
-    :param lines: one line for each item that would be removed, moved or kept
-    :param made: folders that nbgrader generated from the work
-    :param moved: the folder of the submission if the next grading would find it, else None
-    """
-
-    student: str
-    lines: tuple[str, ...]
-    made: tuple[Path, ...]
-    moved: Path | None
-
-
-def traces(layout: Layout, student: str) -> Traces:
-    """
-    Return all data about one student, without changing anything.
-
-    :param student: id or display name
+    :param name: id or display name
     :raises GraderError: if there is no such student, or several have the name
     """
-    marks, saved = _marks(layout), saved_people(layout)
-    refused = read_not_collected(layout)
-    graded = {
-        one: {result.student for result in last_results(layout, one)}
-        for one in layout.assignments()
-        if results_file(layout, one).is_file()
-    }
-    made = [layout.work / 'autograded', layout.work / 'feedback']
-    folders = {above: _folders(above) for above in (layout.submitted, *made)}
-    known = {*marks, *saved, *(one.student for one in refused)}
-    known.update(*folders.values(), *graded.values())
-    student = _named(layout, student, known)
-    has_results = [name for name, students in graded.items() if student in students]
-    entered = [one for one in layout.assignments() if student in read_notes(layout, one)]
-    theirs = tuple(above / student for above in made if student in folders[above])
-    lines = [
-        *(f'gradebook: {mark}' for mark in marks.get(student, ())),
-        f'reports: result and page of {", ".join(has_results)}' if has_results else '',
-        f'journal of the gradebook: {", ".join(entered)}' if entered else '',
-        f'name: {saved[student]}' if student in saved else '',
-        *(f'reports: {one.reason}' for one in refused if one.student == student),
-        *(f'folder: {relative_path(folder, layout)}' for folder in theirs),
-    ]
-    moved, place = None, layout.submitted / student
-    if student in folders[layout.submitted]:
-        line = f'not touched: {relative_path(place, layout)}'
-        if student in students_in(layout.submitted, layout.assignments()):
-            moved, to = place, relative_path(layout.work / 'forgotten', layout)
-            line = f'moved to {to} so that it is not graded again: {relative_path(place, layout)}'
-        lines.append(line)
-    return Traces(student, tuple(filter(None, lines)), theirs, moved)
-
-
-def _named(layout: Layout, name: str, known: Collection[str]) -> str:
-    """Return the id of the student with this id or display name."""
+    known = {one.student for one in read_collected(layout)}
+    known.update(str(one) for (one,) in query(layout, text('select id from student')))
+    for above in (layout.submitted, layout.work / 'autograded', layout.work / 'feedback'):
+        known.update(one.name for one in above.glob('*') if _is_folder(one))
+    for assignment in layout.assignments():
+        known.update(one.student for one in last_results(layout, assignment))
     if student := student_named(layout, name, known):
         return student
     close = get_close_matches(name, known, n=3)
@@ -123,62 +85,79 @@ def _named(layout: Layout, name: str, known: Collection[str]) -> str:
     )
 
 
-def forget(layout: Layout, found: Traces) -> Path | None:
+def traces(layout: Layout, student: str) -> Iterator[Trace]:
     """
-    Remove all data about a student.
+    Yield all data about one student, without changing anything.
 
-    :param found: from :func:`traces`
-    :returns: a copy of the gradebook before the removal; None if the gradebook is on a server or
-        has no submission
-    :raises GraderError: if the gradebook cannot be written or copied
+    The submission comes first, because a grading that found it would undo the removal.  The
+    entries of ``collect`` come before the results, because removing these rewrites the reports.
     """
-    student, copy = found.student, save_copy(layout)
-    # Move the submission first: a grading that found it would undo the removal.
-    if found.moved:
+    place = layout.submitted / student
+    if _is_folder(place):
+        yield _submission(layout, place)
+    saved = [_in_words(one) for one in read_collected(layout) if one.student == student]
+    yield saved, partial(save_collected, layout, (), without=student)
+    yield list(_results(layout, student)), partial(remove_entries, layout, {student})
+    for folder in (layout.work / 'autograded' / student, layout.work / 'feedback' / student):
+        if _is_folder(folder):
+            yield [f'folder: {relative_path(folder, layout)}'], partial(shutil.rmtree, folder)
+    for path in (layout.work / name for name in OF_EARLIER_VERSIONS):
+        if path.is_file():
+            said = f'file of an earlier version, no longer read: {relative_path(path, layout)}'
+            yield [said], partial(path.unlink, missing_ok=True)
+
+
+def _submission(layout: Layout, place: Path) -> Trace:
+    """Return the submission of a student, which is moved if the next grading would find it."""
+    where = relative_path(place, layout)
+    if place.name not in students_in(layout.submitted, layout.assignments()):
+        return [f'not touched: {where}'], lambda: None
+    forgotten = layout.work / 'forgotten'
+
+    def move() -> None:
+        forgotten.mkdir(exist_ok=True)
         now = time.strftime('%Y-%m-%d_%H%M%SZ', time.gmtime())
-        place = layout.work / 'forgotten' / f'{student}_{now}'
-        place.parent.mkdir(exist_ok=True)
-        found.moved.rename(place)
-    save_not_collected(layout, (), without=student)
-    save_delivered(layout, {}, without=student)
-    remove_entries(layout, {student})
-    for folder in found.made:
-        shutil.rmtree(folder)
-    known = read_namesakes(layout)
-    if known.numbers.pop(student, None):
-        save_namesakes(layout, known, ())
-    people = saved_people(layout)
-    if people.pop(student, ''):
-        write_atomically(layout.people, json_bytes(people))
-    return copy
+        place.rename(forgotten / f'{place.name}_{now}')
+
+    to = relative_path(forgotten, layout)
+    return [f'moved to {to} so that it is not graded again: {where}'], move
 
 
-def _folders(above: Path) -> set[str]:
-    """Return the names of the subfolders of a folder, without links; empty if it is missing."""
-    if not above.is_dir():
-        return set()
-    return {one.name for one in above.iterdir() if one.is_dir() and not one.is_symlink()}
+def _is_folder(path: Path) -> bool:
+    """Return whether a path is a folder, not a link."""
+    return path.is_dir() and not path.is_symlink()
 
 
-def _marks(layout: Layout) -> dict[str, list[str]]:
-    """Return the marks of each student in the gradebook as text, one line per assignment."""
-    found: dict[str, list[str]] = {
-        str(student): [] for (student,) in query(layout, text('select id from student'))
-    }
-    for student, assignment, automatic, by_hand in query(layout, text(_SUMS)):
+def _in_words(one: Work) -> str:
+    """Return an entry of ``collect`` as one line."""
+    shared = 'two people have this id' if one.shared else ''
+    facts = (one.person, one.assignment, one.place, one.why, shared)
+    return f'saved by collect: {", ".join(filter(None, facts))}'
+
+
+def _results(layout: Layout, student: str) -> Iterator[str]:
+    """Yield the marks of a student in the gradebook, then the assignments with other results."""
+    for name, points, by_hand in query(layout, text(MARKS), student=student):
         given = f', {number(by_hand)} of them given by hand' if by_hand is not None else ''
-        found[str(student)].append(f'{assignment}, {number(automatic)} points{given}')
-    return {student: marks or ['no submission'] for student, marks in found.items()}
+        yield f'gradebook: {name}, {number(points)} points{given}' if name else NO_MARKS
+    for name in layout.assignments():
+        if any(result.student == student for result in last_results(layout, name)):
+            yield f'reports: result and page of {name}'
+        if student in read_notes(layout, name):
+            yield f'journal of the gradebook: {name}'
 
 
-_SUMS = """
-select submitted_assignment.student_id, assignment.name,
+NO_MARKS = 'gradebook: no submission'
+MARKS = """
+select assignment.name,
        sum(coalesce(grade.manual_score, grade.auto_score, 0) + coalesce(grade.extra_credit, 0)),
        sum(grade.manual_score)
-from grade
-join submitted_notebook on submitted_notebook.id = grade.notebook_id
-join submitted_assignment on submitted_assignment.id = submitted_notebook.assignment_id
-join assignment on assignment.id = submitted_assignment.assignment_id
-group by submitted_assignment.student_id, assignment.name
+from student
+left join submitted_assignment on submitted_assignment.student_id = student.id
+left join assignment on assignment.id = submitted_assignment.assignment_id
+left join submitted_notebook on submitted_notebook.assignment_id = submitted_assignment.id
+left join grade on grade.notebook_id = submitted_notebook.id
+where student.id = :student
+group by assignment.name
 order by assignment.name
 """

@@ -19,10 +19,9 @@ import time
 from rich.console import Console
 
 from autograder.authoring.sample_class import write_sample_class
-from autograder.classroom.collected import not_collected, not_listed
 from autograder.classroom.course_lock import lock_course
 from autograder.classroom.pages import print_table, write_all_reports
-from autograder.classroom.people import extensions, read_people
+from autograder.classroom.people import extensions, not_collected, not_listed, read_people
 from autograder.classroom.results_of_class import modes, ran_s, results_of_others
 from autograder.commands import FOR_REVIEW, FRESH, JSON, OK, option, takes, YES
 from autograder.commands.progress import progress, slowest_text
@@ -220,7 +219,7 @@ class Grading:
         :raises GraderError: if the gradebook is damaged, or a check cell and its exam give
             different points
         """
-        not_listed(self.layout, ())  # a wrong class list is reported here, not after the runs
+        read_people(self.layout)  # Report wrong files here, not after the runs.
         extensions(self.layout)
         if self.engine.hidden:
             refuse_damaged(self.layout)

@@ -12,24 +12,24 @@ from collections.abc import Mapping
 from pathlib import PurePath
 import re
 
-from autograder.classroom.collected import Delivered
+from autograder.classroom.collected import Work
 from autograder.files import safe_name, zip_bytes
 
 PAGE = 'feedback.html'
 MOODLE = re.compile(r'.+?_\d+_assignsubmission_file')
 
 
-def name_in_zip(student: str, delivered: Delivered | None) -> str:
+def name_in_zip(student: str, work: Work | None) -> str:
     """Return a page's name for its platform, else its path in a folder with the student's id."""
-    if delivered and delivered.kind == 'canvas':
-        return f'{PurePath(delivered.place).stem}_{PAGE}'
-    if delivered and delivered.kind == 'moodle' and (match := MOODLE.match(delivered.place)):
+    if work and work.kind == 'canvas':
+        return f'{PurePath(work.place).stem}_{PAGE}'
+    if work and work.kind == 'moodle' and (match := MOODLE.match(work.place)):
         return f'{match[0]}_{PAGE}'
     return f'{safe_name(student)}/{PAGE}'
 
 
-def feedback_zip(pages: Mapping[str, bytes], names: Mapping[str, Delivered]) -> bytes:
+def feedback_zip(pages: Mapping[str, bytes], works: Mapping[str, Work]) -> bytes:
     """Return the zip file of the pages; both mappings have student ids as keys."""
     return zip_bytes(
-        {name_in_zip(one, names.get(one)): (page, 0o644) for one, page in pages.items()}
+        {name_in_zip(one, works.get(one)): (page, 0o644) for one, page in pages.items()}
     )

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from autograder.classroom.collected import not_collected, NOTHING
+from autograder.classroom.collected import NOTHING
+from autograder.classroom.people import not_collected
 from autograder.classroom.results_of_class import ClassResults, has_mark
 from autograder.errors import GraderError
 from autograder.gradebook.database import has_gradebook

@@ -8,11 +8,12 @@ from nbgrader.api import Gradebook
 import pytest
 
 from autograder.authoring.sample_class import remove_sample_class
+from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
-from autograder.classroom.people import read_people, save_people
+from autograder.classroom.people import read_people
 from autograder.classroom.results_of_class import last_results, results_file
 from autograder.collect.source.times import due_dates
-from autograder.commands.forget import forget, traces
+from autograder.commands.forget import find_student, traces
 from autograder.errors import GraderError
 from autograder.exports.marks import from_gradebook, GRADED
 from autograder.gradebook import journal
@@ -72,6 +73,18 @@ def grade(course: Layout, guard: Guard | None = None) -> int:
     count, refused = enter(course, lesson, graded, guard or Guard(course, yes=True))
     assert refused == ''
     return count
+
+
+def name_students(course: Layout, names: dict[str, str]) -> None:
+    save_collected(course, [Work(student, person=name) for student, name in names.items()])
+
+
+def forget(course: Layout, student: str) -> list[str]:
+    """Remove a student, and return the lines about everything that was removed."""
+    found = list(traces(course, student))
+    for _, remove in found:
+        remove()
+    return [line for lines, _ in found for line in lines]
 
 
 def book(course: Layout) -> Gradebook:
@@ -289,7 +302,7 @@ def names_students(course: Layout) -> None:
     """Names that an instructor has written are not changed; a new name replaces an id."""
     for student in ('1001', '1002', '1003'):
         hand_in(course, student)
-    save_people(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
+    name_students(course, {'1001': 'Ann Mary Example', '1002': 'doejane'})
     grade(course)
     with book(course) as gradebook:
         found = {one.id: (one.last_name, one.first_name) for one in gradebook.students}
@@ -300,7 +313,7 @@ def names_students(course: Layout) -> None:
         '1003': ('1003', ''),
     }
 
-    save_people(course, {'1003': 'Cem Example'})
+    name_students(course, {'1003': 'Cem Example'})
     for student in ('1001', '1003'):
         hand_in(course, student, temperature_topic='temprature_topic')
     grade(course)
@@ -358,27 +371,28 @@ def forgets_a_student(course: Layout) -> None:
     """All results are removed, the submission is moved, and other students are unchanged."""
     for student in ('1001', '1002'):
         hand_in(course, student)
-    save_people(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
+    name_students(course, {'1001': 'Ann Example', '1002': 'Bob Example'})
     grade(course)
     by_hand(course, '1001', 4)
     there = [SubmissionResult(one, ASSIGNMENT) for one in ('1001', '1002')]
     write_all_reports(course, ASSIGNMENT, there)
 
-    found = traces(course, '1001')
-    assert found.lines[:4] == (
+    assert find_student(course, 'ann example') == '1001'
+    assert len(list(traces(course, '1001'))) == 4
+    assert grade(course) == 0  # a listing changes nothing
+
+    moved, *lines, folder = forget(course, '1001')
+    assert moved.endswith('1001')
+    assert lines == [
+        'saved by collect: Ann Example',
         f'gradebook: {ASSIGNMENT}, 54 points, 4 of them given by hand',
         f'reports: result and page of {ASSIGNMENT}',
         f'journal of the gradebook: {ASSIGNMENT}',
-        'name: Ann Example',
-    )
-    assert found.made == (course.work / 'autograded' / '1001',)
-    assert found.moved == course.submitted / '1001'
-    assert traces(course, 'ann example') == found
-    assert grade(course) == 0  # a listing changes nothing
-
-    forget(course, found)
+    ]
+    assert folder.endswith('autograded/1001')
+    assert not (course.work / 'autograded' / '1001').exists()
     with pytest.raises(GraderError, match=r'there is no such student. Did you mean 1002?'):
-        traces(course, '1001')
+        find_student(course, '1001')
     with book(course) as gradebook:
         assert [student.id for student in gradebook.students] == ['1002']
     assert [one.student for one in last_results(course, ASSIGNMENT)] == ['1002']
@@ -389,7 +403,7 @@ def forgets_a_student(course: Layout) -> None:
     assert (moved / ASSIGNMENT / NOTEBOOK).is_file()
     assert grade(course) == 0
 
-    forget(course, traces(course, '1002'))
+    forget(course, '1002')
     hand_in(course, '1003')
     assert grade(course) == 1  # a gradebook that was emptied on purpose is not damaged
 
@@ -402,9 +416,9 @@ def forgets_a_folder_that_is_no_students(course: Layout) -> None:
     with book(course) as gradebook:
         gradebook.add_student('notes')
 
-    assert traces(course, 'notes').lines[0] == 'gradebook: no submission'
-    assert traces(course, 'notes').lines[-1].startswith('not touched: ')
-    forget(course, traces(course, 'notes'))
+    place, marks = forget(course, find_student(course, 'notes'))
+    assert place.startswith('not touched: ')
+    assert marks == 'gradebook: no submission'
     assert (course.submitted / 'notes').is_dir()
     with book(course) as gradebook:
         assert [student.id for student in gradebook.students] == ['ann']

@@ -17,7 +17,7 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring.sample_class import compose
-from autograder.classroom.collected import Delivered, save_delivered
+from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
 from autograder.classroom.results_of_class import graded as last
 from autograder.commands import FOR_REVIEW, OK
@@ -200,7 +200,7 @@ class TestCommands:
     def test_feedback_is_packed_under_the_names_of_the_download(self, graded, tmp_path, capsys):
         """Pages have the mark after the penalty; a student without a mark has no page."""
         grade_by_hand(graded, 'ann', 4.0, late=10.0)
-        save_delivered(graded, {(ASSIGNMENT, 'ann'): Delivered('canvas', 'ann_7_88_t.ipynb')})
+        save_collected(graded, [Work('ann', ASSIGNMENT, '', 'canvas', 'ann_7_88_t.ipynb')])
         (graded.work / 'class_list.csv').write_text('student\nann\nzoe\n', encoding='utf-8')
         to = tmp_path / 'pages.zip'
 

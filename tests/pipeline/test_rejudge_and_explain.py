@@ -11,8 +11,8 @@ import pytest
 
 from autograder import __main__ as command
 from autograder.authoring import sample_class
+from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports
-from autograder.classroom.people import save_people
 from autograder.classroom.results_of_class import graded as results_of
 from autograder.classroom.results_of_class import last_results, ran_s
 from autograder.commands import FOR_REVIEW, OK
@@ -393,7 +393,7 @@ class TestCommands:
 
     def test_explain_without_a_check_lists_the_checks_of_a_student(self, layout, capsys):
         """The list has verdict, points and cause; the student is given by id or name."""
-        save_people(layout, {'fail__two_hertz': 'Ann Lee'})
+        save_collected(layout, [Work('fail__two_hertz', person='Ann Lee')])
 
         assert command.main(['explain', 'ann lee']) == OK
         head, *lines, last = capsys.readouterr().out.splitlines()

@@ -14,14 +14,14 @@ from export_world import submission
 import pytest
 from rich.console import Console
 
-from autograder.classroom.collected import not_collected, not_listed
+from autograder.classroom.collected import collected_names, save_collected, Work
 from autograder.classroom.pages import print_table, write_all_reports
 from autograder.classroom.people import (
     class_list,
     extensions,
+    not_collected,
+    not_listed,
     read_people,
-    save_people,
-    saved_people,
 )
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers
@@ -46,10 +46,11 @@ def test_ids_are_those_of_collect_and_other_columns_are_ignored(listed):
 
 def test_names_of_the_list_are_shown_but_not_saved(listed):
     """The list's names replace those of the platform, which may shorten names."""
-    save_people(listed, {'zoe': 'zedzoe', 'eve': 'adamseve'})
+    names = {'zoe': 'zedzoe', 'eve': 'adamseve'}
+    save_collected(listed, [Work(one, TALK, name) for one, name in names.items()])
 
     assert read_people(listed) == {'ann': 'Ann Example', 'zoe': 'Zoe Z', 'eve': 'adamseve'}
-    assert saved_people(listed) == {'zoe': 'zedzoe', 'eve': 'adamseve'}
+    assert collected_names(listed) == names
 
 
 def test_a_student_without_a_submission_is_missing_and_has_no_mark(listed):

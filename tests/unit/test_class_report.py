@@ -10,8 +10,8 @@ from export_world import check, CLASS, EVIL, failed, FULL, REVIEW, submission, V
 from hypothesis import given, settings, strategies
 import pytest
 
+from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports, write_class_report
-from autograder.classroom.people import save_people
 from autograder.classroom.results_of_class import ClassResults, graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
 from autograder.commands.explain import verdicts_text
@@ -330,7 +330,7 @@ class TestVisibleChecksAlone:
 
 def test_names_are_with_their_ids(tmp_path):
     """Names are shown next to ids, for platforms whose ids are numbers."""
-    save_people(Layout(tmp_path), {'eve': 'Eve Example'})
+    save_collected(Layout(tmp_path), [Work('eve', person='Eve Example')])
     page = page_of(tmp_path, *CLASS.results)
 
     assert page.count('eve (Eve Example)</a>') == page.count('>eve') > 1

@@ -18,7 +18,7 @@ import pytest
 
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, TAKEN
-from autograder.submission.tree import UnusableUploadError
+from autograder.errors import GraderError
 
 
 class TestMoodle:
@@ -111,29 +111,21 @@ class TestMoodle:
             tmp_path / '2.zip', 'Ann_312', 'Bo_311', file='listen.ipynb', data=notebook('listener')
         )
         collect(one, layout, layout.submitted, write=False)
-        assert not layout.namesakes.exists()
+        assert not layout.collected.exists()
 
         for source in (one, two):
             rows = collect(source, layout, layout.submitted)
             assert [row.done for row in rows] == [TAKEN, TAKEN]
 
-    @pytest.mark.parametrize('data', [b'', b'[]', b'{"shared": 1, "numbers": {}}', b'\xff'])
-    def test_a_damaged_memory_is_one_sentence(self, data, tmp_path, layout):
-        """Without the saved numbers, two people could become one, so collecting stops."""
-        laid(layout.work, {layout.namesakes.name: data})
-
-        with pytest.raises(UnusableUploadError, match='expected JSON with the numbers of people'):
-            collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
-
     def test_a_memory_that_is_a_link_is_called_a_link(self, tmp_path, layout):
-        laid(layout.work, {'real.json': b'{"shared": [], "numbers": {}}'})
-        layout.namesakes.symlink_to(layout.work / 'real.json')
+        laid(layout.work, {'real.json': b'[]'})
+        layout.collected.symlink_to(layout.work / 'real.json')
 
-        with pytest.raises(UnusableUploadError, match='people in Moodle, got a symbolic link'):
+        with pytest.raises(GraderError, match='that collect has seen, got a symbolic link'):
             collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
     def test_a_memory_that_cannot_be_written_is_one_line(self, tmp_path, layout, monkeypatch):
-        """The notebooks are collected, and one line per file says what was not saved."""
+        """The notebooks are collected, and one line says what was not saved."""
 
         def full(*_):
             raise OSError(28, 'No space left on device')
@@ -142,13 +134,9 @@ class TestMoodle:
 
         rows = collect(packed(tmp_path / 'm.zip', MOODLE), layout, layout.submitted)
 
-        said = {row.place: row.notes for row in rows if row.place.startswith(str(layout.work))}
-        why = 'cannot be written: no space left on device'
-        assert said == {
-            str(layout.delivered): (f'names of files {why}',),
-            str(layout.namesakes): (f'student numbers from Moodle {why}',),
-            str(layout.not_collected): (f'list of missing work {why}',),
-        }
+        assert rows[0].place == str(layout.collected)
+        what = 'names, numbers from Moodle and missing work'
+        assert rows[0].notes == (f'{what} cannot be written: no space left on device',)
         assert f'Bo Berg/{TALK}/talk.ipynb' in taken(layout)
 
     def test_a_file_called_like_somebody_elses_stays_its_owners(self, tmp_path, layout):

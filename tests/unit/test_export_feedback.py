@@ -1,7 +1,6 @@
 """Feedback pages get names that Canvas and Moodle recognise."""
 
 import io
-import json
 import re
 import zipfile
 
@@ -14,7 +13,7 @@ from collect_sources import (
 )
 import pytest
 
-from autograder.classroom.collected import Delivered, read_delivered, save_delivered
+from autograder.classroom.collected import collected_work, save_collected, Work
 from autograder.collect.copy_notebooks import collect
 from autograder.exports.feedback_zip import feedback_zip, name_in_zip
 
@@ -33,7 +32,7 @@ def of_moodle(name):
 
 def names_of(layout, kind):
     """Return the file name in the zip for each collected student."""
-    found = {student: one for (_, student), one in read_delivered(layout).items()}
+    found = collected_work(layout, TALK)
     assert {one.kind for one in found.values()} == {kind}
     return {student: name_in_zip(student, one) for student, one in found.items()}
 
@@ -67,7 +66,7 @@ def test_moodle_finds_the_participant(tmp_path, layout, download):
 
 def test_file_named_link_is_renamed_for_canvas():
     """A last part that begins with link is renamed, because Canvas reads it as a web address."""
-    name = name_in_zip('7', Delivered('canvas', 'ann_7_88_my_link.ipynb'))
+    name = name_in_zip('7', Work('7', kind='canvas', place='ann_7_88_my_link.ipynb'))
 
     assert of_canvas(name) == ['7', '88']
 
@@ -82,22 +81,10 @@ def test_other_students_have_folders_of_their_own():
 
 
 def test_a_dry_run_saves_no_names_and_forget_removes_them(tmp_path, layout):
-    """A damaged file of saved names counts as empty."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
-    assert not layout.delivered.exists()
+    assert not layout.collected.exists()
 
     collect(source, layout, layout.submitted)
-    save_delivered(layout, {}, without='1001')
-    assert (TALK, '1001') not in read_delivered(layout)
-    assert (TALK, '1002') in read_delivered(layout)
-    layout.delivered.write_bytes(b'[1]')
-    assert read_delivered(layout) == {}
-
-
-def test_a_field_of_another_version_is_ignored(layout):
-    record = {'kind': 'canvas', 'place': 'ann_1_2_talk.ipynb', 'size': 3}
-    layout.work.mkdir(parents=True)
-    layout.delivered.write_text(json.dumps({TALK: {'1': record}}), encoding='utf-8')
-
-    assert read_delivered(layout) == {(TALK, '1'): Delivered('canvas', 'ann_1_2_talk.ipynb')}
+    save_collected(layout, [], without='1001')
+    assert set(collected_work(layout, TALK)) == {'1002', '1005'}

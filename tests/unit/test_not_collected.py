@@ -16,16 +16,16 @@ from rich.console import Console
 
 from autograder import __main__ as command
 from autograder.classroom.collected import (
-    names_for_email,
-    not_collected,
-    NotCollected,
+    read_collected,
     read_not_collected,
-    save_not_collected,
+    save_collected,
+    Work,
 )
 from autograder.classroom.pages import print_table, write_all_reports
+from autograder.classroom.people import names_for_email, not_collected
 from autograder.collect.copy_notebooks import collect
 from autograder.commands import OK
-from autograder.commands.forget import traces
+from autograder.errors import GraderError
 from autograder.layout import Layout
 
 PDF = 'no notebook, only essay.pdf'
@@ -76,11 +76,13 @@ def test_dry_run_and_other_folders_keep_nothing(write, tmp_path, layout):
 
 
 def test_collecting_in_another_folder_leaves_the_list(tmp_path, layout):
-    laid(layout.work, {layout.not_collected.name: b'[ ]'})
+    """The names and places of the collected work are saved, because it may be graded there."""
+    save_collected(layout, [Work('1001', TALK, why=PDF)])
 
     collect(packed(tmp_path / 'c.zip', CANVAS), layout, tmp_path / 'elsewhere')
 
-    assert layout.not_collected.read_bytes() == b'[ ]'
+    assert kept(layout) == [('1001', TALK, PDF)]
+    assert {one.student for one in read_collected(layout) if one.place} == {'1001', '1002', '1005'}
 
 
 def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
@@ -92,15 +94,35 @@ def test_delivery_of_no_certain_assignment_is_missing_in_each(tmp_path, layout):
     assert not_collected(layout, TALK, {'ann'}) == ()
 
 
-@pytest.mark.parametrize('damage', [b'', b'{', b'{"a": 1}', b'[1]', b'[{"student": 1}]'])
-def test_damaged_list_is_empty_and_can_be_written(damage, layout):
-    """A damaged list counts as empty, so that it does not prevent grading."""
-    layout.work.mkdir(parents=True)
-    layout.not_collected.write_bytes(damage)
+@pytest.mark.parametrize(
+    'damage',
+    [
+        b'',
+        b'{',
+        b'null',
+        b'{"a": 1}',
+        b'[1]',
+        b'[{}]',
+        b'[{"student": 1}]',
+        b'[{"student": "ann", "numbers": "1"}]',
+        b'\xff\xfe',
+        b'[' * 100_000,
+    ],
+)
+def test_damaged_file_is_one_sentence(damage, layout, tmp_path):
+    """Without the saved numbers, two people could become one, so collecting stops."""
+    laid(layout.work, {layout.collected.name: damage})
+    source = laid(tmp_path / 's', {'ann/talk.ipynb': GOOD})
 
-    assert read_not_collected(layout) == ()
-    save_not_collected(layout, [NotCollected('ann', TALK, PDF)])
-    assert kept(layout) == [('ann', TALK, PDF)]
+    for act in (
+        lambda: collect(source, layout, layout.submitted),
+        lambda: not_collected(layout, TALK, ()),
+        lambda: save_collected(layout, [Work('ann')]),
+    ):
+        with pytest.raises(GraderError, match=r'collected\.json: .* Try: delete the file'):
+            act()
+    assert layout.collected.read_bytes() == damage
+    assert not layout.submitted.exists()
 
 
 class TestShown:
@@ -109,11 +131,11 @@ class TestShown:
     @pytest.fixture
     def missing(self, layout):
         """Return two deliveries, one of them with a name that contains markup."""
-        save_not_collected(
+        save_collected(
             layout,
             [
-                NotCollected('1001', TALK, PDF, 'Ann <b>', '2026-03-01 12:00'),
-                NotCollected('bob', TALK, 'no file that can be read'),
+                Work('bob', TALK, why='no file that can be read'),
+                Work('1001', TALK, 'Ann <b>', why=PDF, handed_in='2026-03-01 12:00'),
             ],
         )
         return read_not_collected(layout)
@@ -148,20 +170,6 @@ class TestShown:
         assert capsys.readouterr().out.endswith('Nothing to grade yet from: Ann <b>, bob\n')
 
     def test_a_student_is_named_once(self):
-        two = [NotCollected('ann', TALK, PDF), NotCollected('ann', LISTEN, PDF)]
+        two = [Work('ann', TALK, why=PDF), Work('ann', LISTEN, why=PDF)]
 
         assert names_for_email(two) == 'ann'
-
-
-def test_forgotten_student_leaves_the_list(tmp_path, layout):
-    """A forgotten student leaves the list, even without other work."""
-    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
-    url = f'sqlite:///{layout.root}/gradebook.db'
-    text = f'c = get_config()\nc.CourseDirectory.db_url = {url!r}\n'
-    (layout.root / 'nbgrader_config.py').write_text(text, encoding='utf-8')
-    lines = traces(layout, '1004').lines
-
-    save_not_collected(layout, (), without='1004')
-
-    assert [student for student, _, _ in kept(layout)] == ['1003', '1006']
-    assert f'reports: Not collected: {PDF}.' in lines

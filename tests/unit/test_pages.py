@@ -10,8 +10,8 @@ import pytest
 from rich.console import Console
 
 from autograder.classroom import pages as report
+from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import page_name, print_table, write_all_reports
-from autograder.classroom.people import save_people
 from autograder.explaining.feedback import exam_text, headline, printable
 from autograder.explaining.feedback_html import with_unique_ids
 from autograder.layout import Layout
@@ -131,7 +131,7 @@ class TestPages:
 
     def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
         """Learning platforms may use numbers as ids."""
-        save_people(Layout(tmp_path), {'ann': 'Ann <b>Example'})
+        save_collected(Layout(tmp_path), [Work('ann', person='Ann <b>Example')])
         index = written(tmp_path, [submission()])
 
         assert 'ann (Ann <b>Example)' in read(index).text

@@ -1,11 +1,10 @@
 """Display names of students whose ids are numbers."""
 
-import json
-
-from collect_sources import GOOD, layout, packed, taken, TALK  # noqa: F401 - a fixture
+from collect_sources import GOOD, layout, LISTEN, packed, TALK  # noqa: F401 - a fixture
 import pytest
 
-from autograder.classroom.people import read_people, save_people, student_named
+from autograder.classroom.collected import save_collected, Work
+from autograder.classroom.people import read_people, student_named
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import TAKEN, UNCHANGED
 from autograder.errors import GraderError
@@ -30,8 +29,16 @@ def test_names_of_what_was_taken_are_kept(tmp_path, layout):
 
     assert [row.done for row in rows] == [UNCHANGED, TAKEN]
     assert read_people(layout) == {'1001': 'Ann Éxample', 'b@x.org': 'Bo'}
-    assert 'Éxample' in layout.people.read_text(encoding='utf-8')
-    assert list(json.loads(layout.people.read_bytes())) == ['1001', 'b@x.org']
+    assert 'Éxample' in layout.collected.read_text(encoding='utf-8')
+
+
+def test_latest_name_of_a_student_counts(layout):
+    """Work without a name, or of another assignment, does not bring an old name back."""
+    save_collected(layout, [Work('1', TALK, 'exampleann'), Work('1', LISTEN, 'exampleann')])
+    save_collected(layout, [Work('1', TALK, 'Ann Example')])
+    save_collected(layout, [Work('1', LISTEN), Work('2', TALK, 'not collected', why='a PDF')])
+
+    assert read_people(layout) == {'1': 'Ann Example'}
 
 
 def test_moodle_names_are_kept_only_if_the_id_is_another(tmp_path, layout):
@@ -48,24 +55,22 @@ def test_a_dry_run_and_a_repeated_run_write_no_names(tmp_path, layout):
     """A dry run, and a run without new names, leave the file unchanged."""
     source = packed(tmp_path / 'c.zip', CANVAS)
     collect(source, layout, layout.submitted, write=False)
-    assert not layout.people.exists()
+    assert not layout.collected.exists()
 
     collect(source, layout, layout.submitted)
-    before = layout.people.stat()
+    before = layout.collected.stat()
     collect(source, layout, layout.submitted)
-    assert layout.people.stat().st_ino == before.st_ino
+    assert layout.collected.stat().st_ino == before.st_ino
 
 
 def test_names_are_text_of_one_line(layout):
-    save_people(
-        layout,
-        {
-            '1': 'Ann\x1b[31m\n Ex\u202eample\x00',
-            '2': 'x' * 999,
-            '3': '\x07',
-            '4': 'می\u200cخواهم \ud800',
-        },
-    )
+    names = {
+        '1': 'Ann\x1b[31m\n Ex\u202eample\x00',
+        '2': 'x' * 999,
+        '3': '\x07',
+        '4': 'می\u200cخواهم \ud800',
+    }
+    save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
 
     assert read_people(layout) == {
         '1': 'Ann[31m Example',
@@ -75,51 +80,21 @@ def test_names_are_text_of_one_line(layout):
 
 
 @pytest.mark.parametrize(
-    ('data', 'known'),
-    [
-        (b'', {}),
-        (b'{"1": "Ann"', {}),
-        (b'["Ann"]', {}),
-        (b'\xff\xfe', {}),
-        (b'[' * 100_000, {}),
-        (b'{"1": "Ann", "2": 5, "3": ["x"], "4": "B\\u001b"}', {'1': 'Ann', '4': 'B'}),
-    ],
-)
-def test_a_damaged_file_is_no_trouble(data, known, layout):
-    """Valid names in a damaged file are kept, and the next names are added."""
-    layout.work.mkdir(parents=True)
-    layout.people.write_bytes(data)
-    assert read_people(layout) == known
-
-    save_people(layout, {'9': 'Zoë'})
-    assert read_people(layout) == {**known, '9': 'Zoë'}
-
-
-def test_names_that_cannot_be_kept_do_not_hide_the_table(tmp_path, layout):
-    layout.people.mkdir(parents=True)
-
-    rows = collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
-
-    assert rows[0].place == str(layout.people)
-    assert rows[0].notes == ('names cannot be written: is a directory',)
-    assert layout.not_collected.is_file()
-    assert f'1001/{TALK}/talk.ipynb' in taken(layout)
-
-
-@pytest.mark.parametrize(
     ('name', 'student'),
     [('1001', '1001'), ('Ann Lee', '1001'), ('  ann   LEE ', '1001'), ('Bo', 'Bo')],
 )
 def test_student_is_found_by_id_or_name(name, student, layout):
     """Capitals and spaces do not matter, and an id takes precedence over a name."""
-    save_people(layout, {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'})
+    names = {'1001': 'Ann Lee', '1002': 'Bo', '1003': 'Gone'}
+    save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
 
     assert student_named(layout, name, {'1001', '1002', 'Bo'}) == student
 
 
 def test_a_name_of_several_students_is_refused_and_an_unknown_one_is_nobody(layout):
     """The message lists the ids; only the given students are searched."""
-    save_people(layout, {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'})
+    names = {'1001': 'Ann Lee', '1002': 'Ann  Lee', '9': 'Gone'}
+    save_collected(layout, [Work(one, TALK, name) for one, name in names.items()])
     students = {'1001', '1002', '1003'}
 
     with pytest.raises(

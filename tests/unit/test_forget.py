@@ -1,0 +1,103 @@
+"""``forget`` lists all data about a student, and removes it with ``--yes``."""
+
+from collect_sources import (
+    CANVAS,
+    GOOD,
+    laid,
+    layout,  # noqa: F401 - a fixture
+    packed,
+    TALK,
+)
+from export_world import submission
+import pytest
+
+from autograder import __main__ as command
+from autograder.classroom.collected import read_collected
+from autograder.classroom.pages import write_all_reports
+from autograder.classroom.results_of_class import last_results
+from autograder.collect.copy_notebooks import collect
+from autograder.commands import forget, OK
+from autograder.layout import Layout
+
+
+@pytest.fixture
+def course(layout, tmp_path, monkeypatch):
+    """Return a course with a class from Canvas, without a gradebook."""
+    collect(packed(tmp_path / 'c.zip', CANVAS), layout, layout.submitted)
+    settings = f"c.CourseDirectory.db_url = 'sqlite:///{tmp_path}/none.db'\n"
+    (layout.root / 'nbgrader_config.py').write_text(f'c = get_config()\n{settings}', 'utf-8')
+    monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
+    return layout
+
+
+def students(course):
+    return {one.student for one in read_collected(course)}
+
+
+def test_list_has_everything_and_changes_nothing(course, capsys):
+    """The submission comes first, as it is removed first."""
+    laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
+    write_all_reports(course, TALK, [submission('1001')])
+
+    assert command.main(['forget', 'EXAMPLEANN', '1001', '1004']) == OK
+    assert capsys.readouterr().out.splitlines() == [
+        '1001:',
+        '  moved to autograder/_work/forgotten so that it is not graded again: '
+        'autograder/_work/submitted/1001',
+        f'  saved by collect: exampleann, {TALK}, exampleann_1001_55077_talk-1.ipynb',
+        f'  reports: result and page of {TALK}',
+        '  folder: autograder/_work/feedback/1001',
+        '  file of an earlier version, no longer read: autograder/_work/people.json',
+        '1004:',
+        f'  saved by collect: diaz, {TALK}, no notebook, only essay.pdf',
+        '  file of an earlier version, no longer read: autograder/_work/people.json',
+        'Nothing was removed. To remove all this, run the same command with --yes',
+    ]
+    assert students(course) >= {'1001', '1004'}
+    assert (course.submitted / '1001').is_dir()
+    assert (course.work / 'people.json').is_file()
+    assert not (course.work / 'forgotten').exists()
+
+
+def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
+    """A student without a submission also leaves the list of missing work in the reports."""
+    laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
+    write_all_reports(course, TALK, [submission('1001'), submission('1002')])
+    index = course.reports / TALK / 'index.html'
+    assert 'essay.pdf' in index.read_text('utf-8')
+
+    assert command.main(['forget', '1001', '1004', '--yes']) == OK
+    assert 'Removed.' in capsys.readouterr().out
+    assert students(course) == {'1002', '1003', '1005', '1006'}
+    assert [one.student for one in last_results(course, TALK)] == ['1002']
+    assert 'essay.pdf' not in index.read_text('utf-8')
+    (moved,) = (course.work / 'forgotten').iterdir()
+    assert (moved / TALK / 'talk.ipynb').is_file()
+    assert not (course.work / 'feedback' / '1001').exists()
+    assert not (course.work / 'people.json').exists()
+    assert command.main(['forget', '1001']) == command.USAGE
+    assert 'Did you mean' in capsys.readouterr().err
+
+
+def test_submission_is_moved_before_anything_else_fails(course, monkeypatch, capsys):
+    """Otherwise the next grading would add the student again."""
+
+    def full(*_, **__):
+        raise OSError(28, 'No space left on device')
+
+    monkeypatch.setattr(forget, 'save_collected', full)
+
+    assert command.main(['forget', '1001', '--yes']) == command.USAGE
+    assert 'the disk is full' in capsys.readouterr().err
+    assert not (course.submitted / '1001').exists()
+
+
+def test_shared_id_is_forgotten(course, tmp_path, capsys):
+    """Two people with one name are a trace too, even if nothing of them was collected."""
+    files = {f'Li Wei_{one}_assignsubmission_file/talk.ipynb': GOOD for one in (313, 314)}
+    files['Ann_311_assignsubmission_file/talk.ipynb'] = GOOD
+    collect(packed(tmp_path / 'm.zip', files), course, course.submitted)
+
+    assert command.main(['forget', 'Li Wei', '--yes']) == OK
+    assert '  saved by collect: two people have this id' in capsys.readouterr().out
+    assert 'Li Wei' not in students(course)
