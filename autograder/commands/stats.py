@@ -40,7 +40,7 @@ def stats_text(numbers: ClassNumbers) -> str:
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
     lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
-    lines += [f'  missing: {student}: {why}' for student, why in numbers.missing]
+    lines += [f'  missing: {one.student}: {one.reason}' for one in numbers.missing]
     lines += _marks_lines(numbers)
     if numbers.checks:
         lines.append('  failed  not run  mean points  check')
