@@ -1,6 +1,6 @@
 """Statistics of a class: the numbers, the page, and the text on the terminal."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import pairwise
 import json
 from pathlib import Path
@@ -13,7 +13,7 @@ import pytest
 from autograder.classroom.collected import save_collected, Work
 from autograder.classroom.pages import write_all_reports, write_class_report
 from autograder.classroom.results_of_class import ClassResults, graded
-from autograder.classroom.statistics import class_numbers, ClassNumbers
+from autograder.classroom.statistics import class_numbers
 from autograder.commands.explain import verdicts_text
 from autograder.commands.stats import stats_text
 from autograder.errors import GraderError
@@ -187,11 +187,6 @@ class TestNumbers:
 
         assert sum(marks.bins) == len(points)
         assert marks.lowest <= marks.lower_quartile <= marks.median <= marks.highest
-
-    def test_numbers_are_json(self):
-        data = json.loads(json.dumps(asdict(numbers_of(*CLASS.results[:3]))))
-
-        assert set(data) == set(ClassNumbers.__dataclass_fields__)
 
 
 class TestPage:
