@@ -1,15 +1,14 @@
 """
-Show results: one HTML page per student, two for the class, and a table in the terminal.
+Show results: one HTML page per student, one for the class, and a table in the terminal.
 
-``index.html`` lists the students; ``class.html`` shows the distribution of marks, failed checks
-and their causes.  Names, messages and log lines come from students.  So the pages escape all text,
-allow no script and load nothing, and the table contains no control characters.
+``class.html`` shows the distribution of marks, failed checks and their causes, and all students.
+Names, messages and log lines come from students.  So the pages escape all text, allow no script
+and load nothing, and the table contains no control characters.
 """
 
 from collections.abc import Mapping, Sequence
 import json
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -19,7 +18,7 @@ from rich.table import Table
 from rich.text import Text
 
 from autograder.classroom.collected import Work
-from autograder.classroom.people import names_for_email, not_collected, read_people
+from autograder.classroom.people import names_for_email, read_people
 from autograder.classroom.results_of_class import (
     ClassResults,
     has_mark,
@@ -51,73 +50,57 @@ def write_all_reports(
 
     :param results: the results of all students
     :param summary: one sentence about the grading
-    :returns: path of the index page
-    :raises GraderError: if the class list is wrong; then nothing is written
+    :returns: path of the page of the class
+    :raises GraderError: if the class list is wrong, or the file of ``collect`` is damaged; then
+        nothing is written
     """
-    graded = ClassResults(assignment, tuple(results))
-    facts = _facts(layout, graded, summary)
+    read_people(layout)  # Report a wrong class list before anything is written.
     pages = layout.reports / assignment
     data = json.dumps([result.to_json() for result in results], indent=1)
     write_atomically(pages / 'results.json', f'{data}\n'.encode())
     (pages / 'students').mkdir(exist_ok=True)
-    templates = _templates()
-    student = templates.get_template('student.html.j2')
+    student = _templates().get_template('student.html.j2')
     for result in results:  # A student's own page shows no name.
         page = with_unique_ids(student.render(result=result))
         write_atomically(pages / page_name(result.student), page.encode(), lasting=False)
-    index = templates.get_template('index.html.j2')
-    page = index.render(assignment=assignment, results=results, **facts)
-    write_atomically(pages / 'index.html', page.encode(), lasting=False)
     written = {page_name(result.student) for result in results}
     for path in (pages / 'students').iterdir():
         if f'students/{path.name}' not in written:
             path.unlink()
-    _write_class_page(layout, graded, facts)
-    return pages / 'index.html'
+    return write_class_report(layout, ClassResults(assignment, tuple(results)), summary)
 
 
 def write_class_report(layout: Layout, graded: ClassResults, summary: str = '') -> Path:
-    """Write the page of a class and return its path."""
-    return _write_class_page(layout, graded, _facts(layout, graded, summary))
-
-
-def _write_class_page(layout: Layout, graded: ClassResults, facts: Mapping[str, Any]) -> Path:
     """
     Write the page of a class and return its path.
 
-    :param facts: see :func:`_facts`
+    :raises GraderError: if the class list is wrong
     """
     numbers = class_numbers(layout, graded)
     by_exam: dict[str, list[CheckNumbers]] = {}
     for check in numbers.checks:
         by_exam.setdefault(check.exam, []).append(check)
-    marks = numbers.marks
-    page = _templates().get_template('class_report.html.j2')
-    text = page.render(
-        numbers=numbers,
-        picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
-        exams=list(by_exam.items()),
-        students={one.student for one in graded.results},
-        results=sorted(graded.results, key=lambda one: (not one.review, one.points, one.student)),
-        **facts,
-    )
-    path = layout.reports / graded.assignment / 'class.html'
-    write_atomically(path, text.encode('utf-8', 'replace'))
-    return path
-
-
-def _facts(layout: Layout, graded: ClassResults, summary: str) -> dict[str, Any]:
-    """Return the data that both pages of a class show, with unreadable submissions first."""
-    results = graded.results
-    missing = not_collected(layout, graded.assignment, {one.student for one in results})
+    results, marks = graded.results, numbers.marks
     unusable = [(one.student, (one.unusable.rstrip('.'),)) for one in results if one.unusable]
-    return {
-        'flagged': [*unusable, *((one.student, one.flags) for one in results if one.flags)],
-        'summary': summary,
-        'people': read_people(layout),
-        'missing': missing,
-        'names': names_for_email(missing),
-    }
+    text = (
+        _templates()
+        .get_template('class_report.html.j2')
+        .render(
+            numbers=numbers,
+            picture=Markup(histogram(marks)) if marks else '',  # noqa: S704 - only numbers
+            exams=list(by_exam.items()),
+            students={one.student for one in results},
+            results=sorted(results, key=lambda one: (not one.review, one.points, one.student)),
+            flagged=[*unusable, *((one.student, one.flags) for one in results if one.flags)],
+            summary=summary,
+            people=read_people(layout),
+            names=names_for_email(numbers.missing),
+        )
+    )
+    folder = layout.reports / graded.assignment
+    write_atomically(folder / 'class.html', text.encode('utf-8', 'replace'))
+    (folder / 'index.html').unlink(missing_ok=True)  # Earlier versions wrote a second page.
+    return folder / 'class.html'
 
 
 def _labels(marks: Marks) -> list[tuple[str, int]]:

@@ -2,20 +2,21 @@
 List similar submissions for an instructor to compare; similarity is never a verdict.
 
 Comments, docstrings, spacing, names that the file defines and lines of the release are ignored.
-Rapidfuzz compares the rest twice: token by token in order, and line by line in any order.  So
-neither renaming nor moving code hides a copy.  If a lesson asks for nodes of the course's finished
-package, submissions are also compared with this package.  The score of a typical pair shows how
-similar all answers to the exercise are.  No submitted code runs.
+Rapidfuzz compares the tokens of the rest, with the lines sorted.  So neither renaming nor moving
+code hides a copy.  If a lesson asks for nodes of the course's finished package, submissions are
+also compared with this package.  The score of a typical pair shows how similar all answers to the
+exercise are.  No submitted code runs.
 """
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass
 from itertools import chain, combinations
 from pathlib import Path
 import re
 import statistics
+from typing import NamedTuple
 
 from autograder.errors import GraderError
 from autograder.grading.pipeline import Lesson, load_lesson, open_one
@@ -26,7 +27,7 @@ from autograder.submission.notebook import Notebook
 from autograder.submission.submission import Opened
 
 MOST = 50
-"""Maximum number of pairs that are shown with their common lines."""
+"""Maximum number of listed pairs."""
 SHORTEST = 40
 """Minimum number of tokens of the student's own code; shorter answers are often equal."""
 NOT_COMPARED = ('answers/', 'msg/', 'package.xml', 'CMakeLists.txt')
@@ -37,78 +38,40 @@ TOKEN = re.compile(r"""[bf]?(?P<quote>['"]).*?(?<!\\)(?P=quote)|\w+|[^\w\s]=?"""
 STORE = ast.Store()
 BELOW = ('body', 'orelse', 'handlers', 'finalbody', 'cases')
 """Fields of syntax nodes that contain nested statements."""
-WARNING = (
-    'Similarity proves nothing. Small exercises have few good answers, and students may have been '
-    'allowed to work together. Read both files before you speak to a student.'
-)
+Tokens = tuple[str, ...]
+"""The tokens of one statement without its nested statements, or of one line of any other file."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Pair(NamedTuple):
     """
-    One statement without its nested statements, or one line of a file that is not Python.
+    Two similar submissions.
 
-    :param number: number of its first line in the file, from 1
-    :param raw: its tokens
-    :param tokens: its tokens, with one placeholder for all names that the file defines
-    """
-
-    path: str
-    number: int
-    text: str
-    raw: tuple[str, ...]
-    tokens: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Common:
-    """Consecutive lines that two submissions have in common, as written in each of them."""
-
-    path: str
-    first: tuple[str, ...]
-    second: tuple[str, ...]
-    first_line: int
-    second_line: int
-
-
-@dataclass(frozen=True)
-class Pair:
-    """
-    Two similar submissions, or two groups of equal submissions.
-
-    :param first: students whose own code is the same
-    :param second: students of the other group; empty for a single group of equal submissions
     :param score: 0 to 1
-    :param renamed: share of the common lines in which only names differ
+    :param common: number of lines that both have, apart from names
     """
 
-    first: tuple[str, ...]
-    second: tuple[str, ...]
     score: float
-    renamed: float
-    common: tuple[Common, ...]
+    first: str
+    second: str
+    common: int
 
 
-@dataclass(frozen=True)
-class Similar:
+class Similar(NamedTuple):
     """
     The result of comparing one assignment.
 
     :param compared: number of submissions with enough code of their own
-    :param short: students with too little code of their own
+    :param short: submissions with too little code of their own
     :param typical: median score of all pairs, None if there is no pair
-    :param pairs: pairs with a score of at least ``at_least``, the most similar first
-    :param more: number of further such pairs, which are left out
+    :param pairs: at most :data:`MOST` pairs, the most similar first
+    :param more: number of further pairs that are similar enough
     """
 
-    assignment: str
     compared: int
-    short: tuple[str, ...]
-    at_least: float
+    short: list[str]
     typical: float | None
-    pairs: tuple[Pair, ...]
-    more: int = 0
-    warning: str = WARNING
+    pairs: list[Pair]
+    more: int
 
 
 # -- from submissions to lines ------------------------------------------------------------------
@@ -116,7 +79,7 @@ class Similar:
 
 def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -> Similar:
     """
-    Compare all submissions of an assignment.
+    Compare all submissions of an assignment, which are named by their path below ``submitted``.
 
     :param assignment: full name of the assignment
     :param submitted: the folder of the class
@@ -130,10 +93,12 @@ def similar(layout: Layout, assignment: str, submitted: Path, at_least: float) -
         raise GraderError(f'{submitted}: the folder cannot be read: {error.strerror}.') from error
     if not there:
         raise GraderError(f'{submitted}: there are no submissions for {assignment}.')
-    own = {one.student: _answers(open_one(one, lesson), lesson) for one in there}
-    return compare(
-        assignment, own, given_lines(lesson.release), at_least, finished_package(layout, lesson)
-    )
+    answers = {}
+    for one in there:
+        name = str(one.path.relative_to(submitted)) if one.path else one.student
+        answers[name] = _answers(open_one(one, lesson), lesson)
+    package = finished_package(layout, lesson)
+    return compare(answers, given_lines(lesson.release), at_least, package)
 
 
 def finished_package(layout: Layout, lesson: Lesson) -> dict[str, dict[str, str]]:
@@ -160,38 +125,38 @@ def _answers(opened: Opened, lesson: Lesson) -> dict[str, str]:
     }
 
 
-def given_lines(release: Notebook) -> frozenset[tuple[str, ...]]:
+def given_lines(release: Notebook) -> frozenset[Tokens]:
     """Return every line of code that students received with the notebook."""
     return frozenset(
-        line.raw
+        line
         for cell in release['cells']
         if cell['cell_type'] == 'code'
-        for line in lines_of('given.py', re.sub(r'^[%!].*$', '', cell['source'], flags=re.M))
+        for line, _ in lines_of('given.py', re.sub(r'^[%!].*$', '', cell['source'], flags=re.M))
     )
 
 
-def lines_of(path: str, text: str) -> list[Line]:
-    """Return the statements of a Python file except docstrings, or the lines of any other file."""
+def lines_of(path: str, text: str) -> list[tuple[Tokens, Tokens]]:
+    """
+    Return the statements of a Python file except docstrings, or the lines of any other file.
+
+    :returns: pairs of a line as written, and with one placeholder for all names that the file
+        defines
+    """
     if path.endswith('.py'):
         try:
-            return list(_python_lines(path, text))
+            return list(_python_lines(text))
         except (NotPythonError, RecursionError):
             pass  # Compare the lines as plain text, without replacing names.
-    found = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        words = tokens_of(line.partition('#')[0])
-        if words:
-            found.append(Line(path, number, line.strip(), words, words))
-    return found
+    lines = (_tokens(line.partition('#')[0]) for line in text.splitlines())
+    return [(line, line) for line in lines if line]
 
 
-def tokens_of(code: str) -> tuple[str, ...]:
-    """Return the tokens of some code."""
+def _tokens(code: str) -> Tokens:
     return tuple(found[0] for found in TOKEN.finditer(code))
 
 
-def _python_lines(path: str, text: str) -> Iterator[Line]:
-    physical, tree = text.splitlines(), parsed(text)
+def _python_lines(text: str) -> Iterator[tuple[Tokens, Tokens]]:
+    tree = parsed(text)
     own = {name for node in ast.walk(tree) for name in _given_names(node)}
     for statement in _statements(tree):
         head = copy(statement)
@@ -200,8 +165,7 @@ def _python_lines(path: str, text: str) -> Iterator[Line]:
                 setattr(head, field, [])
         code = ast.unparse(head)
         renamed = NAME.sub(lambda found: 'name' if found[0] in own else found[0], code)
-        shown = physical[head.lineno - 1].strip()
-        yield Line(path, head.lineno, shown, tokens_of(code), tokens_of(renamed))
+        yield _tokens(code), _tokens(renamed)
 
 
 def _statements(node: ast.AST) -> Iterator[ast.stmt]:
@@ -226,90 +190,50 @@ def _given_names(node: ast.AST) -> Iterator[str]:
 
 
 def compare(
-    assignment: str,
     answers: Mapping[str, Mapping[str, str]],
-    given: frozenset[tuple[str, ...]],
+    given: frozenset[Tokens],
     at_least: float,
-    references: Mapping[str, Mapping[str, str]] | None = None,
+    references: Mapping[str, Mapping[str, str]],
 ) -> Similar:
     """
     Compare the files of all students.
 
-    :param answers: student -> path -> text
+    :param answers: submission -> path -> text
     :param given: lines that all students received, see :func:`given_lines`
+    :param at_least: minimum score of a listed pair, 0 to 1
     :param references: name -> path -> text of the course's own code, which is compared with the
         students' files but not with itself
     """
-    references = references or {}
-    own = {
-        student: [
-            line
-            for path, text in files.items()
-            for line in lines_of(path, text)
-            if line.raw not in given
-        ]
-        for student, files in {**answers, **references}.items()
-    }
-    short = tuple(
-        who for who, found in own.items() if sum(len(one.tokens) for one in found) < SHORTEST
-    )
-    groups: dict[tuple[tuple[str, ...], ...], list[str]] = {}
-    for student, found in own.items():
-        if student not in short:
-            groups.setdefault(tuple(line.tokens for line in found), []).append(student)
-    alike: list[tuple[float, Sequence[str], Sequence[str]]] = [
-        (1.0, students, ()) for students in groups.values() if len(students) > 1
-    ]
-    scores = []
-    for score, first, second in _scores(groups):
-        if not set(first) | set(second) <= references.keys():
-            scores.append(score)
-            alike += [(score, first, second)] if score >= at_least else []
-    alike.sort(key=lambda found: (-found[0], found[1]))
-    pairs = tuple(
-        _pair(first, second, score, own[first[0]], own[(second or first[1:])[0]])
-        for score, first, second in alike[:MOST]
-    )
-    compared = len(own.keys() - references.keys() - set(short))
-    typical = statistics.median(scores) if scores else None
-    more = max(0, len(alike) - MOST)
-    return Similar(assignment, compared, short, at_least, typical, pairs, more)
-
-
-def _scores(
-    groups: Mapping[tuple[tuple[str, ...], ...], Sequence[str]],
-) -> Iterator[tuple[float, Sequence[str], Sequence[str]]]:
-    """Yield the score of each pair of groups, with the students of both."""
     from rapidfuzz.distance import Indel
     from rapidfuzz.process import cdist
 
-    if len(groups) > 1:
-        in_order, any_order = (
-            cdist(texts, texts, scorer=Indel.normalized_similarity).tolist()
-            for texts in ([[*chain(*lines)] for lines in groups], [sorted(one) for one in groups])
+    own = {
+        name: sorted(
+            renamed
+            for path, text in files.items()
+            for line, renamed in lines_of(path, text)
+            if line not in given
         )
-        for (one, first), (two, second) in combinations(enumerate(groups.values()), 2):
-            yield max(in_order[one][two], any_order[one][two]), first, second
-
-
-def _pair(
-    first: Sequence[str],
-    second: Sequence[str],
-    score: float,
-    one: Sequence[Line],
-    two: Sequence[Line],
-) -> Pair:
-    """Return a pair with its blocks of common lines, longest blocks first."""
-    from rapidfuzz.distance import LCSseq
-
-    common, same, renamed = [], 0, 0
-    found = LCSseq.opcodes([line.tokens for line in one], [line.tokens for line in two])
-    *blocks, _ = found.as_matching_blocks()  # The last block is empty.
-    for begin, begin_of_other, size in blocks:
-        left, right = one[begin : begin + size], two[begin_of_other : begin_of_other + size]
-        same += size
-        renamed += sum(line.raw != theirs.raw for line, theirs in zip(left, right))
-        mine, other = (tuple(line.text for line in lines) for lines in (left, right))
-        common.append(Common(left[0].path, mine, other, left[0].number, right[0].number))
-    common.sort(key=lambda found: -len(found.first))
-    return Pair(tuple(first), tuple(second), score, renamed / max(1, same), tuple(common))
+        for name, files in {**answers, **references}.items()
+    }
+    texts = {name: [*chain(*lines)] for name, lines in own.items()}
+    short = [name for name in own if len(texts[name]) < SHORTEST]
+    names = [name for name in own if name not in short]
+    every = [texts[name] for name in names]
+    scores = cdist(every, every, scorer=Indel.normalized_similarity).tolist()
+    found = [
+        (scores[one][two], first, second)
+        for (one, first), (two, second) in combinations(enumerate(names), 2)
+        if not {first, second} <= references.keys()
+    ]
+    alike = sorted((one for one in found if one[0] >= at_least), key=lambda one: -one[0])
+    return Similar(
+        compared=len(answers.keys() - set(short)),
+        short=short,
+        typical=statistics.median(score for score, *_ in found) if found else None,
+        pairs=[
+            Pair(score, first, second, (Counter(own[first]) & Counter(own[second])).total())
+            for score, first, second in alike[:MOST]
+        ],
+        more=len(alike[MOST:]),
+    )

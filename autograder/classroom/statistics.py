@@ -15,6 +15,7 @@ from pathlib import Path
 import statistics
 from typing import Any
 
+from autograder.classroom.collected import Work
 from autograder.classroom.people import not_collected
 from autograder.classroom.results_of_class import (
     ClassResults,
@@ -86,7 +87,7 @@ class ClassNumbers:
 
     :param marks: None if nobody has a mark
     :param review: students without a score, each with the reason
-    :param missing: students without a submission to grade, each with the reason
+    :param missing: students without a submission to grade
     :param flagged: pairs of a student and a flag for the instructor
     :param slowest: the slowest students, each with the duration of the runs as recorded [s]
     :param recorded: number of submissions that needed no run in the last grading
@@ -102,7 +103,7 @@ class ClassNumbers:
     marks: Marks | None
     checks: tuple[CheckNumbers, ...]
     review: tuple[tuple[str, str], ...]
-    missing: tuple[tuple[str, str], ...]
+    missing: tuple[Work, ...]
     flagged: tuple[tuple[str, str], ...]
     slowest: tuple[tuple[str, float], ...]
     recorded: int
@@ -122,7 +123,6 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
     results = graded.results
     exams = [exam for result in results for exam in result.exams]
     slowest = sorted(filter(ran_s, results), key=ran_s, reverse=True)
-    missing = not_collected(layout, graded.assignment, {one.student for one in results})
     headers: dict[str, list[Header]] = {}
     for exam, name in dict.fromkeys((one.exam, one.recording) for one in exams):
         header = _header(layout.recordings / exam / name) if name else {}
@@ -133,7 +133,7 @@ def class_numbers(layout: Layout, graded: ClassResults) -> ClassNumbers:
         marks=_marks([result for result in results if has_mark(result)]),
         checks=_checks([exam for one in results if not one.review for exam in one.exams]),
         review=tuple((one.student, one.review) for one in results if one.review),
-        missing=tuple((one.student, one.reason) for one in missing),
+        missing=not_collected(layout, graded.assignment, {one.student for one in results}),
         flagged=tuple((one.student, flag) for one in results for flag in one.flags),
         slowest=tuple((one.student, ran_s(one)) for one in slowest[:SLOWEST]),
         recorded=sum(not any(x.timing.get('run_s') for x in one.exams) for one in results),

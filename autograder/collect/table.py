@@ -1,4 +1,4 @@
-"""The table of collected and refused work, which is printed or converted to JSON."""
+"""Print the table of collected and refused work."""
 
 from collections import Counter
 from collections.abc import Sequence

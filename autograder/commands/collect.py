@@ -2,8 +2,6 @@
 
 import argparse
 from contextlib import nullcontext
-from dataclasses import asdict
-import json
 from pathlib import Path
 import sys
 
@@ -13,7 +11,7 @@ from autograder.classroom.course_lock import lock_course
 from autograder.classroom.people import names_for_email
 from autograder.collect.copy_notebooks import collect
 from autograder.collect.table import LEFT, print_rows
-from autograder.commands import flag, FOR_REVIEW, JSON, OK, option, takes, TO_SUBMITTED
+from autograder.commands import flag, FOR_REVIEW, OK, option, takes, TO_SUBMITTED
 from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 
@@ -45,7 +43,6 @@ from autograder.layout import Layout
     ),
     TO_SUBMITTED,
     flag('--dry-run', 'print the table and write nothing'),
-    JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
     """Collect the submissions of a class and print the table."""
@@ -69,10 +66,7 @@ def run(chosen: argparse.Namespace) -> int:
         if taken and (count := remove_sample_class(layout)):
             said = f'Removed the {count} example students from {to.name}/ and the gradebook.'
             print(said, file=sys.stderr)
-    if chosen.json:
-        print(json.dumps([asdict(row) for row in rows]))
-    else:
-        print_rows(rows, to, write)
-        if missing := read_not_collected(layout):
-            print(printable(f'Nothing to grade yet from: {names_for_email(missing)}'))
+    print_rows(rows, to, write)
+    if missing := read_not_collected(layout):
+        print(printable(f'Nothing to grade yet from: {names_for_email(missing)}'))
     return FOR_REVIEW if any(row.done == LEFT for row in rows) else OK

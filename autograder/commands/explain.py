@@ -7,22 +7,19 @@ the instructor, who decides what to show the student.
 """
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from autograder.classroom.pages import with_name
 from autograder.classroom.people import read_people, student_named
 from autograder.classroom.results_of_class import graded
-from autograder.commands import JSON, OK, option, show, STUDENT, SUBMITTED, takes
+from autograder.commands import OK, option, STUDENT, SUBMITTED, takes
 from autograder.errors import GraderError, RecordingInvalid
 from autograder.exam.exam import Exam, Run
 from autograder.explaining.feedback import points_of, printable
 from autograder.explaining.live import live_line
-from autograder.exports.as_json import submission_json
 from autograder.grading.examine import judge_again
 from autograder.grading.pipeline import load_lesson, open_one
 from autograder.judging.deviation import deviation
@@ -54,18 +51,16 @@ HOW = {
     ),
     option('--assignment', 'needed if several assignments have this check', metavar='NAME'),
     SUBMITTED,
-    JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
     """Print the checks of a student, or the evidence behind one of them."""
     layout = Layout.here()
     if chosen.check is None:
-        results = results_of(layout, chosen.student, chosen.assignment)
-        as_json = [submission_json(result) for result in results]
-        show(chosen.json, as_json, verdicts_text(layout, results))
-        return OK
-    found = evidence(layout, chosen.student, chosen.check, chosen.assignment, chosen.submitted)
-    show(chosen.json, found, evidence_text(found))
+        text = verdicts_text(layout, results_of(layout, chosen.student, chosen.assignment))
+    else:
+        where = chosen.assignment, chosen.submitted
+        text = evidence(layout, chosen.student, chosen.check, *where)
+    print(text)
     return OK
 
 
@@ -75,9 +70,9 @@ def evidence(
     check: str,
     assignment: str | None = None,
     submitted: Path | None = None,
-) -> dict[str, Any]:
+) -> str:
     """
-    Return the evidence behind one verdict as JSON data.
+    Return the evidence behind one verdict as plain text of at most :data:`MOST_LINES` lines.
 
     :param student: id or display name
     :param check: name of the check, or ``exam/check``
@@ -102,19 +97,24 @@ def evidence(
     recording = None
     with suppress(RecordingInvalid):
         recording = Recording.load(path) if exam_result.recording else None
-    return {
-        'student': student,
-        'assignment': result.assignment,
-        'exam': exam.name,
-        'fault': result.fault,
-        'check': asdict(verdict),
-        'now': now,
-        'files': {name: sha256(text.encode()).hexdigest() for name, text in files.items()},
-        'isolation': exam_result.mode,
-        'flags': list(result.flags),
-        'recording': _about(path, recording, files) if recording else None,
-        **(_events_around(exam, verdict.check, files, recording) if recording else {}),
-    }
+    facts = {**verdict.facts, **({'waits for': verdict.waits_for} if verdict.waits_for else {})}
+    digests = [f'{name} {_digest(text.encode())}' for name, text in files.items()]
+    lines = [
+        f'{student}, {result.assignment}, exam {exam.name}, check {verdict.check}',
+        f'{verdict.verdict.value}, {points_of(verdict)} points: {verdict.title}',
+        *(f'  {word}: {" ".join(text.split())}' for word, text in facts.items()),
+        f'  {now}',
+        '',
+        *_events_around(exam, verdict.check, files, recording),
+        '',
+        *_last_words(recording),
+        f'files (SHA-256): {", ".join(digests) or "none"}',
+        *_about(path, recording, files),
+        f'isolation: {exam_result.mode or "nothing was run"}',
+        *(f'flag: {flag}' for flag in result.flags[:3]),
+        'This output shows inputs of the hidden exam. Do not pass it on to students unedited.',
+    ]
+    return _narrow(lines, MOST_LINES)
 
 
 def results_of(
@@ -178,53 +178,65 @@ def _compare_with_now(
     return f'judged again now from the recording: {said}'
 
 
-def _about(path: Path, recording: Recording, files: Mapping[str, str]) -> dict[str, Any]:
-    process = recording.process
-    # Prefer stderr, which usually explains more, unless it is empty.
-    texts = [str(process.get(name, '')) for name in ('stderr', 'stdout')]
-    said = next((text for text in texts if text.strip()), '')
-    return {
-        'name': path.name,
-        'sha256': sha256(path.read_bytes()).hexdigest(),
-        'header': dict(recording.header),
-        'events': len(recording.events),
-        'end': recording.end_reason,
-        'process': {
-            name: value
-            for name, value in process.items()
-            if name not in ('event', 'stdout', 'stderr')
-        },
-        'of_these_files': recording.header.get('files') == files_digest(files),
-        'said': [line for line in said.splitlines() if line.strip()][-LAST_WORDS:],
-    }
-
-
 def _events_around(
-    exam: Exam, name: str, files: Mapping[str, str], recording: Recording
-) -> dict[str, Any]:
-    """Return the first deviation, the events around it, and the last inputs before it."""
+    exam: Exam, name: str, files: Mapping[str, str], recording: Recording | None
+) -> Iterator[str]:
+    """Yield the first deviation, the events around it, and the last inputs before it."""
+    events = recording.events if recording else ()
+    seen = [number for number, event in enumerate(events) if live_line(event)]
+    if not recording or not seen:
+        yield (
+            'No recording: nothing was run, so the files alone gave the verdict, or the recording '
+            'was deleted.'
+        )
+        return
     check = next((one for one in exam.checks if one.name == name), None)
     where = deviation(check, Run(files, recording, exam.facts)) if check else None
-    events = recording.events
-    seen = [number for number, event in enumerate(events) if live_line(event)]
-    shown, moment = seen[: BEFORE + AFTER], None
-    if where is not None:
-        clock_ns = events[where.index].get('clock_ns')
-        moment = {'index': where.index, 'clock_ns': clock_ns, 'how': HOW[where.how]}
+    if where is None:
+        yield 'No deviation; the run begins with:'
+        shown = seen[: BEFORE + AFTER]
+    else:
+        yield f'First deviation: {HOW[where.how]}.'
         before = [one for one in seen if one <= where.index]
         inputs = [one for one in before if events[one]['event'] == 'input']
         after = [one for one in seen if one > where.index]
         shown = sorted({*inputs[-INPUTS:], *before[-BEFORE - 1 :], *after[:AFTER]})
-    return {
-        'deviation': moment,
-        'seen': [
-            {'index': one, 'line': live_line(events[one]), 'event': dict(events[one])}
-            for one in shown
-        ],
-    }
+    for one in shown:
+        yield f'{">" if where and one == where.index else " "} {live_line(events[one])}'
 
 
-# -- as text --------------------------------------------------------------------------------
+def _last_words(recording: Recording | None) -> Iterator[str]:
+    """Yield the last lines that a program printed whose run ended early."""
+    if not recording or recording.end_reason == 'complete':
+        return
+    # Prefer stderr, which usually explains more, unless it is empty.
+    texts = [str(recording.process.get(name, '')) for name in ('stderr', 'stdout')]
+    said = next((text for text in texts if text.strip()), '')
+    if lines := [line for line in said.splitlines() if line.strip()]:
+        yield 'last lines that the program printed:'
+        yield from (f'  | {line}' for line in lines[-LAST_WORDS:])
+        yield ''
+
+
+def _about(path: Path, recording: Recording | None, files: Mapping[str, str]) -> Iterator[str]:
+    """Yield the origin of a recording."""
+    if not recording:
+        return
+    header = recording.header
+    of_these = header.get('files') == files_digest(files)
+    made = 'made from these files' if of_these else 'made from OTHER files'
+    versions = header.get('made_with', {})
+    made_with = ', '.join(f'{name} {text}' for name, text in versions.items())
+    yield f'recording: {path.name}, SHA-256 {_digest(path.read_bytes())}, {made}'
+    yield (
+        f'  {len(recording.events)} events, end: {recording.end_reason}, {made_with}, '
+        f'environment {str(header.get("environment", "unknown"))[:12]}'
+    )
+
+
+def _digest(data: bytes) -> str:
+    """Return the first digits of the SHA-256 digest of some data."""
+    return sha256(data).hexdigest()[:12]
 
 
 def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
@@ -243,63 +255,7 @@ def verdicts_text(layout: Layout, results: Sequence[SubmissionResult]) -> str:
     return _narrow([*lines, 'To see the evidence behind a verdict: explain STUDENT EXAM/CHECK'])
 
 
-def evidence_text(found: Mapping[str, Any]) -> str:
-    """Return the evidence as plain text of at most :data:`MOST_LINES` lines."""
-    lines = [*_verdict_lines(found), '', *_seen_lines(found), '', *_origin_lines(found)]
-    return _narrow(lines, MOST_LINES)
-
-
 def _narrow(lines: Sequence[str], most: int | None = None) -> str:
     """Return text with lines of limited length and without control characters."""
     short = [shortened(line, WIDEST) for line in printable('\n'.join(lines)).split('\n')]
     return '\n'.join(short[:most])
-
-
-def _verdict_lines(found: Mapping[str, Any]) -> list[str]:
-    check = CheckResult.from_json(found['check'])
-    facts = {**check.facts, **({'waits for': check.waits_for} if check.waits_for else {})}
-    return [
-        f'{found["student"]}, {found["assignment"]}, exam {found["exam"]}, check {check.check}',
-        f'{check.verdict.value}, {points_of(check)} points: {check.title}',
-        *(f'  {word}: {" ".join(text.split())}' for word, text in facts.items()),
-        f'  {found["now"]}',
-    ]
-
-
-def _seen_lines(found: Mapping[str, Any]) -> list[str]:
-    if not found.get('seen'):
-        return [
-            'No recording: nothing was run, so the files alone gave the verdict, or the recording '
-            'was deleted.'
-        ]
-    where = found['deviation']
-    head = f'First deviation: {where["how"]}.' if where else 'No deviation; the run begins with:'
-    at = where['index'] if where else None
-    return [
-        head,
-        *(f'{">" if one["index"] == at else " "} {one["line"]}' for one in found['seen']),
-    ]
-
-
-def _origin_lines(found: Mapping[str, Any]) -> list[str]:
-    about, lines = found['recording'], []
-    if about and about['end'] != 'complete' and about['said']:
-        said = (f'  | {line}' for line in about['said'])
-        lines = ['last lines that the program printed:', *said, '']
-    files = ', '.join(f'{name} {digest[:12]}' for name, digest in found['files'].items())
-    lines.append(f'files (SHA-256): {files or "none"}')
-    if about:
-        made = 'made from these files' if about['of_these_files'] else 'made from OTHER files'
-        versions = about['header'].get('made_with', {})
-        made_with = ', '.join(f'{name} {text}' for name, text in versions.items())
-        lines += [
-            f'recording: {about["name"]}, SHA-256 {about["sha256"][:12]}, {made}',
-            f'  {about["events"]} events, end: {about["end"]}, {made_with}, '
-            f'environment {str(about["header"].get("environment", "unknown"))[:12]}',
-        ]
-    lines.append(f'isolation: {found["isolation"] or "nothing was run"}')
-    lines += [f'flag: {flag}' for flag in found['flags'][:3]]
-    return [
-        *lines,
-        'This output shows inputs of the hidden exam. Do not pass it on to students unedited.',
-    ]

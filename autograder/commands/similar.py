@@ -1,14 +1,17 @@
 """The command ``similar``: list similar submissions for a person to compare."""
 
 import argparse
-from dataclasses import asdict
+from pathlib import Path
 
-from autograder.classroom.similarity import Pair, Similar, similar
-from autograder.commands import ASSIGNMENT, JSON, OK, option, show, SUBMITTED, takes
+from autograder.classroom.similarity import Similar, similar
+from autograder.commands import ASSIGNMENT, OK, option, SUBMITTED, takes
 from autograder.explaining.feedback import printable
 from autograder.layout import Layout
 
-COMMON_LINES = 6
+WARNING = (
+    'Similarity proves nothing. Small exercises have few good answers, and students may have been '
+    'allowed to work together. Read both files before you speak to a student.'
+)
 
 
 def _percent(text: str) -> float:
@@ -31,46 +34,33 @@ def _percent(text: str) -> float:
         default=85.0,
         metavar='PERCENT',
     ),
-    JSON,
 )
 def run(chosen: argparse.Namespace) -> int:
     """Print the pairs of similar submissions."""
     layout = Layout.here()
     assignment = layout.assignment_named(chosen.assignment)
     submitted = chosen.submitted or layout.submitted
-    found = similar(layout, assignment, submitted, chosen.at_least / 100)
-    show(chosen.json, asdict(found), similar_text(found))
+    at_least = chosen.at_least / 100
+    found = similar(layout, assignment, submitted, at_least)
+    print(similar_text(found, assignment, submitted, at_least))
     return OK
 
 
-def similar_text(found: Similar) -> str:
+def similar_text(found: Similar, assignment: str, submitted: Path, at_least: float) -> str:
     """Return the pairs as plain text."""
-    lines = [f'{found.assignment}: {found.compared} submissions compared. {found.warning}']
+    lines = [f'{assignment}: {found.compared} submissions compared. {WARNING}']
     if found.typical is not None:
         lines.append(f'Two submissions of this class are typically {found.typical:.0%} alike.')
-    for pair in found.pairs:
-        lines += ['', *_pair_lines(pair)]
-    if not found.pairs:
-        lines.append(f'No two submissions are {found.at_least:.0%} or more alike.')
+    if found.pairs:
+        lines += [f'The files are in {submitted}.', '']
+    else:
+        lines.append(f'No two submissions are {at_least:.0%} or more alike.')
+    lines += [
+        f'{score:4.0%}  {common:3} common lines  {first}  ~  {second}'
+        for score, first, second, common in found.pairs
+    ]
     if found.more:
-        lines.append(f'\n... and {found.more} more pairs. Try: a higher --at-least')
+        lines.append(f'... and {found.more} more pairs. Try: a higher --at-least')
     if found.short:
-        lines.append('')
-        lines.append(f'Too little code of their own to compare: {", ".join(found.short)}')
+        lines += ['', f'Too little code of their own to compare: {", ".join(found.short)}']
     return printable('\n'.join(lines))
-
-
-def _pair_lines(pair: Pair) -> list[str]:
-    names = ' = '.join(pair.first)
-    if pair.second:
-        names = f'{names}  ~  {" = ".join(pair.second)}'
-    said = f'{pair.score:4.0%}  {names}'
-    if pair.renamed:
-        said += f'  (only names differ in {pair.renamed:.0%} of the common lines)'
-    lines = [said]
-    common = [both for part in pair.common for both in zip(part.first, part.second)]
-    for first, second in common[:COMMON_LINES]:
-        lines.append(f'      | {first}' + (f'   <>   {second}' if first != second else ''))
-    if more := len(common[COMMON_LINES:]):
-        lines.append(f'      | ... {more} more lines (see --json)')
-    return lines

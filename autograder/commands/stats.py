@@ -1,12 +1,11 @@
 """The commands ``stats`` and ``report``: statistics of a class, as text and as a page."""
 
 import argparse
-from dataclasses import asdict
 
 from autograder.classroom.pages import write_class_report
 from autograder.classroom.results_of_class import graded
 from autograder.classroom.statistics import class_numbers, ClassNumbers
-from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, JSON, OK, show, takes
+from autograder.commands import ASSIGNMENT_OR_ALL, FOR_REVIEW, OK, takes
 from autograder.explaining.feedback import number, printable
 from autograder.layout import Layout
 from autograder.results import shortened
@@ -24,13 +23,12 @@ def report(chosen: argparse.Namespace) -> int:
     return OK
 
 
-@takes(ASSIGNMENT_OR_ALL, JSON)
+@takes(ASSIGNMENT_OR_ALL)
 def run(chosen: argparse.Namespace) -> int:
     """Print the statistics of a class."""
     layout = Layout.here()
     found = [class_numbers(layout, one) for one in graded(layout, chosen.assignment)]
-    text = '\n\n'.join(stats_text(one) for one in found)
-    show(chosen.json, [asdict(one) for one in found], text)
+    print('\n\n'.join(stats_text(one) for one in found))
     return FOR_REVIEW if any(one.review for one in found) else OK
 
 
@@ -40,7 +38,7 @@ def stats_text(numbers: ClassNumbers) -> str:
         f'{numbers.assignment}: {numbers.submissions} submission{"s" * (numbers.submissions != 1)}'
     ]
     lines += [f'  for review: {student}: {fault}' for student, fault in numbers.review]
-    lines += [f'  missing: {student}: {why}' for student, why in numbers.missing]
+    lines += [f'  missing: {one.student}: {one.reason}' for one in numbers.missing]
     lines += _marks_lines(numbers)
     if numbers.checks:
         lines.append('  failed  not run  mean points  check')

@@ -215,12 +215,12 @@ def test_no_payload_was_executed(graded):
 
 def test_class_list_and_results_are_harmless(graded):
     folder = graded.layout.reports / ASSIGNMENT
-    index = (folder / 'index.html').read_text(encoding='utf-8')
+    page = (folder / 'class.html').read_text(encoding='utf-8')
     data = json.loads((folder / 'results.json').read_text(encoding='utf-8'))
 
     assert len(data) == len(ATTACKS) + len(HONEST)
     assert CANARY not in json.dumps(data)
-    assert [sign for sign in (*HTML, '\x1b') if sign in index] == []
+    assert [sign for sign in (*HTML, '\x1b') if sign in page] == []
 
 
 def test_feedback_and_export_are_harmless(graded):

@@ -59,7 +59,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize('width', [400, 1400])
-@pytest.mark.parametrize('page_name', ['index', 'class', 'students/ann'])
+@pytest.mark.parametrize('page_name', ['class', 'students/ann'])
 def test_page_is_readable_without_a_mouse(
     pages: Path, browser: Any, shots: Path, page_name: str, width: int
 ) -> None:

@@ -48,7 +48,7 @@ def test_lesson_without_exams_is_released_graded_and_reported(tmp_path):
     enter_assignment(layout, ASSIGNMENT)
     (graded,) = grade_class(submissions, lesson, NoExams(), jobs=1)
     record(layout, lesson, [graded])
-    index = write_all_reports(layout, ASSIGNMENT, [graded.result], 'one submission')
+    page = write_all_reports(layout, ASSIGNMENT, [graded.result], 'one submission')
 
     assert (graded.result.points, graded.result.max_points, graded.result.fault) == (0, 0, '')
-    assert 'ann' in index.read_text(encoding='utf-8')
+    assert 'ann' in page.read_text(encoding='utf-8')

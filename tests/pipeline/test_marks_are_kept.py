@@ -279,8 +279,8 @@ class TestCopies:
         assert found['ann']['points'] > 0
         assert (found['bob']['status'], found['bob']['points']) == ('for review', None)
 
-        assert command.main(['explain', 'bob', '--json']) == OK
-        assert json.loads(capsys.readouterr().out) == [found['bob']]
+        assert command.main(['explain', 'bob']) == OK
+        assert capsys.readouterr().out.startswith(f'bob, {ASSIGNMENT}: for review: ')
 
 
 class TestStudents:

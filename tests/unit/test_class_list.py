@@ -87,16 +87,15 @@ def test_without_a_list_nobody_is_missing(layout):
 
 
 def test_reports_and_statistics_name_who_is_missing(listed):
-    """The table, both pages and the statistics name missing students."""
+    """The table, the page and the statistics name missing students."""
     missing = not_collected(listed, TALK, {'ann'})
     console = Console(record=True, width=120, file=None)
     print_table(console, TALK, [submission('ann')], {}, missing)
     write_all_reports(listed, TALK, [submission('ann')])
 
     assert 'Nothing handed in.' in console.export_text()
-    for page in ('index.html', 'class.html'):
-        text = (listed.reports / TALK / page).read_text('utf-8')
-        assert '<li>zoe (Zoe Z): Nothing handed in.</li>' in text
+    page = (listed.reports / TALK / 'class.html').read_text('utf-8')
+    assert '<li>zoe (Zoe Z): Nothing handed in.</li>' in page
     numbers = class_numbers(listed, graded(listed, TALK)[0])
     assert '  missing: zoe: Nothing handed in.' in stats_text(numbers)
     assert numbers.marks.count == 1

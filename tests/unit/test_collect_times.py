@@ -1,7 +1,6 @@
 """The times of submissions and their lateness, in the table and for a late policy."""
 
 from datetime import datetime, timedelta, timezone
-import json
 import os
 from pathlib import Path
 import sqlite3
@@ -355,10 +354,6 @@ class TestDueDates:
 def test_the_table_has_the_time(tmp_path, layout, gradebook, monkeypatch, capsys):
     monkeypatch.setattr(Layout, 'here', classmethod(lambda cls: layout))
     source = laid(tmp_path / 'inbound', inbound('2026-03-01 14:05:30.000000 UTC'))
-
-    assert command.main(['collect', str(source), '--trust-names', '--json']) == OK
-    (row,) = json.loads(capsys.readouterr().out)
-    assert row['handed_in'] == '2026-03-01 14:05'
 
     assert command.main(['collect', str(source), '--trust-names']) == OK
     said = capsys.readouterr().out

@@ -36,7 +36,7 @@ def create_leftover_files(layout):
     """Create one file that a killed run leaves, and two files of other programs; return all."""
     folder = layout.reports / '01_talker'
     folder.mkdir(parents=True)
-    files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'index.html']
+    files = [folder / f'.results.json.{"0f" * 16}', folder / '.hidden', folder / 'class.html']
     for file in files:
         file.write_text('', encoding='utf-8')
     return files

@@ -63,14 +63,14 @@ def test_everything_is_removed_and_the_submission_is_moved(course, capsys):
     """A student without a submission also leaves the list of missing work in the reports."""
     laid(course.work, {'people.json': b'{}', 'feedback/1001/x.html': b''})
     write_all_reports(course, TALK, [submission('1001'), submission('1002')])
-    index = course.reports / TALK / 'index.html'
-    assert 'essay.pdf' in index.read_text('utf-8')
+    page = course.reports / TALK / 'class.html'
+    assert 'essay.pdf' in page.read_text('utf-8')
 
     assert command.main(['forget', '1001', '1004', '--yes']) == OK
     assert 'Removed.' in capsys.readouterr().out
     assert students(course) == {'1002', '1003', '1005', '1006'}
     assert [one.student for one in last_results(course, TALK)] == ['1002']
-    assert 'essay.pdf' not in index.read_text('utf-8')
+    assert 'essay.pdf' not in page.read_text('utf-8')
     (moved,) = (course.work / 'forgotten').iterdir()
     assert (moved / TALK / 'talk.ipynb').is_file()
     assert not (course.work / 'feedback' / '1001').exists()

@@ -244,7 +244,7 @@ def test_every_place_that_shows_a_result_shows_its_weak_mode(tmp_path):
     console = Console(file=io.StringIO(), width=200)
     print_table(console, '03_topics', [result], {}, ())
 
-    assert len(pages) == 4
+    assert len(pages) == 3
     assert all('the network is shared' in page for page in pages)
     assert 'WEAK ISOLATION: landlock' in ' '.join(console.file.getvalue().split())
     assert 'weak isolation (landlock)' in exam_text(result.exams[0])

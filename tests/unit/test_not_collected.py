@@ -140,14 +140,13 @@ class TestShown:
         )
         return read_not_collected(layout)
 
-    def test_pages_have_reasons_and_names(self, missing, layout):
+    def test_page_has_reasons_and_names(self, missing, layout):
         """The names are in one place, so that they can be copied into an e-mail."""
         write_all_reports(layout, TALK, [submission('cho')])
 
-        for page in ('index.html', 'class.html'):
-            text = (layout.reports / TALK / page).read_text('utf-8')
-            assert f'Not collected: {PDF} (handed in 2026-03-01 12:00 UTC).' in text
-            assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
+        text = (layout.reports / TALK / 'class.html').read_text('utf-8')
+        assert f'Not collected: {PDF} (handed in 2026-03-01 12:00 UTC).' in text
+        assert 'Nothing to grade yet from: Ann &lt;b&gt;, bob</p>' in text
 
     def test_table_has_a_row_for_each(self, missing):
         """The rows of missing students follow those with points."""

@@ -42,7 +42,7 @@ def submission(student='ann', checks=None, **more):
 
 
 def written(folder, results, summary=''):
-    """Write all pages of a class and return the path of the index."""
+    """Write all pages of a class and return the path of the page of the class."""
     return write_all_reports(Layout(folder), '01_talker', results, summary)
 
 
@@ -59,26 +59,26 @@ def links_of(path):
 class TestPages:
     def test_a_failed_check_says_all_five_things(self, tmp_path):
         """The page shows expected and observed values, cause, advice and the section to read."""
-        index = written(tmp_path, [submission()])
+        class_page = written(tmp_path, [submission()])
 
-        text = read(index.parent / page_name('ann')).text
+        text = read(class_page.parent / page_name('ann')).text
         for part in ('It warns.', 'one warning', 'none', 'a typo', 'look again', 'Part 2'):
             assert part in text
 
     def test_the_verdict_is_a_word_and_not_only_a_colour(self, tmp_path):
         """A check that was not run names the check for which it waits."""
-        index = written(tmp_path, [submission()])
+        class_page = written(tmp_path, [submission()])
 
-        text = read(index.parent / page_name('ann')).text
+        text = read(class_page.parent / page_name('ann')).text
         assert 'Passed:' in text
         assert 'Failed:' in text
         assert 'Not checked:' in text
         assert 'waits forIt warns.' in text
 
     def test_mode_timing_and_flags_stand_apart(self, tmp_path):
-        index = written(tmp_path, [submission()])
+        class_page = written(tmp_path, [submission()])
 
-        text = read(index.parent / page_name('ann')).text
+        text = read(class_page.parent / page_name('ann')).text
         about = text.partition('About the grading')[2]
         assert 'bwrap-user' in about
         assert 'run for 0.5 s' in about
@@ -97,45 +97,45 @@ class TestPages:
             exam = ExamResult('talker', (PASSED,), EVIL, EVIL, (EVIL,))
             result = SubmissionResult('ann', '01_talker', (exam,))
 
-        index = written(tmp_path, [result], EVIL)
+        class_page = written(tmp_path, [result], EVIL)
 
-        for path in index.parent.rglob('*.html'):
+        for path in class_page.parent.rglob('*.html'):
             assert not read(path)('script')
             assert '\x1b' not in path.read_text(encoding='utf-8')
 
     def test_pages_load_nothing_and_link_only_each_other(self, tmp_path):
         """The pages can therefore be sent by e-mail."""
-        index = written(tmp_path, [submission(), submission('../b c')])
+        class_page = written(tmp_path, [submission(), submission('../b c')])
 
-        links = links_of(index)
-        assert len(links) == 3
+        here, *links = links_of(class_page)
+        assert here == '#everybody'
+        assert len(set(links)) == 2
         for link in links:
-            assert (index.parent / link).is_file()
-        assert links_of(index.parent / links[1]) == []
+            assert links_of(class_page.parent / link) == []
 
     def test_a_fault_of_ours_is_no_zero(self, tmp_path):
-        """Neither the index nor the student's page shows points."""
-        index = written(tmp_path, [submission(fault='probe broke')])
+        """Neither the page of the class nor the student's page shows points."""
+        class_page = written(tmp_path, [submission(fault='probe broke')])
 
-        assert 'for review' in read(index).text
-        assert '2 of 6' not in read(index).text
-        page = read(index.parent / page_name('ann')).text
+        assert 'for review' in read(class_page).text
+        assert '2 of 6' not in read(class_page).text
+        page = read(class_page.parent / page_name('ann')).text
         assert 'no score yet' in page
         assert '2 of 6' not in page
 
     def test_a_new_report_replaces_the_old_one(self, tmp_path):
         written(tmp_path, [submission('old')])
-        index = written(tmp_path, [submission('new')])
+        class_page = written(tmp_path, [submission('new')])
 
-        assert [path.name for path in (index.parent / 'students').iterdir()] == ['new.html']
+        assert [path.name for path in (class_page.parent / 'students').iterdir()] == ['new.html']
 
     def test_names_are_with_their_ids_and_not_on_a_students_page(self, tmp_path):
         """Learning platforms may use numbers as ids."""
         save_collected(Layout(tmp_path), [Work('ann', person='Ann <b>Example')])
-        index = written(tmp_path, [submission()])
+        class_page = written(tmp_path, [submission()])
 
-        assert 'ann (Ann <b>Example)' in read(index).text
-        assert 'Example' not in read(index.parent / page_name('ann')).text
+        assert 'ann (Ann <b>Example)' in read(class_page).text
+        assert 'Example' not in read(class_page.parent / page_name('ann')).text
 
     def test_the_results_are_there_whenever_writing_ends(self, tmp_path, monkeypatch):
         """Other commands need the results, so they are saved before the pages."""
@@ -143,19 +143,19 @@ class TestPages:
         def stop(*_):
             raise KeyboardInterrupt
 
-        index = written(tmp_path, [submission('old')])
+        class_page = written(tmp_path, [submission('old')])
         monkeypatch.setattr(report, '_templates', stop)
         with pytest.raises(KeyboardInterrupt):
             written(tmp_path, [submission('new')])
 
-        data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
+        data = json.loads((class_page.parent / 'results.json').read_text(encoding='utf-8'))
         assert [one['student'] for one in data] == ['new']
 
     def test_the_results_are_kept_as_data(self, tmp_path):
         """Other programs can read the results file."""
-        index = written(tmp_path, [submission()])
+        class_page = written(tmp_path, [submission()])
 
-        data = json.loads((index.parent / 'results.json').read_text(encoding='utf-8'))
+        data = json.loads((class_page.parent / 'results.json').read_text(encoding='utf-8'))
         assert SubmissionResult.from_json(data[0]) == submission()
 
     def test_no_id_of_a_page_is_repeated(self, tmp_path):
@@ -167,32 +167,32 @@ class TestPages:
         )
         result = SubmissionResult('ann', '01_talker', (exam,))
 
-        index = written(tmp_path, [result])
+        class_page = written(tmp_path, [result])
 
-        page = (index.parent / 'students' / 'ann.html').read_text(encoding='utf-8')
+        page = (class_page.parent / 'students' / 'ann.html').read_text(encoding='utf-8')
         ids = re.findall(r'\sid="([^"]+)"', page)
         assert page.count('<svg') == 2
         assert len(ids) == len(set(ids)) == 5
 
     def test_pages_are_well_formed_for_readers(self, tmp_path):
         """Pages have a language, a title, one main heading, and tables with headers."""
-        index = written(tmp_path, [submission()])
+        class_page = written(tmp_path, [submission()])
 
-        for path in index.parent.rglob('*.html'):
+        for path in class_page.parent.rglob('*.html'):
             page = read(path)
             assert '<html lang="en">' in path.read_text(encoding='utf-8')
             assert len(page('h1')) == len(page('main')) == len(page.head('title')) == 1
-        assert read(index)('caption')
-        assert '<th scope="col">' in index.read_text(encoding='utf-8')
+        assert read(class_page)('caption')
+        assert '<th scope="col">' in class_page.read_text(encoding='utf-8')
 
     @pytest.mark.parametrize(
         'name', ['ann', 'a/b', '..', 'index', 'ü', 'a%2Fb', 'x' * 80, 'Щ' * 100]
     )
     def test_every_name_has_a_page_of_its_own_below_students(self, tmp_path, name):
         """No name leads to a path outside the folder."""
-        index = written(tmp_path, [submission(name), submission('other')])
+        class_page = written(tmp_path, [submission(name), submission('other')])
 
-        assert len(list((index.parent / 'students').iterdir())) == 2
+        assert len(list((class_page.parent / 'students').iterdir())) == 2
 
 
 class TestTable:
