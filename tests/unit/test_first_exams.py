@@ -113,7 +113,7 @@ class TestNightWatch:
             (lambda number: INFO, 'no_warning'),
             (lambda number: WARN, 'warns_otherwise'),
             (lambda number: INFO if number % 4 else WARN, 'warns_otherwise'),
-            (lambda number: WARN if number == 5 else INFO, 'warns_once'),
+            (lambda number: WARN if number == 5 else INFO, 'warns_otherwise'),
             (lambda number: WARN if number > 4 else INFO, 'warns_too_often'),
             (lambda number: WARN if number % 5 else INFO, 'inverted'),
             (lambda number: WARN if number % 5 == 4 else INFO, 'warns_one_early'),
